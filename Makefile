@@ -1,0 +1,16 @@
+# Everyday commands of a developer; users need none of them.
+PYTHON ?= python
+BUILD ?= build/dev
+
+.PHONY: core test lint docs
+core:  ## build the extension module in place
+	cmake -S . -B $(BUILD) -G Ninja -DPython_EXECUTABLE=$$($(PYTHON) -c 'import sys; print(sys.executable)') >/dev/null
+	cmake --build $(BUILD)
+	cmake --install $(BUILD) --prefix src >/dev/null
+test: core
+	PYTHONPATH=src $(PYTHON) -m pytest
+lint:
+	ruff check . && ruff format --check . && mypy
+	clang-format --dry-run --Werror $$(git ls-files 'cpp/*.cpp' 'cpp/*.hpp')
+docs:
+	PYTHONPATH=src sphinx-build -W -b html docs docs/_build/html
