@@ -3,6 +3,7 @@
 #pragma once
 
 #include "block_lu.hpp"
+#include "simd.hpp"
 
 #if defined(__clang__)
 #define VISVIVA_UNROLL _Pragma("clang loop unroll(full)")
@@ -10,45 +11,23 @@
 #define VISVIVA_UNROLL _Pragma("GCC unroll 8")
 #endif
 
-namespace visviva::VISVIVA_ISA {
+namespace visviva::VISVIVA_ISA::block_lu {
 
-#if defined(__AVX512F__)
-inline constexpr int lanes = 8;
-#elif defined(__AVX__)
-inline constexpr int lanes = 4;
-#else
-inline constexpr int lanes = 2;
-#endif
-typedef double Lanes __attribute__((vector_size(8 * lanes)));
-typedef long long LaneMask __attribute__((vector_size(8 * lanes)));
-
-inline Lanes load(const double* p) {
-    Lanes v;
-    __builtin_memcpy(&v, p, sizeof v);
-    return v;
-}
-
-inline void store(double* p, Lanes v) { __builtin_memcpy(p, &v, sizeof v); }
-
-inline LaneMask first_lanes(int count) {
+VISVIVA_INLINE VI first_lanes(int count) {
     static const long long number[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-    LaneMask lane;
+    VI lane;
     __builtin_memcpy(&lane, number, sizeof lane);
     return lane < static_cast<long long>(count);
 }
 
 // The first `count` lanes, zeros behind.
-inline Lanes head(Lanes v, int count) { return first_lanes(count) ? v : Lanes{}; }
-
-inline Lanes magnitude(Lanes v) { return v < 0.0 ? -v : v; }
-
-inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+VISVIVA_INLINE V head(V v, int count) { return first_lanes(count) ? v : V{}; }
 
 // Copies without a call: the counts are small.
 inline void copy(double* to, const double* from, int count) {
     int i = 0;
-    for (; i + lanes <= count; i += lanes) store(to + i, load(from + i));
-    if (i < count) store(to + i, first_lanes(count - i) ? load(from + i) : load(to + i));
+    for (; i + W <= count; i += W) vstore(to + i, vload(from + i));
+    if (i < count) vstore(to + i, first_lanes(count - i) ? vload(from + i) : vload(to + i));
 }
 
 // A pivot block P D = L U. N is its size, or 0 for any size up to the largest.
@@ -66,7 +45,7 @@ struct Diagonal {
     alignas(64) double inverse_u[capacity][width];  // columns of inv(U)
 
     int n() const { return N > 0 ? N : size; }
-    int padded() const { return (n() + lanes - 1) / lanes * lanes; }
+    int padded() const { return (n() + W - 1) / W * W; }
 };
 
 template <int N>
@@ -74,15 +53,15 @@ void fetch(const LuView& view, const LuPivot& pivot, double regularization, Diag
     d.size = pivot.n;
     const int n = d.n();
     const double* from = view.upper + pivot.data;
-    for (int c = 0; c < d.padded(); c += lanes) {
-        Lanes largest{};
+    for (int c = 0; c < d.padded(); c += W) {
+        V largest{};
         VISVIVA_UNROLL
         for (int i = 0; i < n; ++i) {
-            const Lanes v = head(load(from + i * (n + pivot.r) + c), n - c);
-            store(&d.u[i][c], v);
-            largest = larger(largest, magnitude(v));
+            const V v = head(vload(from + i * (n + pivot.r) + c), n - c);
+            vstore(&d.u[i][c], v);
+            largest = vmax(largest, vabs(v));
         }
-        store(d.scale + c, largest);
+        vstore(d.scale + c, largest);
     }
     VISVIVA_UNROLL
     for (int i = 0; i < n; ++i) {
@@ -95,10 +74,10 @@ void fetch(const LuView& view, const LuPivot& pivot, double regularization, Diag
 
 template <int N>
 void exchange(Diagonal<N>& d, int i, int j) {
-    for (int c = 0; c < d.padded(); c += lanes) {
-        const Lanes v = load(&d.u[i][c]);
-        store(&d.u[i][c], load(&d.u[j][c]));
-        store(&d.u[j][c], v);
+    for (int c = 0; c < d.padded(); c += W) {
+        const V v = vload(&d.u[i][c]);
+        vstore(&d.u[i][c], vload(&d.u[j][c]));
+        vstore(&d.u[j][c], v);
     }
     for (int c = 0; c < d.n(); ++c) {
         const double v = d.l[i][c];
@@ -133,8 +112,8 @@ bool decompose(Diagonal<N>& d) {
         for (int i = j + 1; i < n; ++i) {
             const double factor = d.u[i][j] * d.inverse[j];
             d.l[i][j] = factor;
-            for (int c = 0; c < d.padded(); c += lanes)
-                store(&d.u[i][c], load(&d.u[i][c]) - factor * load(&d.u[j][c]));
+            for (int c = 0; c < d.padded(); c += W)
+                vstore(&d.u[i][c], vload(&d.u[i][c]) - factor * vload(&d.u[j][c]));
         }
     }
     return true;
@@ -142,7 +121,7 @@ bool decompose(Diagonal<N>& d) {
 
 // v := inv(L) v, by rows.
 template <int N>
-inline void divide_by_l(const Diagonal<N>& d, Lanes* v) {
+inline void divide_by_l(const Diagonal<N>& d, V* v) {
     const int n = d.n();
     VISVIVA_UNROLL
     for (int i = 1; i < n; ++i) {
@@ -153,7 +132,7 @@ inline void divide_by_l(const Diagonal<N>& d, Lanes* v) {
 
 // v := v inv(U), by columns.
 template <int N>
-inline void divide_by_u(const Diagonal<N>& d, Lanes* v) {
+inline void divide_by_u(const Diagonal<N>& d, V* v) {
     const int n = d.n();
     VISVIVA_UNROLL
     for (int j = 0; j < n; ++j) {
@@ -167,20 +146,19 @@ inline void divide_by_u(const Diagonal<N>& d, Lanes* v) {
 template <int N>
 void invert(Diagonal<N>& d) {
     const int n = d.n();
-    Lanes v[Diagonal<N>::capacity];
-    for (int c = 0; c < d.padded(); c += lanes) {
+    V v[Diagonal<N>::capacity];
+    for (int c = 0; c < d.padded(); c += W) {
         VISVIVA_UNROLL
         for (int i = 0; i < n; ++i)
-            v[i] = first_lanes(d.row[i] + 1 - c) & ~first_lanes(d.row[i] - c) ? Lanes{} + 1.0 : Lanes{};
+            v[i] = first_lanes(d.row[i] + 1 - c) & ~first_lanes(d.row[i] - c) ? V{} + 1.0 : V{};
         divide_by_l(d, v);
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) store(&d.inverse_l[i][c], v[i]);
+        for (int i = 0; i < n; ++i) vstore(&d.inverse_l[i][c], v[i]);
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i)
-            v[i] = first_lanes(i + 1 - c) & ~first_lanes(i - c) ? Lanes{} + 1.0 : Lanes{};
+        for (int i = 0; i < n; ++i) v[i] = first_lanes(i + 1 - c) & ~first_lanes(i - c) ? V{} + 1.0 : V{};
         divide_by_u(d, v);
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) store(&d.inverse_u[i][c], v[i]);
+        for (int i = 0; i < n; ++i) vstore(&d.inverse_u[i][c], v[i]);
     }
 }
 
@@ -190,40 +168,46 @@ void divide_panels(const LuView& view, const LuPivot& pivot, const Diagonal<N>& 
     const int n = d.n(), width = n + pivot.r;
     const double* upper = view.upper + pivot.data + n;
     const double* lower = view.lower + pivot.data + n;
-    Lanes a[Diagonal<N>::capacity], b[Diagonal<N>::capacity];
-    for (int c = 0; c < pivot.r; c += lanes) {
+    V a[Diagonal<N>::capacity], b[Diagonal<N>::capacity];
+    for (int c = 0; c < pivot.r; c += W) {
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) a[i] = head(load(upper + d.row[i] * width + c), pivot.r - c);
+        for (int i = 0; i < n; ++i) a[i] = head(vload(upper + d.row[i] * width + c), pivot.r - c);
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) b[i] = head(load(lower + i * width + c), pivot.r - c);
+        for (int i = 0; i < n; ++i) b[i] = head(vload(lower + i * width + c), pivot.r - c);
         divide_by_l(d, a);
         divide_by_u(d, b);
-        Lanes size{};
+        V size{};
         VISVIVA_UNROLL
         for (int i = 0; i < n; ++i) {
-            store(u + i * view.line + c, a[i]);
-            store(l + i * view.line + c, b[i]);
-            size += magnitude(a[i] * b[i]);
+            vstore(u + i * view.line + c, a[i]);
+            vstore(l + i * view.line + c, b[i]);
+            size += vabs(a[i] * b[i]);
         }
         const int* rows = view.rows + pivot.rows + c;
-        for (int i = 0; i < lanes && c + i < pivot.r; ++i) view.scale[rows[i]] += size[i];
+        for (int i = 0; i < W && c + i < pivot.r; ++i) view.scale[rows[i]] += size[i];
     }
 }
 
-// to[i][0...count) -= sum over a of factor[a][i] * line[a][0...count), i < height.
+// to[i][c] -= sum over a of factor[a][i] * line[a][c], i < height, c < count.
+//
+// A store runs over the end of a short line into the next one, with the values that were there. The next line is
+// loaded before that: correct, and it need not wait for the store.
 template <int N>
 inline void subtract_product(double* to, int width, int height, int n_runtime, const double* factor,
                              const double* line, std::ptrdiff_t stride, int count) {
     const int n = N > 0 ? N : n_runtime;
-    Lanes v[Diagonal<N>::capacity];
-    for (int c = 0; c < count; c += lanes) {
+    V v[Diagonal<N>::capacity];
+    for (int c = 0; c < count; c += W) {
         VISVIVA_UNROLL
-        for (int a = 0; a < n; ++a) v[a] = head(load(line + a * stride + c), count - c);
-        for (int i = 0; i < height; ++i) {
-            Lanes sum = load(to + i * width + c);
+        for (int a = 0; a < n; ++a) v[a] = head(vload(line + a * stride + c), count - c);
+        double* at = to + c;
+        V next = vload(at);
+        for (int i = 0; i < height; ++i, at += width) {
+            V sum = next;
+            next = vload(i + 1 < height ? at + width : at);
             VISVIVA_UNROLL
             for (int a = 0; a < n; ++a) sum -= factor[a * stride + i] * v[a];
-            store(to + i * width + c, sum);  // the lanes behind `count` keep their values
+            vstore(at, sum);
         }
     }
 }
@@ -275,19 +259,19 @@ bool eliminate(const LuView& view, const LuPivot& pivot, double regularization) 
 // acc += matrix * s, the matrix by columns of n numbers, s[at[j]] or s[j] its factors.
 template <int N>
 struct Column {
-    static constexpr int n_parts = (Diagonal<N>::capacity + lanes - 1) / lanes;
-    Lanes part[n_parts];
+    static constexpr int n_parts = (Diagonal<N>::capacity + W - 1) / W;
+    V part[n_parts];
 
     void add(const double* column, double factor, int parts) {
         VISVIVA_UNROLL
-        for (int c = 0; c < parts; ++c) part[c] += factor * load(column + c * lanes);
+        for (int c = 0; c < parts; ++c) part[c] += factor * vload(column + c * W);
     }
 };
 
 // x := matrix * x, n x n by columns; the vector may not overlap others.
 template <int N>
 inline void multiply(const double* matrix, double* x, int n_runtime) {
-    const int n = N > 0 ? N : n_runtime, parts = (n + lanes - 1) / lanes;
+    const int n = N > 0 ? N : n_runtime, parts = (n + W - 1) / W;
     Column<N> even{}, odd{};
     int j = 0;
     VISVIVA_UNROLL
@@ -297,7 +281,7 @@ inline void multiply(const double* matrix, double* x, int n_runtime) {
     }
     if (j < n) even.add(matrix + j * n, x[j], parts);
     VISVIVA_UNROLL
-    for (int c = 0; c < parts; ++c) store(x + c * lanes, even.part[c] + odd.part[c]);
+    for (int c = 0; c < parts; ++c) vstore(x + c * W, even.part[c] + odd.part[c]);
 }
 
 template <int N>
@@ -310,19 +294,19 @@ void forward(const LuView& view, const LuPivot& pivot, double* x) {
     multiply<N>(matrix, y, n);
     for (int i = 0; i < n; ++i) x[pivot.x + i] = y[i];
     matrix += n * n;
-    for (int c = 0; c < pivot.r; c += lanes) {
-        Lanes sum{};
+    for (int c = 0; c < pivot.r; c += W) {
+        V sum{};
         VISVIVA_UNROLL
-        for (int j = 0; j < n; ++j) sum += y[j] * load(matrix + j * pivot.r + c);
-        double part[lanes];
-        store(part, sum);
-        for (int i = 0; i < lanes && c + i < pivot.r; ++i) x[rows[c + i]] -= part[i];
+        for (int j = 0; j < n; ++j) sum += y[j] * vload(matrix + j * pivot.r + c);
+        double part[W];
+        vstore(part, sum);
+        for (int i = 0; i < W && c + i < pivot.r; ++i) x[rows[c + i]] -= part[i];
     }
 }
 
 template <int N>
 void backward(const LuView& view, const LuPivot& pivot, double* x) {
-    const int n = N > 0 ? N : pivot.n, parts = (n + lanes - 1) / lanes, r = pivot.r;
+    const int n = N > 0 ? N : pivot.n, parts = (n + W - 1) / W, r = pivot.r;
     const double* matrix = view.lower + pivot.data;
     const int* rows = view.rows + pivot.rows;
     Column<N> even{}, odd{};
@@ -333,7 +317,7 @@ void backward(const LuView& view, const LuPivot& pivot, double* x) {
     }
     if (q < r) even.add(matrix + q * n, x[rows[q]], parts);
     alignas(64) double y[Diagonal<N>::width];
-    for (int c = 0; c < parts; ++c) store(y + c * lanes, even.part[c] + odd.part[c]);
+    for (int c = 0; c < parts; ++c) vstore(y + c * W, even.part[c] + odd.part[c]);
     for (int i = 0; i < n; ++i) y[i] = x[pivot.x + i] - y[i];
     multiply<N>(matrix + r * n, y, n);
     for (int i = 0; i < n; ++i) x[pivot.x + i] = y[i];
@@ -374,18 +358,22 @@ inline void backward_any(const LuView& view, const LuPivot& pivot, double* x) {
     VISVIVA_BY_SIZE(backward, pivot.n, view, pivot, x)
 }
 
+}  // namespace visviva::VISVIVA_ISA::block_lu
+
+namespace visviva::VISVIVA_ISA {
+
 /// Factorises in place; returns -1, or the caller's number of the block that is singular.
 inline int lu_factor(const LuView& view, double regularization) {
     for (int i = 0; i < view.n; ++i) view.scale[i] = 0.0;
     for (int k = 0; k < view.n_pivots; ++k)
-        if (!eliminate_any(view, view.pivots[k], regularization)) return view.pivots[k].block;
+        if (!block_lu::eliminate_any(view, view.pivots[k], regularization)) return view.pivots[k].block;
     return -1;
 }
 
 /// Replaces the right-hand side x by the solution.
 inline void lu_solve(const LuView& view, double* x) {
-    for (int k = 0; k < view.n_pivots; ++k) forward_any(view, view.pivots[k], x);
-    for (int k = view.n_pivots - 1; k >= 0; --k) backward_any(view, view.pivots[k], x);
+    for (int k = 0; k < view.n_pivots; ++k) block_lu::forward_any(view, view.pivots[k], x);
+    for (int k = view.n_pivots - 1; k >= 0; --k) block_lu::backward_any(view, view.pivots[k], x);
 }
 
 #undef VISVIVA_BY_SIZE
