@@ -1,0 +1,157 @@
+"""The directory of one run and the names of the files in it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from visviva.errors import InputError
+from visviva.output.files import replacing, reporting
+
+
+@dataclass(frozen=True)
+class RunDirectory:
+    """The files of one run; make one with `create` for a new run or `open` for an existing one.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> run = RunDirectory.create(tempfile.mkdtemp() + "/crane")
+    >>> run.write_summary({"steps": 200, "closing_error": 1.5e-14})
+    >>> RunDirectory.open(run.path).read_summary()["steps"]
+    200
+    """
+
+    path: Path
+
+    @property
+    def trajectory(self) -> Path:
+        """Shapes of all components over time, for ParaView."""
+        return self.path / "trajectory.vtkhdf"
+
+    @property
+    def ledger(self) -> Path:
+        """Energies, momenta and defects per step."""
+        return self.path / "ledger.csv"
+
+    @property
+    def probes(self) -> Path:
+        """Time series which the model defines."""
+        return self.path / "probes.csv"
+
+    @property
+    def summary(self) -> Path:
+        """Figures of the whole run."""
+        return self.path / "summary.json"
+
+    @property
+    def state(self) -> Path:
+        """Last state, from which the run resumes."""
+        return self.path / "state.h5"
+
+    @property
+    def energy_plot(self) -> Path:
+        """Plot of the ledger."""
+        return self.path / "energy.png"
+
+    @property
+    def picture(self) -> Path:
+        """Picture of the system."""
+        return self.path / "picture.png"
+
+    @property
+    def movie(self) -> Path:
+        """Movie of the motion."""
+        return self.path / "movie.mp4"
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All files that a run may write."""
+        series = (self.trajectory, self.ledger, self.probes, self.summary, self.state)
+        return (*series, self.energy_plot, self.picture, self.movie)
+
+    @classmethod
+    def create(cls, path: str | Path, overwrite: bool = False) -> Self:
+        """Make the directory of a new run.
+
+        Parameters
+        ----------
+        path
+            Directory; made with its parents if missing.
+        overwrite
+            Delete the files of an earlier run in it (and nothing else).
+
+        Raises
+        ------
+        InputError
+            If the directory cannot be written, or holds a run and `overwrite` is false.
+        """
+        run = cls(Path(path))
+        _prepare(run.path)
+        earlier = [file for file in run.files if file.exists()]
+        if earlier and not overwrite:
+            held = f"{run.path}: already holds a run ({earlier[0].name})"
+            raise InputError(f"{held}; resume it, overwrite it, or choose another directory")
+        for file in earlier:
+            file.unlink()
+        return run
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """Find an existing run, to resume, plot or show it.
+
+        Raises
+        ------
+        InputError
+            If there is no run in the directory.
+        """
+        run = cls(Path(path))
+        if not any(file.exists() for file in run.files):
+            raise InputError(f"{run.path}: holds no run (no {run.trajectory.name}, no {run.state.name})")
+        return run
+
+    def write_summary(self, summary: Mapping[str, Any]) -> None:
+        """Write the figures of the run as JSON; numbers and arrays of numpy are welcome.
+
+        Not-a-number and infinity become null, since JSON has neither.
+        """
+        text = json.dumps(_plain(summary), indent=2, allow_nan=False)
+        with reporting(self.summary), replacing(self.summary) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
+
+    def read_summary(self) -> dict[str, Any]:
+        """Read the figures of the run."""
+        try:
+            summary: dict[str, Any] = json.loads(self.summary.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"{self.summary}: cannot be read ({error})") from error
+        return summary
+
+
+def _prepare(path: Path) -> None:
+    """Make the directory and prove by writing that it can be written; modes alone do not tell."""
+    proof = path / f".writable-{os.getpid()}"
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        proof.touch()
+        proof.unlink()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another directory") from error
+
+
+def _plain(value: Any) -> Any:
+    """Reduce numpy values, paths and containers to what JSON knows."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if isinstance(value, str | int | None) else str(value)

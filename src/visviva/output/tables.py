@@ -1,0 +1,174 @@
+"""Time series as CSV: the ledger and the probes."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError
+from visviva.output.files import replacing, reporting, write_at
+
+
+class Table:
+    """Rows of numbers written to a CSV file one by one, in full precision.
+
+    Every row reaches the file as one whole, so a process killed at any moment leaves complete rows
+    and at most one torn last line, which `read_table` and `reopen` drop.
+
+    Parameters
+    ----------
+    path
+        File to create; an existing one is replaced.
+    columns
+        Names of the columns; the first is ``time``.
+
+    Attributes
+    ----------
+    path : Path
+    columns : tuple of str
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "probes.csv"
+    >>> with Table(path, ["time", "angle"]) as table:
+    ...     table.append([0.0, 0.1])
+    ...     table.append([0.5, 1 / 3])
+    >>> read_table(path)["angle"].tolist()
+    [0.1, 0.3333333333333333]
+    """
+
+    path: Path
+    columns: tuple[str, ...]
+    _descriptor: int
+    _end: int
+    _last_time: float | None
+
+    def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
+        self.path = Path(path)
+        self.columns = tuple(columns)
+        _check_columns(self.columns)
+        with reporting(self.path), replacing(self.path) as temporary:
+            temporary.write_text(_header(self.columns), encoding="utf-8")
+        self._open(rows_end=len(_header(self.columns).encode()), last_time=None)
+
+    @classmethod
+    def reopen(cls, path: str | Path, columns: Sequence[str], keep_until: float) -> Self:
+        """Continue an existing table after dropping the rows with a time above `keep_until`.
+
+        Raises
+        ------
+        InputError
+            If the file is no table or holds other columns.
+        """
+        table = cls.__new__(cls)
+        table.path, table.columns = Path(path), tuple(columns)
+        text = _complete_lines(table.path)
+        if not text.startswith(_header(table.columns).encode()):
+            raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
+        lines = text.splitlines(keepends=True)
+        times = [float(line.split(b",", 1)[0]) for line in lines[1:]]
+        kept = [time for time in times if time <= keep_until]
+        rows_end = sum(map(len, lines[: len(kept) + 1]))
+        with reporting(table.path):
+            os.truncate(table.path, rows_end)
+        table._open(rows_end, kept[-1] if kept else None)
+        return table
+
+    def append(self, row: Sequence[float] | NDArray[np.float64]) -> None:
+        """Write one row, values in the order of the columns.
+
+        Raises
+        ------
+        InputError
+            If the number of values differs from the number of columns.
+        RunError
+            If the file cannot be written; the rows before stay intact.
+        """
+        values = [float(value) for value in row]
+        if len(values) != len(self.columns):
+            raise InputError(f"{self.path}: a row of {len(values)} values for {len(self.columns)} columns")
+        line = (",".join(map(repr, values)) + "\n").encode()
+        with reporting(self.path, self._last_time):
+            try:
+                write_at(self._descriptor, line, self._end)
+            except OSError:
+                os.ftruncate(self._descriptor, self._end)
+                raise
+        self._end += len(line)
+        self._last_time = values[0]
+
+    def close(self) -> None:
+        """Close the file; closing twice is harmless."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _open(self, rows_end: int, last_time: float | None) -> None:
+        self._end, self._last_time = rows_end, last_time
+        with reporting(self.path):
+            self._descriptor = os.open(self.path, os.O_WRONLY)
+
+
+def read_table(path: str | Path) -> dict[str, NDArray[np.float64]]:
+    """Read a table written by `Table`: one array per column, a torn last line left out.
+
+    Returns
+    -------
+    dict of str to (n,) array
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is no such table.
+    """
+    text = _complete_lines(Path(path))
+    names = text.split(b"\n", 1)[0].decode().split(",")
+    try:
+        rows = (
+            np.loadtxt(io.BytesIO(text), delimiter=",", skiprows=1, ndmin=2)
+            if text.count(b"\n") > 1
+            else None
+        )
+    except ValueError as error:
+        raise InputError(f"{path}: not a table of numbers ({error})") from error
+    values = np.empty((0, len(names))) if rows is None else rows
+    if values.shape[1] != len(names):
+        raise InputError(f"{path}: {values.shape[1]} values per row under {len(names)} column names")
+    return {name: values[:, column].copy() for column, name in enumerate(names)}
+
+
+def _complete_lines(path: Path) -> bytes:
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    return text[: text.rfind(b"\n") + 1]
+
+
+def _header(columns: Sequence[str]) -> str:
+    return ",".join(columns) + "\n"
+
+
+def _check_columns(columns: Sequence[str]) -> None:
+    if not columns or columns[0] != "time":
+        raise InputError(f"the first column of a table is 'time', not {columns[:1]}")
+    if len(set(columns)) < len(columns):
+        raise InputError(f"column names occur twice: {sorted({c for c in columns if columns.count(c) > 1})}")
+    for name in columns:
+        if not name or any(mark in name for mark in ',"\n\r'):
+            raise InputError(
+                f"column name {name!r}: must not be empty or contain commas, quotes or line breaks"
+            )
