@@ -212,6 +212,17 @@ def test_a_textured_file_is_closed_by_position(tmp_path: Path) -> None:
     assert len(mesh.surface()[0]) == 8
 
 
+def test_triangles_that_collapse_in_a_file_do_no_harm(tmp_path: Path) -> None:
+    points, triangles = BOX.surface()
+    collapsed = np.array([[0, 0, 1], [2, 5, 5], [3, 4, 3]])
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in points)
+    faces = "".join(f"f {a} {b} {c}\n" for a, b, c in np.vstack([triangles, collapsed]) + 1)
+    (tmp_path / "box.obj").write_text(corners + faces)
+    mesh = SurfaceMesh(file=tmp_path / "box.obj")
+    assert mesh.volume == pytest.approx(7.0, rel=1e-14)
+    assert len(mesh.surface()[1]) == len(triangles)
+
+
 def test_a_cavity_is_subtracted() -> None:
     outer, inner = Box((2, 2, 2)).surface(), Box((1, 1, 1)).surface()
     points = np.vstack([outer[0], inner[0]])

@@ -36,14 +36,14 @@ def euler_tensor(inertia: ArrayLike) -> Array:
     [3.0, 2.0, 1.0]
     """
     J = _array(inertia, (3, 3), "inertia")
-    E: Array = 0.5 * np.trace(J) * np.eye(3) - J
+    E: Array = np.diag(0.5 * (_sum_of_others(J) - J.diagonal())) - _off_diagonal(J)
     return E
 
 
 def inertia_tensor(euler: ArrayLike) -> Array:
     """Inertia tensor ``J = tr(E) I - E`` of an Euler tensor (3, 3); the inverse of `euler_tensor`."""
     E = _array(euler, (3, 3), "Euler tensor")
-    J: Array = np.trace(E) * np.eye(3) - E
+    J: Array = np.diag(_sum_of_others(E)) - _off_diagonal(E)
     return J
 
 
@@ -218,6 +218,16 @@ def _array(value: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     if not np.isfinite(array).all():
         raise InputError(f"{name} is not finite: {array.tolist()}")
     return array
+
+
+def _sum_of_others(tensor: Array) -> Array:
+    """Diagonal entries j + k for each i; the trace less entry i would lose the digits of thin bodies."""
+    diagonal = tensor.diagonal()
+    return np.roll(diagonal, 1) + np.roll(diagonal, 2)
+
+
+def _off_diagonal(tensor: Array) -> Array:
+    return tensor - np.diag(tensor.diagonal())
 
 
 def _symmetric(inertia: ArrayLike) -> Array:

@@ -304,3 +304,6 @@ class SurfaceMesh(Shape):
     def surface(self, resolution: int = 32) -> Surface:
         points, triangles = self._closed
         return points.copy(), triangles.copy()
+
+
+AnyShape = Box | Sphere | Cylinder | Cone | Capsule | SurfaceMesh
