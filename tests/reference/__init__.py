@@ -1,0 +1,2 @@
+"""Independent reference solutions for the multibody tests: numpy, scipy and mpmath only, never visviva
+itself."""
