@@ -163,7 +163,8 @@ def test_chain() -> None:
 
 
 # Errors of ADAMS' own integration: four cases are off by 8e-4 although Spherical_Case02, the same
-# motion, is not; in Distance_Case02 the angular velocity (9.6 rad/s) is off by 1.6e-4, our two tolerances differ by 5e-7.
+# motion, is not; in Distance_Case02 the angular velocity (9.6 rad/s) is off by 1.6e-4, our
+# two tolerances differ by 5e-7.
 ROUGH = dict.fromkeys(("Spherical_Case01", "Universal_Case01", "Universal_Case02", "Universal_Case03"), 1e-3)
 ROUGH["Distance_Case02"] = 5e-5
 
