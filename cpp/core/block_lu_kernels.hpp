@@ -23,11 +23,12 @@ VISVIVA_INLINE VI first_lanes(int count) {
 // The first `count` lanes, zeros behind.
 VISVIVA_INLINE V head(V v, int count) { return first_lanes(count) ? v : V{}; }
 
-// Copies without a call: the counts are small.
-inline void copy(double* to, const double* from, int count) {
-    int i = 0;
-    for (; i + W <= count; i += W) vstore(to + i, vload(from + i));
-    if (i < count) vstore(to + i, first_lanes(count - i) ? vload(from + i) : vload(to + i));
+// Copies lines one behind the other. May run over the end by less than W numbers.
+VISVIVA_INLINE double* copy_lines(double* to, const double* from, std::ptrdiff_t stride, int lines,
+                                  int count) {
+    for (int j = 0; j < lines; ++j, to += count)
+        for (int i = 0; i < count; i += W) vstore(to + i, vload(from + j * stride + i));
+    return to;
 }
 
 // A pivot block P D = L U. N is its size, or 0 for any size up to the largest.
@@ -41,7 +42,7 @@ struct Diagonal {
     double l[capacity][capacity];
     alignas(64) double u[capacity][width];
     alignas(64) double scale[width];
-    alignas(64) double inverse_l[capacity][width];  // rows of inv(L) P
+    alignas(64) double inverse_l[capacity][width];  // columns of inv(L) P
     alignas(64) double inverse_u[capacity][width];  // columns of inv(U)
 
     int n() const { return N > 0 ? N : size; }
@@ -142,20 +143,34 @@ inline void divide_by_u(const Diagonal<N>& d, V* v) {
     }
 }
 
+// v := v inv(L), by columns.
+template <int N>
+VISVIVA_INLINE void divide_by_l_right(const Diagonal<N>& d, V* v) {
+    const int n = d.n();
+    VISVIVA_UNROLL
+    for (int j = n - 2; j >= 0; --j) {
+        VISVIVA_UNROLL
+        for (int a = j + 1; a < n; ++a) v[j] -= d.l[a][j] * v[a];
+    }
+}
+
+// Lanes c... of the columns of the identity.
+VISVIVA_INLINE void identity(V* v, int n, int c) {
+    VISVIVA_UNROLL
+    for (int i = 0; i < n; ++i) v[i] = first_lanes(i + 1 - c) & ~first_lanes(i - c) ? V{} + 1.0 : V{};
+}
+
 // The triangular inverses make the sweeps of a solution products without a chain of divisions.
 template <int N>
 void invert(Diagonal<N>& d) {
     const int n = d.n();
     V v[Diagonal<N>::capacity];
     for (int c = 0; c < d.padded(); c += W) {
+        identity(v, n, c);
+        divide_by_l_right(d, v);
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i)
-            v[i] = first_lanes(d.row[i] + 1 - c) & ~first_lanes(d.row[i] - c) ? V{} + 1.0 : V{};
-        divide_by_l(d, v);
-        VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) vstore(&d.inverse_l[i][c], v[i]);
-        VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) v[i] = first_lanes(i + 1 - c) & ~first_lanes(i - c) ? V{} + 1.0 : V{};
+        for (int i = 0; i < n; ++i) vstore(&d.inverse_l[d.row[i]][c], v[i]);
+        identity(v, n, c);
         divide_by_u(d, v);
         VISVIVA_UNROLL
         for (int i = 0; i < n; ++i) vstore(&d.inverse_u[i][c], v[i]);
@@ -190,8 +205,8 @@ void divide_panels(const LuView& view, const LuPivot& pivot, const Diagonal<N>& 
 
 // to[i][c] -= sum over a of factor[a][i] * line[a][c], i < height, c < count.
 //
-// A store runs over the end of a short line into the next one, with the values that were there. The next line is
-// loaded before that: correct, and it need not wait for the store.
+// A store runs over the end of a short line into the next one, with the values that were there. The next line
+// is loaded before that: correct, and it need not wait for the store.
 template <int N>
 inline void subtract_product(double* to, int width, int height, int n_runtime, const double* factor,
                              const double* line, std::ptrdiff_t stride, int count) {
@@ -228,18 +243,23 @@ void update_targets(const LuView& view, const LuPivot& pivot, const double* u, c
     }
 }
 
-// Leaves in the slabs what `LuPivot` describes.
+// Leaves in the slabs what `LuPivot` describes; the numbers behind the slabs are restored.
 template <int N>
 void keep(const LuView& view, const LuPivot& pivot, const Diagonal<N>& d, const double* u, const double* l) {
     const int n = d.n();
     double* first = view.upper + pivot.data;
     double* second = view.lower + pivot.data;
-    for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) *first++ = d.inverse_l[i][j];
-    for (int j = 0; j < n; ++j, first += pivot.r) copy(first, l + j * view.line, pivot.r);
-    for (int q = 0; q < pivot.r; ++q)
+    const std::ptrdiff_t size = n * (n + pivot.r);
+    const V behind_first = vload(first + size), behind_second = vload(second + size);
+    first = copy_lines(first, d.inverse_l[0], d.width, n, n);
+    first = copy_lines(first, l, view.line, n, pivot.r);
+    for (int q = 0; q < pivot.r; ++q) {
+        VISVIVA_UNROLL
         for (int i = 0; i < n; ++i) *second++ = u[i * view.line + q];
-    for (int j = 0; j < n; ++j, second += n) copy(second, d.inverse_u[j], n);
+    }
+    second = copy_lines(second, d.inverse_u[0], d.width, n, n);
+    vstore(first, behind_first);
+    vstore(second, behind_second);
 }
 
 template <int N>

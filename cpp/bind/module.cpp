@@ -1,0 +1,248 @@
+// The Python binding. Arrays cross as contiguous float64; everything a user sees is defined in Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "core/dispatch.hpp"
+#include "core/system.hpp"
+
+namespace nb = nanobind;
+using namespace visviva;
+
+using Array = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
+using View = nb::ndarray<nb::numpy, double>;
+
+template <class T>
+static std::vector<T> vector_of(const nb::ndarray<const T, nb::c_contig, nb::device::cpu>& a) {
+    return {a.data(), a.data() + a.size()};
+}
+static std::vector<char> flags_of(const Ints& a) { return {a.data(), a.data() + a.size()}; }
+
+static View view(double* data, std::size_t rows, std::size_t cols, nb::handle owner) {
+    const std::size_t shape[2] = {rows, cols};
+    return View(data, 2, shape, owner);
+}
+static View view(double* data, std::size_t n, nb::handle owner) { return View(data, 1, &n, owner); }
+static View own(const double* data, std::size_t rows, std::size_t cols) {
+    return view(const_cast<double*>(data), rows, cols, nb::none());
+}
+
+static StrainShape shape_of(int n_x, int n_y, int n_e, int n_m, int law, const Ints& forms, const Ints& quad,
+                            const Doubles& quad_coef, const Ints& lin, const Doubles& lin_coef) {
+    StrainShape s;
+    s.n_x = n_x, s.n_y = n_y, s.n_e = n_e, s.n_m = n_m, s.law = static_cast<LawKind>(law);
+    for (std::size_t k = 0; k < forms.size() / 2; ++k) {
+        s.form_row.push_back(forms.data()[2 * k]);
+        s.form_col.push_back(forms.data()[2 * k + 1]);
+    }
+    for (std::size_t k = 0; k < quad.size() / 3; ++k) {
+        s.quad_e.push_back(quad.data()[3 * k]);
+        s.quad_a.push_back(quad.data()[3 * k + 1]);
+        s.quad_b.push_back(quad.data()[3 * k + 2]);
+    }
+    for (std::size_t k = 0; k < lin.size() / 2; ++k) {
+        s.lin_e.push_back(lin.data()[2 * k]);
+        s.lin_a.push_back(lin.data()[2 * k + 1]);
+    }
+    s.quad_coef = vector_of<double>(quad_coef);
+    s.lin_coef = vector_of<double>(lin_coef);
+    return s;
+}
+
+static void tables(Step& s, const Doubles& motion, const Doubles& transport) {
+    std::copy(motion.data(), motion.data() + 20, &s.motion[0][0]);
+    std::copy(transport.data(), transport.data() + 20, &s.transport[0][0]);
+}
+
+// Signals live in one array of four rows: values at t0, te, t1 and the rate at t1.
+static Signals signals_of(const Doubles& a) {
+    const std::size_t n = a.shape(1);
+    return {a.data(), a.data() + n, a.data() + 2 * n, a.data() + 3 * n};
+}
+
+static nb::tuple arrays_of(const LawArguments& a) {
+    const auto e = static_cast<std::size_t>(a.n_e), m = static_cast<std::size_t>(a.n_m),
+               n = static_cast<std::size_t>(a.stride);
+    return nb::make_tuple(own(a.e0, e, n), own(a.e_eval, e, n), own(a.e1, e, n), own(a.e_rate, e, n),
+                          own(a.lambda, m, n), own(a.S, e, n), own(a.D, e * e, n), own(a.R, e * e, n),
+                          own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n));
+}
+
+static LawCallback law_callback(nb::object f) {
+    return [f](const LawArguments& a) {
+        nb::gil_scoped_acquire gil;
+        f(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
+    };
+}
+
+static CallbackTerm::Function term_callback(nb::object f, std::size_t n, std::size_t nl) {
+    if (f.is_none()) return {};
+    return [f, n, nl](const TermArguments& a) {
+        nb::gil_scoped_acquire gil;
+        const std::size_t shape[3] = {n, nl, nl};
+        f(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
+          own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
+          view(a.energy, n, nb::none()), view(a.work, n, nb::none()));
+    };
+}
+
+static void bind_terms(nb::module_& m) {
+    nb::class_<Term>(m, "Term")
+        .def_rw("name", &Term::name)
+        .def("book", [](Term& t, const Ints& account, const Ints& component) {
+            t.account = vector_of<int>(account);
+            t.component = vector_of<int>(component);
+        });
+    nb::class_<StrainTerm, Term>(m, "StrainTerm")
+        .def("__init__",
+             [](StrainTerm* t, const std::vector<int>& counts, const Ints& forms, const Ints& quad,
+                const Doubles& quad_coef, const Ints& lin, const Doubles& lin_coef, const Ints& index,
+                const Doubles& weight, const Doubles& y_const, const Doubles& e_const, const Doubles& par,
+                const Ints& signal) {
+                 new (t) StrainTerm(shape_of(counts[0], counts[1], counts[2], counts[3], counts[4], forms, quad,
+                                             quad_coef, lin, lin_coef),
+                                    static_cast<int>(index.shape(1)), index.data(), weight.data(),
+                                    y_const.data(), e_const.data(), par.data(),
+                                    static_cast<int>(par.shape(0)), signal.data());
+             })
+        .def("set_callback", [](StrainTerm& t, nb::object f) { t.set_callback(law_callback(f)); });
+    nb::class_<InertiaTerm, Term>(m, "InertiaTerm")
+        .def("__init__", [](InertiaTerm* t, int order, int n_nodes, int dim, const Ints& pair, const Doubles& mass,
+                            const Ints& index, const Ints& is_position) {
+            new (t) InertiaTerm(order, n_nodes, dim, static_cast<int>(index.shape(1)), vector_of<int>(pair),
+                                mass.data(), index.data(), flags_of(is_position));
+        });
+    nb::class_<CallbackTerm, Term>(m, "CallbackTerm")
+        .def("__init__", [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
+                            nb::object ledger, nb::object accept) {
+            const auto n = index.shape(0), nl = index.shape(1);
+            new (t) CallbackTerm(static_cast<int>(n), static_cast<int>(nl), index.data(),
+                                 term_callback(residual, n, nl), term_callback(tangent, n, nl),
+                                 term_callback(ledger, n, nl), term_callback(accept, n, nl));
+        });
+}
+
+static void bind_step(nb::module_& m) {
+    nb::class_<Step>(m, "Step")
+        .def("__init__",
+             [](Step* s, double t0, double h, double te, double theta, double theta_g, bool discrete_gradient,
+                const Doubles& motion, const Doubles& transport) {
+                 new (s) Step();
+                 s->t0 = t0, s->h = h, s->t1 = t0 + h, s->te = te, s->theta = theta, s->theta_g = theta_g;
+                 s->stress = discrete_gradient ? Stress::discrete_gradient : Stress::at_theta;
+                 tables(*s, motion, transport);
+             })
+        .def_ro("t0", &Step::t0)
+        .def_ro("t1", &Step::t1)
+        .def_ro("te", &Step::te)
+        .def_ro("h", &Step::h)
+        .def_ro("theta", &Step::theta)
+        .def_ro("theta_g", &Step::theta_g)
+        .def_prop_ro("discrete_gradient", [](const Step& s) { return s.stress == Stress::discrete_gradient; })
+        .def_prop_ro("rate_factor", [](const Step& s) { return s.motion[0][0]; })
+        .def_prop_ro("second_rate_factor", [](const Step& s) { return s.motion[1][0]; })
+        .def_prop_ro("transport_factor", [](const Step& s) { return s.transport[0][0]; });
+    nb::class_<Report>(m, "Report")
+        .def_ro("converged", &Report::converged)
+        .def_ro("iterations", &Report::iterations)
+        .def_ro("factorizations", &Report::factorizations)
+        .def_ro("increments", &Report::increments)
+        .def_ro("worst_unknown", &Report::worst_unknown)
+        .def_ro("reason", &Report::reason);
+}
+
+static Blocks blocks_of(const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
+    Blocks b;
+    b.block = vector_of<int>(block);
+    b.stage = vector_of<int>(stage);
+    b.multiplier = flags_of(multiplier);
+    for (std::size_t k = 0; k < rigid.size() / 18; ++k) {
+        RigidUnknowns r;
+        std::copy(rigid.data() + 18 * k, rigid.data() + 18 * k + 12, r.q);
+        std::copy(rigid.data() + 18 * k + 12, rigid.data() + 18 * k + 18, r.multiplier);
+        b.rigid.push_back(r);
+    }
+    return b;
+}
+
+#define VISVIVA_STATE(name) \
+    .def_prop_ro(#name, [](nb::handle self) { \
+        auto& s = nb::cast<System&>(self); \
+        return view(s.name.data(), static_cast<std::size_t>(s.n()), self); \
+    })
+#define VISVIVA_SUM(name) \
+    .def_prop_ro(#name, [](nb::handle self) { \
+        auto& s = nb::cast<System&>(self); \
+        return view(s.sums.name.data(), s.sums.name.size(), self); \
+    })
+
+static void bind_system(nb::module_& m) {
+    nb::class_<System>(m, "System")
+        .def("__init__", [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
+            new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale));
+        })
+        .def("add", &System::add)
+        .def("set_accounts", &System::set_accounts)
+        .def("set_blocks", [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier,
+                              const Ints& rigid) { s.set_blocks(blocks_of(block, stage, multiplier, rigid)); })
+        .def("finalize", &System::finalize)
+        .def("use_solver", [](System& s, bool null_space, double regularization) {
+            auto solver = null_space ? make_null_space() : make_sparse_lu();
+            solver->regularization = regularization;
+            s.set_solver(std::move(solver));
+        })
+        .def_prop_ro("solver", [](const System& s) { return std::string(s.solver() ? s.solver()->name() : ""); })
+        .def("solve",
+             [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
+                double keep_factor) {
+                 nb::gil_scoped_release release;
+                 return s.solve(step, signals_of(signals), {tolerance, max_iterations, keep_factor});
+             })
+        .def("accept",
+             [](System& s, const Step& step, const Doubles& signals, bool ledger) {
+                 nb::gil_scoped_release release;
+                 s.accept(step, signals_of(signals), ledger);
+             })
+        .def("discard", &System::discard)
+        .def("set_signal_count", &System::set_signal_count)
+        .def("memory",
+             [](const System& s) {
+                 auto* m = new std::vector<double>(s.memory());
+                 nb::capsule owner(m, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+                 return nb::ndarray<nb::numpy, double, nb::ndim<1>>(m->data(), {m->size()}, owner);
+             })
+        .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
+        .def("touch", &System::touch)
+        .def("take_stock",
+             [](System& s, const Step& step, const Doubles& signals) {
+                 nb::gil_scoped_release release;
+                 s.take_stock(step, signals_of(signals));
+             })
+        .def("assemble",
+             [](System& s, const Step& step, const Doubles& signals, Array residual, nb::object values) {
+                 double* k = values.is_none() ? nullptr : nb::cast<Array>(values).data();
+                 nb::gil_scoped_release release;
+                 s.assemble(step, signals_of(signals), residual.data(), k);
+             }, nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
+        .def_prop_ro("csr",
+                     [](const System& s) {
+                         const Csr& c = s.csr();
+                         std::vector<long> row(c.row.begin(), c.row.end());
+                         return nb::make_tuple(row, c.col, c.unknown);
+                     }) VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
+            VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect);
+}
+
+NB_MODULE(_core, m) {
+    m.doc() = "Compiled core of visviva; use the package, not this module.";
+    bind_terms(m);
+    bind_step(m);
+    bind_system(m);
+    m.def("instruction_set", [] { return std::string(kernels().name); });
+}

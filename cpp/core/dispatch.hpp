@@ -1,0 +1,27 @@
+// The kernels of the best instruction set of this processor, chosen once at load time.
+// VISVIVA_ISA=base|v3|v4 in the environment forces one.
+#pragma once
+#include "block_lu.hpp"
+#include "inertia.hpp"
+#include "strain.hpp"
+
+namespace visviva {
+
+struct Kernels {
+    const char* name;
+    int width;
+    void (*strain_begin)(const StrainView&, const double* x);
+    void (*strain_strains)(const StrainView&, const Step&, const Vectors&);
+    void (*strain_residual)(const StrainView&, const Step&, const Vectors&, const Signals&, double* r);
+    void (*strain_tangent)(const StrainView&, const Step&, const Vectors&, const Signals&, double* values);
+    void (*strain_ledger)(const StrainView&, const Step&, const Vectors&, const Signals&, const double* v1,
+                          const StrainLedger&);
+    void (*inertia_residual)(const InertiaView&, const Vectors&, double* r);
+    void (*inertia_tangent)(const InertiaView&, const Step&, double* values);
+    void (*inertia_ledger)(const InertiaView&, const double* x, const double* v, const InertiaLedger&);
+    LuKernels lu;
+};
+
+const Kernels& kernels();
+
+}  // namespace visviva

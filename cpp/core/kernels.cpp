@@ -1,0 +1,19 @@
+// Compiled once per instruction set; see CMakeLists.txt. Nothing here may instantiate std:: templates: the linker
+// could keep the copy made for a newer processor for everybody.
+#include "block_lu_kernels.hpp"
+#include "dispatch.hpp"
+#include "inertia_kernel.hpp"
+#include "strain_kernel.hpp"
+
+#define VISVIVA_TEXT2(x) #x
+#define VISVIVA_TEXT(x) VISVIVA_TEXT2(x)
+
+namespace visviva::VISVIVA_ISA {
+
+extern const Kernels table;
+const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA), W,
+                       strain_begin,   strain_strains,  strain_residual, strain_tangent, strain_ledger,
+                       inertia_residual, inertia_tangent, inertia_ledger,
+                       {lu_factor, lu_solve}};
+
+}  // namespace visviva::VISVIVA_ISA

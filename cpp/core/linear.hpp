@@ -1,0 +1,51 @@
+// Linear solvers of the Newton iteration: a pattern once, then factor and solve many times.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace visviva {
+
+// Compressed rows over the free unknowns. `unknown[eq]` is the number of equation eq in the state vectors.
+struct Csr {
+    int n = 0;
+    std::vector<std::int64_t> row;
+    std::vector<int> col;
+    std::vector<int> equation, unknown;  // unknown -> equation (-1: fixed), equation -> unknown
+};
+
+// A rigid body for the null-space reduction: position (3), directors (9) and the multipliers (6) of its
+// orthonormality, all as unknown numbers.
+struct RigidUnknowns {
+    int q[12];
+    int multiplier[6];
+};
+
+// Natural blocks of the unknowns for block elimination: `block[unknown]` (or -1) and the stage of each block
+// (0: has inertia, 1: multipliers and massless coordinates, 2: multipliers between stage-1 blocks).
+struct Blocks {
+    std::vector<int> block, stage;
+    std::vector<char> multiplier;  // per unknown: 1 where a redundant constraint may be regularised
+    std::vector<RigidUnknowns> rigid;
+};
+
+class LinearSolver {
+  public:
+    virtual ~LinearSolver() = default;
+    virtual void analyze(const Csr& pattern, const Blocks& blocks) = 0;
+    // Before the first iteration: bring a predicted configuration where the solver wants it.
+    virtual void project(const double* /*x0*/, double* /*dx*/) {}
+    // `x` the trial configuration, `xg` where constraint gradients are taken; both by unknown.
+    virtual bool factor(const double* values, const double* x, const double* xg) = 0;
+    // From the residual r to the increment d, both by unknown (fixed entries untouched).
+    virtual void solve(const double* r, const double* x, const double* xg, double* d) = 0;
+    // After a failed factorisation: one unknown of the singular part, or -1.
+    virtual int singular_unknown() const { return -1; }
+    virtual const char* name() const = 0;
+    double regularization = 0;
+};
+
+std::unique_ptr<LinearSolver> make_sparse_lu();
+std::unique_ptr<LinearSolver> make_null_space();
+
+}  // namespace visviva

@@ -1,0 +1,271 @@
+// The discrete null-space reduction of rigid bodies [2]: rows premultiplied by P(q_g)^T, increments P(q1) u with
+// P = {phi' = v, d_i' = w x d_i}, so that the 18 unknowns of a body (12 coordinates, 6 multipliers) become 6. The
+// directors move by d_i <- R d_i, which keeps them orthonormal. What remains is solved by block elimination.
+// The solution of a step is the one of the full system; only the way to it differs.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "block_lu.hpp"
+#include "linear.hpp"
+
+namespace visviva {
+
+namespace {
+
+void cross_add(const double* a, const double* b, double* c) {
+    c[0] += a[1] * b[2] - a[2] * b[1];
+    c[1] += a[2] * b[0] - a[0] * b[2];
+    c[2] += a[0] * b[1] - a[1] * b[0];
+}
+
+struct Directors {
+    double d[9];  // d1, d2, d3
+};
+
+Directors gather(const RigidUnknowns& body, const double* x) {
+    Directors f;
+    for (int k = 0; k < 9; ++k) f.d[k] = x[body.q[3 + k]];
+    return f;
+}
+
+// One Newton-Schulz sweep towards the nearest orthonormal frame: d <- d (I - (d^T d - I) / 2); returns the defect.
+double orthonormalise(const Directors& f, double* change) {
+    double e[3][3], largest = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            e[i][j] = (i == j ? -1.0 : 0.0);
+            for (int c = 0; c < 3; ++c) e[i][j] += f.d[3 * i + c] * f.d[3 * j + c];
+            largest = std::max(largest, std::abs(e[i][j]));
+        }
+    for (int j = 0; j < 3; ++j)
+        for (int c = 0; c < 3; ++c) {
+            change[3 * j + c] = 0;
+            for (int i = 0; i < 3; ++i) change[3 * j + c] -= 0.5 * f.d[3 * i + c] * e[i][j];
+        }
+    return largest;
+}
+
+// Cayley rotation about w: R d - d.
+void rotate(const Directors& f, const double* w, double* change) {
+    const double c = 1 / (1 + 0.25 * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]));
+    for (int k = 0; k < 3; ++k) {
+        double once[3] = {0, 0, 0}, twice[3] = {0, 0, 0};
+        cross_add(w, f.d + 3 * k, once);
+        cross_add(w, once, twice);
+        for (int i = 0; i < 3; ++i) change[3 * k + i] = c * (once[i] + 0.5 * twice[i]);
+    }
+}
+
+// Dual basis of the directors (columns of D^-T).
+void dual(const Directors& f, double* g) {
+    for (int k = 0; k < 9; ++k) g[k] = 0;
+    cross_add(f.d + 3, f.d + 6, g);
+    cross_add(f.d + 6, f.d, g + 3);
+    cross_add(f.d, f.d + 3, g + 6);
+    const double volume = f.d[0] * g[0] + f.d[1] * g[1] + f.d[2] * g[2];
+    for (int k = 0; k < 9; ++k) g[k] /= volume;
+}
+
+class NullSpace : public LinearSolver {
+  public:
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        csr_ = &pattern;
+        rigid_ = blocks.rigid;
+        number_unknowns(blocks);
+        collect_entries();
+        std::vector<std::pair<int, int>> pairs;
+        for (const Group& g : groups_)
+            if (g.i != g.j) pairs.push_back({g.i, g.j});
+        lu_.analyze(size_, blocks.stage, pairs, multiplier_);
+        for (Group& g : groups_) g.target = lu_.block(g.i, g.j);
+        right_.resize(lu_.n());
+    }
+
+    void project(const double* x0, double* dx) override {
+        for (const RigidUnknowns& body : rigid_) {
+            Directors f;
+            for (int k = 0; k < 9; ++k) f.d[k] = x0[body.q[3 + k]] + dx[body.q[3 + k]];
+            double change[9];
+            for (int sweep = 0; sweep < 8; ++sweep) {
+                const double defect = orthonormalise(f, change);
+                for (int k = 0; k < 9; ++k) f.d[k] += change[k], dx[body.q[3 + k]] += change[k];
+                if (defect < 1e-9) break;  // convergence is quadratic: the next defect is rounding
+            }
+        }
+    }
+
+    bool factor(const double* values, const double* x, const double* xg) override {
+        lu_.set_zero();
+        for (const Group& g : groups_) {
+            double f[12 * 12];
+            const int rows = full_[g.i], cols = full_[g.j];
+            big_.assign(static_cast<std::size_t>(rows) * cols, 0.0);
+            double* a = rows * cols <= 144 ? f : big_.data();
+            std::fill(a, a + rows * cols, 0.0);
+            for (int k = g.begin; k < g.end; ++k) a[entries_[k].i * cols + entries_[k].j] += values[entries_[k].at];
+            add_block(g, a, x, xg);
+        }
+        return lu_.factor(regularization);
+    }
+
+    void solve(const double* r, const double* x, const double* xg, double* d) override {
+        for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
+            double* s = right_.data() + lu_.offset(b);
+            if (rigid_of_[b] < 0) {
+                for (int k = 0; k < size_[b]; ++k) s[k] = -r[members_[b][k]];
+                continue;
+            }
+            const RigidUnknowns& body = rigid_[rigid_of_[b]];
+            for (int c = 0; c < 3; ++c) s[c] = -r[body.q[c]], s[3 + c] = 0;
+            const Directors f = gather(body, xg), minus_r = gather(body, r);
+            for (int k = 0; k < 3; ++k) cross_add(f.d + 3 * k, minus_r.d + 3 * k, s + 3);
+            for (int c = 3; c < 6; ++c) s[c] = -s[c];
+        }
+        lu_.solve(right_.data());
+        for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
+            const double* s = right_.data() + lu_.offset(b);
+            if (rigid_of_[b] < 0)
+                for (int k = 0; k < size_[b]; ++k) d[members_[b][k]] = s[k];
+            else
+                expand(rigid_[rigid_of_[b]], s, r, x, xg, d);
+        }
+    }
+
+    int singular_unknown() const override {
+        const int b = lu_.singular_block();
+        return b < 0 ? -1 : members_[b].front();
+    }
+
+    const char* name() const override { return "block LU of the null-space reduced system"; }
+
+  private:
+    struct Group {
+        int i, j, begin, end;
+        LuBlock target;
+    };
+    struct Entry {
+        int i, j;
+        std::int64_t at;
+    };
+
+    void number_unknowns(const Blocks& blocks) {
+        const int n_blocks = static_cast<int>(blocks.stage.size());
+        members_.assign(n_blocks, {}), rigid_of_.assign(n_blocks, -1);
+        block_ = blocks.block;
+        local_.assign(block_.size(), -1);
+        for (int b = 0; b < static_cast<int>(rigid_.size()); ++b) {
+            const int home = block_[rigid_[b].q[0]];
+            rigid_of_[home] = b;
+            for (int k = 0; k < 12; ++k) local_[rigid_[b].q[k]] = k, members_[home].push_back(rigid_[b].q[k]);
+        }
+        for (int u : csr_->unknown)
+            if (rigid_of_[block_[u]] < 0) {
+                local_[u] = static_cast<int>(members_[block_[u]].size());
+                members_[block_[u]].push_back(u);
+            }
+        size_.clear(), full_.clear(), multiplier_.clear();
+        for (int b = 0; b < n_blocks; ++b) {
+            full_.push_back(static_cast<int>(members_[b].size()));
+            size_.push_back(rigid_of_[b] < 0 ? full_[b] : 6);
+            for (int k = 0; k < size_[b]; ++k)
+                multiplier_.push_back(rigid_of_[b] < 0 ? blocks.multiplier[members_[b][k]] : 0);
+        }
+    }
+
+    void collect_entries() {
+        std::map<std::pair<int, int>, std::vector<Entry>> by_block;
+        for (int i = 0; i < csr_->n; ++i)
+            for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
+                const int u = csr_->unknown[i], v = csr_->unknown[csr_->col[k]];
+                if (local_[u] < 0 || local_[v] < 0) continue;  // multipliers of orthonormality
+                by_block[{block_[u], block_[v]}].push_back({local_[u], local_[v], k});
+            }
+        groups_.clear(), entries_.clear();
+        for (const auto& [ij, list] : by_block) {
+            const int begin = static_cast<int>(entries_.size());
+            entries_.insert(entries_.end(), list.begin(), list.end());
+            groups_.push_back({ij.first, ij.second, begin, static_cast<int>(entries_.size()), {}});
+        }
+    }
+
+    // P^T a P into the elimination's storage; a is row-major, full_[i] x full_[j].
+    void add_block(const Group& g, const double* a, const double* x, const double* xg) {
+        const int rows = full_[g.i], cols = full_[g.j];
+        double left[6 * 12];
+        int n = rows;
+        if (rigid_of_[g.i] >= 0) {
+            const Directors f = gather(rigid_[rigid_of_[g.i]], xg);
+            if (cols > 12) wide_.assign(static_cast<std::size_t>(6) * cols, 0.0);
+            double* l = cols > 12 ? wide_.data() : left;
+            reduce_rows(a, cols, f, l);
+            a = l, n = 6;
+        }
+        const LuBlock& target = g.target;
+        if (rigid_of_[g.j] < 0) {
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < cols; ++j) target(i, j) += a[i * cols + j];
+            return;
+        }
+        const Directors f = gather(rigid_[rigid_of_[g.j]], x);
+        for (int i = 0; i < n; ++i) {
+            double t[3] = {0, 0, 0};
+            for (int k = 0; k < 3; ++k) cross_add(f.d + 3 * k, a + i * cols + 3 + 3 * k, t);
+            for (int c = 0; c < 3; ++c) target(i, c) += a[i * cols + c];
+            for (int c = 0; c < 3; ++c) target(i, 3 + c) += t[c];
+        }
+    }
+
+    static void reduce_rows(const double* a, int cols, const Directors& f, double* l) {
+        for (int j = 0; j < cols; ++j) {
+            double t[3] = {0, 0, 0};
+            for (int k = 0; k < 3; ++k) {
+                const double force[3] = {a[(3 + 3 * k) * cols + j], a[(4 + 3 * k) * cols + j],
+                                         a[(5 + 3 * k) * cols + j]};
+                cross_add(f.d + 3 * k, force, t);
+            }
+            for (int c = 0; c < 3; ++c) l[c * cols + j] = a[c * cols + j], l[(3 + c) * cols + j] = t[c];
+        }
+    }
+
+    // From the six reduced increments to the body's 18 unknowns.
+    static void expand(const RigidUnknowns& body, const double* s, const double* r, const double* x,
+                       const double* xg, double* d) {
+        for (int c = 0; c < 3; ++c) d[body.q[c]] = s[c];
+        Directors f = gather(body, x);
+        double change[9], fix[9], g[9];
+        rotate(f, s + 3, change);
+        for (int k = 0; k < 9; ++k) f.d[k] += change[k];
+        orthonormalise(f, fix);
+        for (int k = 0; k < 9; ++k) d[body.q[3 + k]] = change[k] + fix[k];
+        // the multipliers of orthonormality balance what is left of the director forces
+        dual(gather(body, xg), g);
+        const Directors force = gather(body, r);
+        double m[3][3];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                m[i][j] = 0;
+                for (int c = 0; c < 3; ++c) m[i][j] -= force.d[3 * i + c] * g[3 * j + c];
+            }
+        for (int i = 0; i < 3; ++i) d[body.multiplier[i]] = m[i][i];
+        d[body.multiplier[3]] = 0.5 * (m[0][1] + m[1][0]);
+        d[body.multiplier[4]] = 0.5 * (m[0][2] + m[2][0]);
+        d[body.multiplier[5]] = 0.5 * (m[1][2] + m[2][1]);
+    }
+
+    const Csr* csr_ = nullptr;
+    BlockLU lu_;
+    std::vector<RigidUnknowns> rigid_;
+    std::vector<int> block_, local_, size_, full_, rigid_of_;
+    std::vector<char> multiplier_;
+    std::vector<std::vector<int>> members_;
+    std::vector<Group> groups_;
+    std::vector<Entry> entries_;
+    std::vector<double> right_, big_, wide_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_null_space() { return std::make_unique<NullSpace>(); }
+
+}  // namespace visviva

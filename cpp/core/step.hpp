@@ -1,0 +1,33 @@
+// What a scheme tells the terms about the step under way: a handful of numbers.
+#pragma once
+
+namespace visviva {
+
+enum class Stress : int {
+    at_theta = 0,           // S = W'(e(x_theta))
+    discrete_gradient = 1,  // S . (e1 - e0) = W(e1) - W(e0) exactly (Gonzalez 1996)
+};
+
+struct Step {
+    double t0 = 0, t1 = 0, te = 0, h = 0;  // ends, evaluation time of loads, length
+    double theta = 1;                      // x_theta = x0 + theta (x1 - x0): strain gradients and loads
+    double theta_g = 1;                    // the same for constraint gradients
+    Stress stress = Stress::at_theta;
+    // The rates at the evaluation point and the history at the end, linear in (dx, v, a, w); rows: rate, second
+    // rate, v1, a1, w1. One table for motion (order 2) and one for transport (order 1).
+    double motion[5][4] = {};
+    double transport[5][4] = {};
+};
+
+// Prescribed functions of time, evaluated once per step: at t0, te, t1 and the rate at t1.
+struct Signals {
+    const double *at0 = nullptr, *ate = nullptr, *at1 = nullptr, *rate1 = nullptr;
+};
+
+// The evaluation vectors of one iteration, one entry per unknown (fixed ones included).
+struct Vectors {
+    const double *x0 = nullptr, *x1 = nullptr;
+    const double *rate = nullptr, *second_rate = nullptr;  // at the evaluation point
+};
+
+}  // namespace visviva

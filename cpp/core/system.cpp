@@ -1,0 +1,303 @@
+#include "system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace visviva {
+
+System::System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale)
+    : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
+    // One entry more than unknowns: element slots of nothing may point there.
+    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &xg_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
+                    &v_last_})
+        u->assign(n_ + 1, 0.0);
+    inverse_scale_.resize(n_);
+    for (int i = 0; i < n_; ++i) inverse_scale_[i] = scale[i] > 0 && !fixed_[i] ? 1 / scale[i] : 0;
+}
+
+void System::set_accounts(int n_accounts, int n_components) {
+    sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
+    sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
+    sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
+}
+
+void System::finalize() {
+    csr_.equation.assign(n_, -1);
+    for (int i = 0; i < n_; ++i)
+        if (!fixed_[i]) {
+            csr_.equation[i] = static_cast<int>(csr_.unknown.size());
+            csr_.unknown.push_back(i);
+        }
+    csr_.n = static_cast<int>(csr_.unknown.size());
+
+    std::vector<std::pair<int, int>> entries;
+    for (const auto& term : terms_) term->pattern(entries);
+    std::vector<std::int64_t> order(entries.size());
+    std::iota(order.begin(), order.end(), 0);
+    auto key = [&](std::int64_t k) {
+        const int i = csr_.equation[entries[k].first], j = csr_.equation[entries[k].second];
+        return i < 0 || j < 0 ? std::pair{csr_.n, 0} : std::pair{i, j};
+    };
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
+
+    std::vector<std::int64_t> position(entries.size());
+    csr_.row.assign(csr_.n + 1, 0);
+    std::pair<int, int> last{-1, -1};
+    for (auto k : order) {
+        const auto ij = key(k);
+        if (ij != last && ij.first < csr_.n) {
+            csr_.col.push_back(ij.second);
+            ++csr_.row[ij.first + 1];
+        }
+        last = ij;
+        position[k] = ij.first < csr_.n ? static_cast<std::int64_t>(csr_.col.size()) - 1 : -1;
+    }
+    std::partial_sum(csr_.row.begin(), csr_.row.end(), csr_.row.begin());
+    const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
+    for (auto& p : position)
+        if (p < 0) p = waste;
+    values_.assign(csr_.col.size() + 1, 0.0);
+    std::int64_t at = 0;
+    for (const auto& term : terms_) {
+        term->set_positions(position.data() + at);
+        at += term->n_entries();
+    }
+    if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
+}
+
+void System::set_solver(std::unique_ptr<LinearSolver> solver) {
+    solver_ = std::move(solver);
+    solver_->analyze(csr_, blocks_);
+    stale_factor_ = true;
+}
+
+void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
+
+// Explicit extrapolation of the motion; multipliers start from their last values.
+void System::predict(const Step& step) {
+    const double h = step.h, curvature = h_last_ > 0 && step.motion[0][0] != 0 ? 0.5 * h * h / h_last_ : 0;
+    const bool moves = step.motion[0][0] != 0, flows = step.transport[0][0] != 0;
+    for (int i = 0; i < n_; ++i) {
+        if (fixed_[i]) continue;  // what was prescribed stays
+        if (order_[i] == 2)
+            dx[i] = moves ? h * v[i] + curvature * (v[i] - v_last_[i]) : 0;
+        else if (order_[i] == 1)
+            dx[i] = flows ? h * v[i] : 0;
+        else
+            dx[i] = 0;
+    }
+    set_base_rates(step);
+}
+
+void System::set_base_rates(const Step& step) {
+    for (int i = 0; i < n_; ++i) {
+        const auto& table = order_[i] == 2 ? step.motion : step.transport;
+        base_rate_[i] = base_second_[i] = 0;
+        if (order_[i] == 0) continue;
+        base_rate_[i] = table[0][1] * v[i] + table[0][2] * a[i] + table[0][3] * w[i];
+        if (order_[i] == 2) base_second_[i] = table[1][1] * v[i] + table[1][2] * a[i] + table[1][3] * w[i];
+    }
+}
+
+void System::update_vectors(const Step& step) {
+    for (int i = 0; i < n_; ++i) {
+        x1_[i] = x[i] + dx[i];
+        xg_[i] = x[i] + step.theta_g * dx[i];
+        const double c = order_[i] == 2 ? step.motion[0][0] : order_[i] == 1 ? step.transport[0][0] : 0;
+        rate_[i] = base_rate_[i] + c * dx[i];
+        second_rate_[i] = base_second_[i] + (order_[i] == 2 ? step.motion[1][0] : 0) * dx[i];
+    }
+}
+
+void System::evaluate_residual(const Context& c) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (const auto& term : terms_) term->residual(c, r_.data());
+}
+
+bool System::refactor(const Context& c, const Step& step) {
+    std::fill(values_.begin(), values_.end(), 0.0);
+    for (const auto& term : terms_) term->tangent(c, values_.data());
+    factored_ = step;
+    factored_state_.clear();
+    for (const auto* u : {&x, &dx, &v, &a, &w}) factored_state_.insert(factored_state_.end(), u->begin(), u->end());
+    factored_signals_.clear();
+    for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
+        factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
+    return solver_->factor(values_.data(), x1_.data(), xg_.data());
+}
+
+double System::norm(int& worst) const {
+    double largest = 0;
+    worst = -1;
+    for (int i = 0; i < n_; ++i) {
+        const double s = std::abs(d_[i]) * inverse_scale_[i];
+        if (!(s <= largest)) {  // catches NaN as well
+            largest = s;
+            worst = i;
+            if (std::isnan(s)) break;
+        }
+    }
+    return largest;
+}
+
+namespace {
+bool same_matrix(const Step& a, const Step& b) {
+    return a.h == b.h && a.theta == b.theta && a.theta_g == b.theta_g && a.stress == b.stress &&
+           a.motion[1][0] == b.motion[1][0];
+}
+}  // namespace
+
+Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
+    Report report;
+    predict(step);
+    solver_->project(x.data(), dx.data());
+    if (stale_begin_)
+        for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Context context{step, vectors, signals};
+    bool refresh = stale_factor_ || options.keep_factor <= 0 || !same_matrix(step, factored_), fresh = false;
+    double last = 0;
+    for (int k = 0; k < options.max_iterations; ++k) {
+        update_vectors(step);
+        evaluate_residual(context);
+        if (refresh) {
+            ++report.factorizations;
+            stale_factor_ = true;
+            if (!refactor(context, step)) {
+                report.reason = "the tangent is singular";
+                report.worst_unknown = solver_->singular_unknown();
+                return report;
+            }
+            stale_factor_ = false, fresh = true;
+        }
+        solver_->solve(r_.data(), x1_.data(), xg_.data(), d_.data());
+        for (int i = 0; i < n_; ++i) dx[i] += d_[i];
+        const double size = norm(report.worst_unknown);
+        report.increments.push_back(size);
+        report.iterations = k + 1;
+        if (!std::isfinite(size)) {
+            report.reason = "an unknown became infinite or not a number";
+            stale_factor_ = true;
+            return report;
+        }
+        if (k > 0 && size > 0) contraction_ = std::min(1.0, size / last);
+        const bool newton = options.keep_factor <= 0 || (refresh && k > 0);
+        const double rho = contraction_;
+        const double error = newton ? rho * rho * size : rho < 1 ? rho / (1 - rho) * size : size;
+        const bool stagnates = k > 0 && fresh && size < 1e-10 && rho > 0.3;  // rounding, not convergence
+        if (size <= options.tolerance || error <= options.tolerance || stagnates) {
+            report.converged = true;
+            break;
+        }
+        refresh = options.keep_factor <= 0 || (k > 0 && rho > options.keep_factor);
+        last = size;
+    }
+    if (!report.converged) {
+        report.reason = "no convergence in " + std::to_string(options.max_iterations) + " iterations";
+        stale_factor_ = true;
+    }
+    return report;
+}
+
+void System::clear_sums() {
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect}) std::fill(s->begin(), s->end(), 0.0);
+}
+
+void System::book(const Context& c, const double* v1) {
+    clear_sums();
+    for (const auto& term : terms_) term->ledger(c, v1, sums);
+}
+
+void System::accept(const Step& step, const Signals& signals, bool ledger) {
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Context context{step, vectors, signals};
+    std::copy(v.begin(), v.end(), v_last_.begin());
+    h_last_ = step.h;
+    for (int i = 0; i < n_; ++i) {
+        if (order_[i] == 0) continue;
+        const auto& t = order_[i] == 2 ? step.motion : step.transport;
+        const double old[4] = {dx[i], v[i], a[i], w[i]};
+        auto row = [&](int k) { return t[k][0] * old[0] + t[k][1] * old[1] + t[k][2] * old[2] + t[k][3] * old[3]; };
+        v[i] = row(2), a[i] = row(3), w[i] = row(4);
+    }
+    if (ledger) book(context, v.data());
+    for (const auto& term : terms_) term->accept(context);
+    for (int i = 0; i < n_; ++i) x[i] = x1_[i];
+    discard();
+    stale_begin_ = true;
+}
+
+void System::take_stock(const Step& step, const Signals& signals) {
+    discard();
+    for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data()};
+    book({step, vectors, signals}, v.data());
+}
+
+std::vector<double> System::memory() const {
+    std::vector<double> m = {h_last_, contraction_, stale_factor_ ? 1.0 : 0.0};
+    m.insert(m.end(), v_last_.begin(), v_last_.end());
+    if (stale_factor_) return m;
+    const Step& s = factored_;
+    for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)}) m.push_back(value);
+    m.insert(m.end(), &s.motion[0][0], &s.motion[0][0] + 20);
+    m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
+    m.insert(m.end(), factored_state_.begin(), factored_state_.end());
+    m.insert(m.end(), factored_signals_.begin(), factored_signals_.end());
+    return m;
+}
+
+void System::remember(const std::vector<double>& memory) {
+    const double* m = memory.data();
+    touch();
+    const double h_last = m[0], contraction = m[1];
+    const bool stale = m[2] != 0;
+    std::copy(m + 3, m + 3 + v_last_.size(), v_last_.begin());
+    m += 3 + v_last_.size();
+    if (!stale) {
+        Step s;
+        s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
+        s.stress = static_cast<Stress>(static_cast<int>(m[6]));
+        std::copy(m + 7, m + 27, &s.motion[0][0]);
+        std::copy(m + 27, m + 47, &s.transport[0][0]);
+        m += 47;
+        const std::vector<double> now[5] = {x, dx, v, a, w};
+        for (auto* u : {&x, &dx, &v, &a, &w}) {
+            std::copy(m, m + u->size(), u->begin());
+            m += u->size();
+        }
+        for (const auto& term : terms_) term->begin(x.data());
+        set_base_rates(s);
+        update_vectors(s);
+        const std::size_t k = n_signals_;
+        const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
+        refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data()}, signals}, s);
+        x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
+        stale_factor_ = false;
+    }
+    stale_begin_ = true;
+    h_last_ = h_last, contraction_ = contraction;
+}
+
+void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
+    for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    set_base_rates(step);
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Context context{step, vectors, signals};
+    evaluate_residual(context);
+    std::copy(r_.begin(), r_.begin() + n_, residual);
+    if (!values) return;
+    std::fill(values_.begin(), values_.end(), 0.0);
+    for (const auto& term : terms_) term->tangent(context, values_.data());
+    std::copy(values_.begin(), values_.end() - 1, values);
+    stale_factor_ = true;
+}
+
+}  // namespace visviva

@@ -1,0 +1,92 @@
+// Numbers the unknowns, gathers, evaluates, scatters into a pattern made once, and takes Newton's steps.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "linear.hpp"
+#include "term.hpp"
+
+namespace visviva {
+
+struct NewtonOptions {
+    // Largest estimated error of an accepted iterate, relative to each unknown's own scale.
+    double tolerance = 1e-14;
+    int max_iterations = 25;
+    // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full Newton.
+    double keep_factor = 0.02;
+};
+
+struct Report {
+    bool converged = false;
+    int iterations = 0, factorizations = 0;
+    std::vector<double> increments;  // relative to the unknowns' scales
+    int worst_unknown = -1;          // of the last increment, or of a singular matrix
+    std::string reason;              // why not converged
+};
+
+class System {
+  public:
+    // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
+    System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
+
+    void add(std::shared_ptr<Term> term) { terms_.push_back(std::move(term)); }
+    void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
+    void set_accounts(int n_accounts, int n_components);
+    void finalize();
+    void set_solver(std::unique_ptr<LinearSolver> solver);
+
+    // One step from the accepted state; leaves the trial state, which accept() makes the new state.
+    Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
+    void set_signal_count(std::size_t n) { n_signals_ = n; }
+    void accept(const Step& step, const Signals& signals, bool ledger);
+    void discard();
+    // The ledger of the present state (no work done).
+    void take_stock(const Step& step, const Signals& signals);
+    // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at which
+    // the kept factorisation was made. Importing makes that factorisation again.
+    std::vector<double> memory() const;
+    void remember(const std::vector<double>& memory);
+    // After the state vectors were changed from outside.
+    void touch() { stale_begin_ = stale_factor_ = true, h_last_ = 0; }
+
+    // Residual and tangent at the trial state x0 + dx, for checks and special solves.
+    void assemble(const Step& step, const Signals& signals, double* residual, double* values);
+
+    int n() const { return n_; }
+    const Csr& csr() const { return csr_; }
+    const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
+    const LinearSolver* solver() const { return solver_.get(); }
+
+    // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
+    std::vector<double> x, dx, v, a, w;
+    LedgerSums sums;  // of the last accepted step
+
+  private:
+    void predict(const Step&);
+    void set_base_rates(const Step&);
+    void update_vectors(const Step&);
+    void evaluate_residual(const Context&);
+    bool refactor(const Context&, const Step&);
+    double norm(int& worst) const;
+    void clear_sums();
+    void book(const Context&, const double* v1);
+
+    int n_ = 0;
+    std::vector<int> order_;
+    std::vector<char> fixed_;
+    std::vector<double> inverse_scale_;
+    std::vector<std::shared_ptr<Term>> terms_;
+    Blocks blocks_;
+    Csr csr_;
+    std::unique_ptr<LinearSolver> solver_;
+    std::vector<double> x1_, xg_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_;
+    double h_last_ = 0, contraction_ = 1;
+    bool stale_begin_ = true, stale_factor_ = true;
+    Step factored_;
+    std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
+    std::vector<double> factored_signals_;  // the prescribed functions of time then
+    std::size_t n_signals_ = 0;
+};
+
+}  // namespace visviva

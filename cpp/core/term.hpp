@@ -1,0 +1,144 @@
+// A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the ledger.
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "inertia.hpp"
+#include "step.hpp"
+#include "strain.hpp"
+
+namespace visviva {
+
+template <class T>
+using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;
+
+struct Context {
+    const Step& step;
+    const Vectors& vectors;
+    const Signals& signals;
+};
+
+// What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component.
+struct LedgerSums {
+    std::vector<double> energy, work, momentum, defect;
+};
+
+class Term {
+  public:
+    virtual ~Term() = default;
+    // (row, column) unknowns of every tangent entry, in the order of `positions`.
+    virtual void pattern(std::vector<std::pair<int, int>>& entries) const = 0;
+    virtual void set_positions(const std::int64_t* positions) = 0;
+    virtual std::int64_t n_entries() const = 0;
+    virtual void begin(const double* /*x0*/) {}
+    virtual void residual(const Context&, double* r) = 0;
+    virtual void tangent(const Context&, double* values) = 0;
+    virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
+    virtual void accept(const Context&) {}
+
+    std::string name;               // for messages
+    std::vector<int> account;       // per element: where its energy and work are booked
+    std::vector<int> component;     // per element: whose momentum and defect it is
+};
+
+// A law evaluated outside the core, at batch level. Arrays are [n_e][stride] and so on, element-fastest.
+struct LawArguments {
+    int n, stride, n_e, n_m;
+    bool want_tangent;
+    double t, h;
+    Stress stress;
+    const double *e0, *e1, *e_eval, *e_rate, *lambda;
+    double *S, *D, *R, *Phi, *J, *Jt, *W;
+};
+using LawCallback = std::function<void(const LawArguments&)>;
+
+class StrainTerm : public Term {
+  public:
+    // Arrays are given element-fastest without padding: weight [n_forms][n] and so on.
+    StrainTerm(StrainShape shape, int n, const int* index, const double* weight, const double* y_const,
+               const double* e_const, const double* par, int n_par, const int* signal);
+    void set_callback(LawCallback f) { callback_ = std::move(f); }
+    const StrainShape& shape() const { return shape_; }
+    double* par() { return par_.data(); }
+    int stride() const { return view_.stride; }
+
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override { return static_cast<std::int64_t>(slots_.size()) * view_.n; }
+    void begin(const double* x0) override;
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+
+  private:
+    void make_program();
+    void call_back(const Context&, bool want_tangent);
+
+    StrainShape shape_;
+    StrainView view_;
+    LawCallback callback_;
+    Aligned<double> weight_, y_const_, e_const_, par_, y0_, e0_, e_eval_, e_rate_, e1_, lambda_;
+    Aligned<double> cb_S_, cb_D_, cb_R_, cb_Phi_, cb_J_, cb_Jt_, cb_W_, scratch_, out_;
+    std::vector<int> index_, signal_, pairs_;
+    std::vector<std::pair<int, int>> slots_;  // local (row, column) of every tangent entry
+    std::vector<Product> products_;
+    std::vector<Border> columns_, rows_;
+    Aligned<std::int64_t> position_;
+};
+
+class InertiaTerm : public Term {
+  public:
+    InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int> pair, const double* mass,
+                const int* index, std::vector<char> is_position);
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override;
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+
+  private:
+    InertiaView view_;
+    std::vector<int> pair_, index_;
+    std::vector<char> is_position_;
+    Aligned<double> mass_, out_;
+    Aligned<std::int64_t> position_;
+};
+
+// A whole term from outside: dense local tangents, element-slowest arrays [n][n_local].
+struct TermArguments {
+    const Step* step;
+    const double *x0, *x1, *rate, *second_rate;  // gathered, [n][n_local]
+    double *residual, *tangent;                  // [n][n_local], [n][n_local][n_local] or null
+    double *energy, *work;                       // [n] or null (ledger)
+    const double* v1;                            // ledger only
+};
+
+class CallbackTerm : public Term {
+  public:
+    using Function = std::function<void(const TermArguments&)>;
+    CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
+                 Function accept);
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+    void accept(const Context&) override;
+
+  private:
+    TermArguments gather(const Context&);
+    int n_, nl_;
+    std::vector<int> index_;
+    Function residual_, tangent_, ledger_, accept_;
+    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_;
+    std::vector<std::int64_t> position_;
+};
+
+}  // namespace visviva

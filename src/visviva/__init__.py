@@ -1,0 +1,37 @@
+"""visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
+
+from visviva.body.point_mass import Ground, PointMass
+from visviva.body.rigid import RigidBody
+from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
+from visviva.errors import InputError, RunError, VisvivaError
+from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
+from visviva.joint.lower_pairs import (
+    Cylindrical,
+    Distance,
+    Planar,
+    PointOnLine,
+    PointOnPlane,
+    Prismatic,
+    Revolute,
+    Rigid,
+    Screw,
+    Spherical,
+    Universal,
+)
+from visviva.load.drive import Force, JointDamper, JointForce, JointSpring, Motor
+from visviva.load.gravity import Gravity
+from visviva.load.spring import Spring
+from visviva.scheme import (
+    BackwardEuler,
+    EnergyMomentum,
+    GeneralizedAlpha,
+    Midpoint,
+    Scheme,
+    Static,
+    VariationalMidpoint,
+)
+from visviva.result import Result
+from visviva.solve import march, simulate
+from visviva.system import Newton, StepFailure, System
+
+__version__ = "0.1.0"

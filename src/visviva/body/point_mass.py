@@ -1,0 +1,65 @@
+"""Point masses and the ground."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.component import Attachable, settings
+from visviva.errors import InputError
+from visviva.form import Vector
+from visviva.values import Number, Vector3
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class PointMass(Attachable):
+    """A particle with `mass`, initial `position` (3,) and `velocity` (3,)."""
+
+    mass: Number
+    position: Vector3 = (0.0, 0.0, 0.0)
+    velocity: Vector3 = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if self.mass <= 0:
+            raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
+
+    def declare(self, model: Model) -> None:
+        self._field = model.field(self, "position", self.position, self.velocity, scale=model.length)
+
+    def contribute(self, model: Model) -> None:
+        model.inertia(self, self._field.start, [[self.mass]], (True,))
+
+    def place(self, X: Array) -> Vector:
+        if np.any(X != 0):
+            raise InputError(f"{self.label}: a point mass has only the point (0, 0, 0), not {X.tolist()}")
+        return self._field.vector()
+
+    def local(self, x: Array) -> Array:
+        return np.zeros(3)
+
+    def weights(self) -> list[tuple[float, Vector]]:
+        return [(self.mass, self._field.vector())]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Ground(Attachable):
+    """What does not move; its own coordinates are those of space."""
+
+    name: str | None = "ground"
+
+    def place(self, X: Array) -> Vector:
+        return Vector.constant(X)
+
+    def turn(self, direction: Array) -> Vector:
+        return Vector.constant(direction)
+
+    def local(self, x: Array) -> Array:
+        return x

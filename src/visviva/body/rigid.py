@@ -1,0 +1,161 @@
+"""Rigid bodies in directors: 12 coordinates, 6 constraints of rigidity, constant mass (paper eqs. (4)-(9))."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor, steiner
+from visviva.body.shape import AnyShape
+from visviva.component import Attachable, settings
+from visviva.errors import InputError
+from visviva.form import Vector, dot
+from visviva.values import Matrix, Number, Vector3
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class RigidBody(Attachable):
+    """A rigid body.
+
+    Its inertia comes from exactly one of: `inertia` or `euler` with `mass`, or `shape` with `density` (or `mass`).
+
+    Parameters
+    ----------
+    mass : float
+        Mass.
+    inertia : array (3,) or (3, 3)
+        Inertia tensor about the centre of mass, in body axes; three numbers are principal values.
+    euler : array (3,) or (3, 3)
+        Euler tensor ``E = tr(J)/2 I - J`` instead of the inertia tensor (paper eq. (8)).
+    centre : array (3,)
+        Centre of mass in body coordinates.
+    shape : Box, Sphere, Cylinder, Cone, Capsule or SurfaceMesh
+        Gives mass properties with `density`, and the picture.
+    density : float
+        Mass per volume of the shape.
+    position : array (3,)
+        Where the origin of the body coordinates is initially.
+    rotation : array (3, 3)
+        Initial directors as columns.
+    velocity : array (3,)
+        Initial velocity of the origin of the body coordinates.
+    angular_velocity : array (3,)
+        Initial angular velocity in space.
+    name : str
+        How it is called in messages and results.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> brick = vv.RigidBody(shape=vv.Box(size=(1, 2, 3)), density=1000.0, name="brick")
+    >>> brick.mass_properties().mass
+    6000.0
+    """
+
+    mass: Number | None = None
+    inertia: Matrix | None = None
+    euler: Matrix | None = None
+    centre: Vector3 | None = None
+    shape: AnyShape | None = None
+    density: Number | None = None
+    position: Vector3 = (0.0, 0.0, 0.0)
+    rotation: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    velocity: Vector3 = (0.0, 0.0, 0.0)
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        R = self.rotation
+        if R.shape != (3, 3) or not np.allclose(R.T @ R, np.eye(3), atol=1e-6):
+            raise InputError(f"{self.label}: rotation {R.tolist()} has no orthonormal columns (directors)")
+        if np.linalg.det(R) < 0:
+            raise InputError(f"{self.label}: rotation {R.tolist()} is left-handed; swap two directors")
+        self.mass_properties()
+
+    def mass_properties(self) -> MassProperties:
+        """Mass, centre of mass (3,) and inertia tensor (3, 3) about it, in body coordinates."""
+        if self.shape is not None and self.inertia is None and self.euler is None:
+            return self._from_shape()
+        if self.mass is None or (self.inertia is None) == (self.euler is None):
+            raise InputError(
+                f"{self.label}: give mass with inertia, or mass with euler, or shape with density (or mass)"
+            )
+        if self.mass <= 0:
+            raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
+        given = self.inertia if self.inertia is not None else self.euler
+        tensor = np.diag(given) if given.shape == (3,) else given
+        J = tensor if self.inertia is not None else inertia_tensor(tensor)
+        try:
+            check_inertia(J)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        return MassProperties(float(self.mass), np.zeros(3) if self.centre is None else self.centre, J)
+
+    def _from_shape(self) -> MassProperties:
+        if (self.density is None) == (self.mass is None):
+            raise InputError(f"{self.label}: a shape needs either density or mass")
+        if self.mass is not None and self.mass <= 0:
+            raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
+        density = self.density if self.density is not None else self.mass / self.shape.volume
+        if density <= 0:
+            raise InputError(f"{self.label}: density {density:g} is not positive")
+        return self.shape.inertia(density)
+
+    def mass_matrix(self) -> Array:
+        """Constant mass (4, 4) between origin and directors: ``[[m, m s], [m s, E]]``, paper eq. (7)."""
+        m, centre, J = self.mass_properties()
+        E = euler_tensor(J + steiner(m, centre))
+        M = np.block([[np.array([[m]]), m * centre[None, :]], [m * centre[:, None], E]])
+        M[np.abs(M) < 1e-15 * np.abs(np.diag(M)).max()] = 0.0
+        return M
+
+    # --- attachment ---------------------------------------------------------------------------------------------
+    def place(self, X: Array) -> Vector:
+        return Vector.of(self._field.start, (1.0, *X))
+
+    def turn(self, direction: Array) -> Vector:
+        return Vector.of(self._field.start + 3, direction)
+
+    def local(self, x: Array) -> Array:
+        return self.rotation.T @ (x - self.position)
+
+    def local_direction(self, d: Array) -> Array:
+        return self.rotation.T @ d
+
+    @property
+    def directors(self) -> tuple[Vector, Vector, Vector]:
+        """The three directors as vector forms."""
+        a, b, c = (Vector.of(self._field.start + 3 + 3 * k) for k in range(3))
+        return a, b, c
+
+    # --- part in the system -------------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        R, w = self.rotation, self.angular_velocity
+        q = np.concatenate([self.position, *R.T])
+        v = np.concatenate([self.velocity, *(np.cross(w, d) for d in R.T)])
+        scale = np.r_[np.full(3, model.length), np.ones(9)]
+        self._field = model.field(self, "configuration", q, v, scale=scale)
+        self._multipliers = model.multipliers(self, "rigidity", 6, stage=0, block=self._field.block)
+        model.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
+
+    def contribute(self, model: Model) -> None:
+        d1, d2, d3 = self.directors
+        model.inertia(self, self._field.start, self.mass_matrix(), (True, False, False, False))
+        unit = [0.5 * dot(d, d) - 0.5 for d in (d1, d2, d3)]
+        model.constrain(self, self._multipliers, [*unit, dot(d1, d2), dot(d1, d3), dot(d2, d3)])
+
+    def weights(self) -> list[tuple[float, Vector]]:
+        m, centre, _ = self.mass_properties()
+        return [(m, self.place(centre))]
+
+    def surface(self) -> Any:
+        return self.shape.surface() if self.shape is not None else None
+
+

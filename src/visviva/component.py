@@ -1,0 +1,94 @@
+"""Components: what the user names. Each bundles fields, terms, points and what is drawn of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+from visviva.errors import InputError
+from visviva.form import Vector
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True)
+"""How the constructors of components validate: unknown arguments are refused."""
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Component:
+    """Base of everything that a system is composed of.
+
+    A component takes part in a system in two rounds: `declare` makes its fields, `contribute` adds its terms,
+    where it may use the points of any other component.
+    """
+
+    name: str | None = None
+
+    @property
+    def label(self) -> str:
+        """How messages call it."""
+        return f"{type(self).__name__} '{self.name}'" if self.name else type(self).__name__
+
+    def declare(self, model: Model) -> None:
+        """Make the fields."""
+
+    def contribute(self, model: Model) -> None:
+        """Add the terms."""
+
+    def weights(self) -> list[tuple[float, Vector]]:
+        """Masses with the points they hang on: what uniform gravity acts upon."""
+        return []
+
+    def surface(self) -> Any:
+        """What is drawn of it, in its own coordinates; None for nothing."""
+        return None
+
+
+class Attachable(Component):
+    """A component that others can be attached to: its material points are linear forms of its unknowns."""
+
+    def place(self, X: Array) -> Vector:
+        """Position of the material point `X` (3,), given in the component's own coordinates."""
+        raise NotImplementedError
+
+    def turn(self, direction: Array) -> Vector:
+        """A material direction (3,), given in the component's own coordinates."""
+        raise InputError(f"{self.label} has no directions to attach a frame to; attach a point instead")
+
+    def local(self, x: Array) -> Array:
+        """Own coordinates of the material point that is at `x` initially."""
+        raise NotImplementedError
+
+    def local_direction(self, d: Array) -> Array:
+        """Own coordinates of a direction given in space initially."""
+        return d
+
+    def point(self, X: Any = (0.0, 0.0, 0.0)) -> Any:
+        """The material point with own coordinates `X` (3,)."""
+        from visviva.point import Point
+
+        return Point(self, np.asarray(X, dtype=float))
+
+    def point_at(self, x: Any) -> Any:
+        """The material point that is at `x` (3,) in the initial configuration."""
+        return self.point(self.local(np.asarray(x, dtype=float)))
+
+    def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Any:
+        """Point and three orthonormal directions, given by rows in own coordinates."""
+        from visviva.point import Frame
+
+        return Frame(self, np.asarray(X, dtype=float), np.asarray(axes, dtype=float))
+
+    def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Any:
+        """Frame at `x` whose third direction is `axis` (and first is close to `first`), all in space initially."""
+        from visviva.point import triad
+
+        axes = np.array([self.local_direction(d) for d in triad(axis, first)])
+        return self.frame(self.local(np.asarray(x, dtype=float)), axes)

@@ -1,0 +1,1 @@
+"""Joints: constraints between points and frames of any component."""

@@ -1,0 +1,169 @@
+"""What all joints share: two frames, constraints written as strains, coordinates by augmentation, reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.component import Attachable, Component, settings
+from visviva.errors import InputError
+from visviva.form import Form, Strain, Vector, dot, strain
+from visviva.law import Law, LawKind
+from visviva.point import Frame, Point
+from visviva.values import Vector3
+
+if TYPE_CHECKING:
+    from visviva.model import Field, Model
+
+Array = NDArray[np.float64]
+
+
+class Side:
+    """One side of a joint: position and, where the component has directions, three directors."""
+
+    def __init__(self, point: Point) -> None:
+        self.p: Vector = point.position
+        if isinstance(point, Frame):
+            self.d1, self.d2, self.d3 = point.directors
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Joint(Component):
+    """Base of joints: `constraints` (and for coordinates `angle_of`, `stroke_of`) is all that a joint defines.
+
+    Parameters
+    ----------
+    a, b : component, Point or Frame
+        What is joined. For a component, `at` and `axis` say where.
+    at : array (3,)
+        Place of the joint in the initial configuration.
+    axis : array (3,)
+        Its axis (third direction of both frames) in the initial configuration.
+    first : array (3,)
+        What the first direction of both frames is close to; chosen if not given.
+    angle, stroke : bool
+        Make the joint's angle (counting turns) or stroke a coordinate of the system.
+    """
+
+    a: Any
+    b: Any
+    at: Vector3 | None = None
+    axis: Vector3 | None = None
+    first: Vector3 | None = None
+    angle: bool = False
+    stroke: bool = False
+
+    needs_frames = True
+    has_angle = False
+    has_stroke = False
+
+    def __post_init__(self) -> None:
+        if self._component(self.a) is self._component(self.b):
+            raise InputError(f"{self.label} joins {self._component(self.a).label} with itself")
+        for wanted, possible in (("angle", self.has_angle), ("stroke", self.has_stroke)):
+            if getattr(self, wanted) and not possible:
+                raise InputError(f"{self.label}: a {type(self).__name__} joint has no {wanted}")
+
+    @staticmethod
+    def _component(side: Any) -> Attachable:
+        component = side.component if isinstance(side, Point) else side
+        if not isinstance(component, Attachable):
+            raise InputError(f"a joint needs bodies, points or frames to join, not {side!r}")
+        return component
+
+    @property
+    def partners(self) -> tuple[Attachable, Attachable]:
+        """The two components that are joined."""
+        return self._component(self.a), self._component(self.b)
+
+    def _attach(self, side: Any) -> Point:
+        if isinstance(side, Point):
+            if self.needs_frames and not isinstance(side, Frame):
+                raise InputError(f"{self.label} needs frames; use {side.component.label}.frame(...)")
+            return side
+        if self.at is None:
+            raise InputError(f"{self.label}: say where with at=(x, y, z), or give points or frames to join")
+        if not self.needs_frames:
+            return side.point_at(self.at)  # type: ignore[no-any-return]
+        axis = np.array([0.0, 0.0, 1.0]) if self.axis is None else self.axis
+        return side.frame_at(self.at, axis, self.first)  # type: ignore[no-any-return]
+
+    # --- what a joint defines -----------------------------------------------------------------------------------
+    def constraints(self, A: Side, B: Side) -> Sequence[Strain | Form]:
+        """The constraints between the two sides."""
+        raise NotImplementedError
+
+    # --- part in the system -------------------------------------------------------------------------------------
+    def want(self, coordinate: str) -> None:
+        """Ask for a coordinate before the system is built (motors and springs on joints do)."""
+        if not getattr(self, f"has_{coordinate}"):
+            raise InputError(f"{self.label}: a {type(self).__name__} joint has no {coordinate}")
+        setattr(self, coordinate, True)
+
+    def declare(self, model: Model) -> None:
+        self._sides = Side(self._attach(self.a)), Side(self._attach(self.b))
+        self._coordinates: dict[str, Field] = {}
+        x, v = initial(model)
+        if self.angle:
+            e0, e1 = angle_strains(*self._sides)
+            s, c = e1.value(x), e0.value(x)
+            rate = (c * e1.rate(x, v) - s * e0.rate(x, v)) / (s * s + c * c)
+            self._coordinates["angle"] = model.field(
+                self, "angle", [np.arctan2(s, c)], [rate], scale=1.0, stage=1
+            )
+        if self.stroke:
+            u = stroke_strain(*self._sides)
+            self._coordinates["stroke"] = model.field(
+                self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length, stage=1
+            )
+
+    def contribute(self, model: Model) -> None:
+        self._strains = [strain(e) for e in self.constraints(*self._sides)]
+        n = len(self._strains)
+        self._multipliers = model.multipliers(self, "reaction", n + len(self._coordinates), block=self)
+        if n:
+            model.constrain(self, self._multipliers, self._strains)
+        k = n
+        if self.angle:
+            ties = [*angle_strains(*self._sides), strain(self.coordinate("angle"))]
+            model.constrain(self, self._multipliers, ties, first=k, law=Law(LawKind.ANGLE), n=1)
+            k += 1
+        if self.stroke:
+            tie = stroke_strain(*self._sides) - self.coordinate("stroke")
+            model.constrain(self, self._multipliers, [tie], first=k)
+
+    def coordinate(self, name: str | None = None) -> Form:
+        """The joint's coordinate as a form; `name` where it has both an angle and a stroke."""
+        if name is None:
+            if len(self._coordinates) != 1:
+                raise InputError(f"{self.label} has the coordinates {list(self._coordinates)}; say which")
+            name = next(iter(self._coordinates))
+        return self._coordinates[name].form()
+
+    def generalised_reaction(self, x: Array) -> dict[int, float]:
+        """Force of the joint on every unknown it touches, from the multipliers in `x`."""
+        force: dict[int, float] = {}
+        for k, e in enumerate(self._strains):
+            lam = float(x[self._multipliers.start + k])
+            for u, g in e.gradient(x).items():
+                force[u] = force.get(u, 0.0) - lam * g
+        return force
+
+
+def angle_strains(A: Side, B: Side) -> tuple[Strain, Strain]:
+    """Cosine and sine of the angle of B's first director in A's plane of directors 1 and 2."""
+    return dot(A.d1, B.d1), dot(A.d2, B.d1)
+
+
+def stroke_strain(A: Side, B: Side) -> Strain:
+    """How far B is along A's third director."""
+    return dot(A.d3, B.p - A.p)
+
+
+def initial(model: Model) -> tuple[Array, Array]:
+    """Initial values and rates of all unknowns made so far."""
+    return np.concatenate([f.values for f in model.fields]), np.concatenate([f.rates for f in model.fields])

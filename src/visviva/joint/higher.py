@@ -1,0 +1,101 @@
+"""Couplings between the coordinates of joints: rope over a winch, gear, rack and pinion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.errors import InputError
+from visviva.form import Form, Strain, product, squared
+from visviva.joint.base import Joint, Side
+from visviva.values import Number
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Constraints = Sequence[Strain | Form]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class RopeOverWinch(Joint):
+    """Inextensible massless rope from `a` to `b` that a winch of `radius` pays out: ``|p| = length + radius angle``.
+
+    `winch` is the revolute joint whose angle counts; the rope leaves at the point `a`. Written quadratically,
+    ``(|p|^2 - (length + radius angle)^2) / (2 length)``, so that its multiplier is about the rope's tension.
+    """
+
+    winch: Any
+    radius: Number
+    length: Number
+    needs_frames = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.length <= 0:
+            raise InputError(f"{self.label}: length {self.length:g} is not positive")
+        self.winch.want("angle")
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        L = self.radius * self.winch.coordinate("angle") + self.length
+        return [1 / (2 * self.length) * (squared(B.p - A.p) - product(L, L))]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class _Coupling(Joint):
+    """One linear relation between two joint coordinates that keeps its initial value."""
+
+    a: Any
+    b: Any
+
+    def __post_init__(self) -> None:
+        if self.a is self.b:
+            raise InputError(f"{self.label} couples {self.a.label} with itself")
+        self.request()
+
+    def request(self) -> None:
+        raise NotImplementedError
+
+    def relation(self) -> Form:
+        raise NotImplementedError
+
+    def declare(self, model: Model) -> None:
+        self._coordinates = {}
+
+    def contribute(self, model: Model) -> None:
+        from visviva.joint.base import initial
+
+        form = self.relation()
+        self._strains = [Strain((), form - form.value(initial(model)[0]))]
+        self._multipliers = model.multipliers(self, "reaction", 1, stage=2, block=self)
+        model.constrain(self, self._multipliers, self._strains)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Gear(_Coupling):
+    """Angle of joint `a` plus `ratio` times the angle of joint `b` stays constant (1 constraint)."""
+
+    ratio: Number
+
+    def request(self) -> None:
+        self.a.want("angle")
+        self.b.want("angle")
+
+    def relation(self) -> Form:
+        return self.a.coordinate("angle") + self.ratio * self.b.coordinate("angle")
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class RackAndPinion(_Coupling):
+    """Stroke of the rack's joint `b` follows `radius` times the angle of the pinion's joint `a` (1 constraint)."""
+
+    radius: Number
+
+    def request(self) -> None:
+        self.a.want("angle")
+        self.b.want("stroke")
+
+    def relation(self) -> Form:
+        return self.b.coordinate("stroke") - self.radius * self.a.coordinate("angle")

@@ -1,0 +1,145 @@
+"""Joints between two frames, each a few products of directors and the vector from one side to the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.form import Form, Strain, dot, squared
+from visviva.joint.base import Joint, Side, initial, stroke_strain
+from visviva.values import Number
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Constraints = Sequence[Strain | Form]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Spherical(Joint):
+    """Ball joint: the two points stay together (3 constraints)."""
+
+    needs_frames = False
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return list(B.p - A.p)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Revolute(Joint):
+    """Hinge about the axis (5 constraints); coordinate: `angle`."""
+
+    has_angle = True
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return [*(B.p - A.p), dot(A.d3, B.d1), dot(A.d3, B.d2)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Prismatic(Joint):
+    """Slider along the axis without rotation (5 constraints); coordinate: `stroke`."""
+
+    has_stroke = True
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        p = B.p - A.p
+        return [dot(A.d1, p), dot(A.d2, p), dot(A.d1, B.d2), dot(A.d2, B.d3), dot(A.d3, B.d1)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Cylindrical(Joint):
+    """Slides along and turns about the axis (4 constraints); coordinates: `angle`, `stroke`."""
+
+    has_angle = True
+    has_stroke = True
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        p = B.p - A.p
+        return [dot(A.d1, p), dot(A.d2, p), dot(A.d3, B.d1), dot(A.d3, B.d2)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Planar(Joint):
+    """Moves in the plane normal to the axis and turns about the axis (3 constraints); coordinate: `angle`."""
+
+    has_angle = True
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return [dot(A.d3, B.p - A.p), dot(A.d3, B.d1), dot(A.d3, B.d2)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Screw(Cylindrical):
+    """Cylindrical joint that advances by `pitch` along the axis per turn (5 constraints); coordinate: `angle`."""
+
+    pitch: Number
+    has_stroke = False
+
+    def declare(self, model: Model) -> None:
+        self.angle = True
+        super().declare(model)
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        advance = stroke_strain(A, B) - self.pitch / (2 * np.pi) * self.coordinate("angle")
+        return [*super().constraints(A, B), advance - advance.value(self._x0)]
+
+    def contribute(self, model: Model) -> None:
+        self._x0, _ = initial(model)
+        super().contribute(model)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Universal(Joint):
+    """Cardan joint: points together, first director of a normal to second director of b (4 constraints)."""
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return [*(B.p - A.p), dot(A.d1, B.d2)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Rigid(Joint):
+    """Weld: no relative motion (6 constraints)."""
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return [*(B.p - A.p), dot(A.d1, B.d2), dot(A.d2, B.d3), dot(A.d3, B.d1)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class PointOnLine(Joint):
+    """The point of b stays on the line through a along the axis (2 constraints); coordinate: `stroke`."""
+
+    has_stroke = True
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        p = B.p - A.p
+        return [dot(A.d1, p), dot(A.d2, p)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class PointOnPlane(Joint):
+    """The point of b stays in the plane through a normal to the axis (1 constraint)."""
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        return [dot(A.d3, B.p - A.p)]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Distance(Joint):
+    """Massless rod between two points (1 constraint); its length is the initial distance if not given."""
+
+    length: Number | None = None
+    needs_frames = False
+
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        if self.length is None:
+            A, B = self._sides
+            self.length = float(np.sqrt(squared(B.p - A.p).value(initial(model)[0])))
+
+    def constraints(self, A: Side, B: Side) -> Constraints:
+        assert self.length is not None
+        return [0.5 * squared(B.p - A.p) - 0.5 * self.length**2]

@@ -1,0 +1,69 @@
+"""What strains cost: energies and laws known to the core, and functions of the user at batch level."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class LawKind(IntEnum):
+    """The laws of the core, in its order (`cpp/core/strain.hpp`)."""
+
+    LINEAR = 0
+    QUADRATIC = 1
+    LENGTH = 2
+    ENERGY_CALLBACK = 3
+    CONSTRAINT = 4
+    ANGLE = 5
+    SERVO = 6
+    FUNCTION_CALLBACK = 7
+    LOAD = 8
+    VISCOUS = 9
+    VISCOUS_LENGTH = 10
+    RATE_CALLBACK = 11
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of the core with its parameters, or a function of the user (`callback`)."""
+
+    kind: LawKind
+    parameters: tuple[float, ...] = (0.0, 0.0)
+    callback: Callable[..., Any] | None = None
+
+
+def linear(k: float) -> Law:
+    """Energy ``W = k e``."""
+    return Law(LawKind.LINEAR, (k, 0.0))
+
+
+def quadratic(k: float, free: float = 0.0) -> Law:
+    """Energy ``W = k/2 (e - free)^2``."""
+    return Law(LawKind.QUADRATIC, (k, free))
+
+
+def length(k: float, free: float) -> Law:
+    """Energy ``W = k/2 (sqrt(e) - free)^2`` of a squared length ``e``."""
+    return Law(LawKind.LENGTH, (k, free))
+
+
+def load(amplitude: float) -> Law:
+    """Generalised force ``amplitude * s(t)`` that does work on the strain."""
+    return Law(LawKind.LOAD, (amplitude, 0.0))
+
+
+def viscous(c: float) -> Law:
+    """Resisting generalised force ``c de/dt``."""
+    return Law(LawKind.VISCOUS, (c, 0.0))
+
+
+def viscous_length(c: float) -> Law:
+    """Resisting force ``c dl/dt`` along the length ``l = sqrt(e)``."""
+    return Law(LawKind.VISCOUS_LENGTH, (c, 0.0))

@@ -1,0 +1,1 @@
+"""Forces: gravity, springs, dampers, motors, dead and follower loads."""

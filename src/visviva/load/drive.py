@@ -1,0 +1,94 @@
+"""What acts on the coordinate of a joint: motor (prescribed motion), force or torque, spring, damper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic.dataclasses import dataclass
+
+from visviva.component import Component, settings
+from visviva.form import Form
+from visviva.joint.base import Joint, initial
+from visviva.law import quadratic, viscous
+from visviva.values import Number
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class OnJoint(Component):
+    """Base of what acts on a coordinate: `joint`, and `coordinate` ('angle' or 'stroke')."""
+
+    joint: Joint
+    coordinate: Literal["angle", "stroke"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.coordinate is None:
+            self.coordinate = "angle" if self.joint.has_angle else "stroke"
+        self.joint.want(self.coordinate)
+
+    @property
+    def form(self) -> Form:
+        """The coordinate as a form."""
+        return self.joint.coordinate(self.coordinate)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Motor(OnJoint):
+    """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force."""
+
+    motion: Callable[[float], float]
+
+    def contribute(self, model: Model) -> None:
+        self._multipliers = model.multipliers(self, "reaction", 1, stage=2)
+        model.constrain(self, self._multipliers, [self.form], targets=[self.motion])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class JointForce(OnJoint):
+    """Torque on an angle or force on a stroke: a number, or a function of time."""
+
+    force: Number | Callable[[float], float]
+
+    def contribute(self, model: Model) -> None:
+        if callable(self.force):
+            model.load(self, "joint force", self.form, 1.0, self.force)
+        else:
+            model.load(self, "joint force", self.form, float(self.force), None)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class JointSpring(OnJoint):
+    """Linear spring on a coordinate, free at `free` (the initial value if not given)."""
+
+    stiffness: Number
+    free: Number | None = None
+
+    def contribute(self, model: Model) -> None:
+        free = self.form.value(initial(model)[0]) if self.free is None else self.free
+        model.potential(self, "spring", self.form, quadratic(self.stiffness, free))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class JointDamper(OnJoint):
+    """Linear damper on a coordinate."""
+
+    damping: Number
+
+    def contribute(self, model: Model) -> None:
+        model.dissipate(self, "damper", self.form, viscous(self.damping))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Force(Component):
+    """Dead force (3,) at a point, times `at` (a function of time) if given."""
+
+    on: Any
+    force: Any
+    at: Callable[[float], float] | None = None
+
+    def contribute(self, model: Model) -> None:
+        point = self.on if hasattr(self.on, "position") and hasattr(self.on, "X") else self.on.point()
+        model.load(self, "force", point.position.along(self.force), 1.0, self.at)

@@ -1,0 +1,30 @@
+"""Uniform gravity."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from visviva.component import Component, settings
+from visviva.law import linear
+from visviva.values import Vector3
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Gravity(Component):
+    """Uniform acceleration `acceleration` (3,) on everything that has mass."""
+
+    acceleration: Vector3 = (0.0, 0.0, -9.81)
+    name: str | None = "gravity"
+
+    def contribute(self, model: Model) -> None:
+        for component in model.components:
+            for mass, centre in component.weights():
+                e = centre.along(-mass * self.acceleration)
+                if e.weights:
+                    model.potential(component, "gravity", e, linear(1.0))

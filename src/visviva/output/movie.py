@@ -1,0 +1,135 @@
+"""Movies of a stored motion, without a screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError, RunError
+from visviva.output.files import replacing, reporting
+from visviva.output.picture import centre_paths, time_label
+from visviva.output.stage import Camera, Scene, open_stage
+from visviva.output.trajectory import Trajectory
+
+Image = NDArray[np.uint8]
+
+
+def movie(
+    trajectory: str | Path,
+    file: str | Path,
+    *,
+    fps: int = 25,
+    speed: float = 1.0,
+    trails: Sequence[str] = (),
+    colors: Sequence[str] = (),
+    camera: Camera | None = None,
+    size: tuple[int, int] = (1280, 720),
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Turn a stored motion into a movie.
+
+    Parameters
+    ----------
+    trajectory
+        A ``trajectory.vtkhdf``.
+    file
+        Movie to write: ``*.mp4`` (H.264), or ``*.gif`` which needs no encoder.
+    fps
+        Frames per second.
+    speed
+        Seconds of motion per second of movie.
+    trails
+        Names of the surfaces whose centres leave a trail.
+    colors, camera
+        As for `picture`.
+    size
+        Width and height in pixels, both even.
+    progress
+        Called with the number of frames done and the number of all.
+
+    Raises
+    ------
+    InputError
+        If a parameter makes no movie, or the encoder for mp4 is not installed.
+    RunError
+        If the file cannot be written.
+    """
+    target = Path(file)
+    if not fps > 0 or not speed > 0:
+        raise InputError(f"a movie needs fps > 0 and speed > 0, got {fps} and {speed}")
+    if size[0] % 2 or size[1] % 2 or min(size) < 16:
+        raise InputError(f"a movie needs an even width and height of at least 16 pixels, got {size}")
+    encode = _encode_gif if target.suffix.lower() == ".gif" else _encode_mp4
+    with Trajectory(trajectory) as motion:
+        scene = Scene(motion.surfaces, *motion.bounds(), tuple(colors), camera, size)
+        times = _frame_times(motion.times, speed / fps)
+        frames = _frames(motion, scene, times, trails, progress)
+        try:
+            with reporting(target), replacing(target) as temporary:
+                encode(frames, temporary, fps, size)
+        finally:
+            frames.close()
+
+
+def _frame_times(times: NDArray[np.float64], interval: float) -> NDArray[np.float64]:
+    n_frames = int(np.floor((times[-1] - times[0]) / interval + 1e-9)) + 1
+    return np.minimum(times[0] + interval * np.arange(n_frames), times[-1])
+
+
+def _frames(
+    motion: Trajectory,
+    scene: Scene,
+    times: NDArray[np.float64],
+    trails: Sequence[str],
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[Image]:
+    paths = centre_paths(motion, trails)
+    stage = open_stage(scene)
+    try:
+        for k, time in enumerate(times):
+            passed = [path[motion.times <= time] for path in paths]
+            stage.place(motion.points_at(float(time)), passed, time_label(float(time)))
+            yield stage.image()
+            if progress is not None:
+                progress(k + 1, len(times))
+    finally:
+        stage.close()
+
+
+def _encode_mp4(frames: Iterator[Image], path: Path, fps: int, size: tuple[int, int]) -> None:
+    try:
+        from imageio_ffmpeg import write_frames
+    except ImportError as error:
+        raise InputError("an mp4 movie needs: pip install 'visviva[view]'; a *.gif does not") from error
+    options = ["-f", "mp4", "-movflags", "+faststart", "-crf", "20", "-preset", "medium"]
+    encoder = write_frames(
+        str(path),
+        size,
+        fps=fps,
+        codec="libx264",
+        quality=None,
+        output_params=options,
+        ffmpeg_log_level="error",
+    )
+    encoder.send(None)
+    try:
+        for frame in frames:
+            encoder.send(np.ascontiguousarray(frame))
+        encoder.close()
+    except OSError as error:
+        with suppress(OSError):
+            encoder.close()
+        raise RunError(
+            f"the movie could not be encoded ({str(error).splitlines()[0]}); is the disk full?"
+        ) from error
+
+
+def _encode_gif(frames: Iterator[Image], path: Path, fps: int, size: tuple[int, int]) -> None:
+    from PIL import Image as pillow
+
+    first, *others = (pillow.fromarray(frame).quantize(64) for frame in frames)
+    first.save(path, format="GIF", save_all=True, append_images=others, duration=round(1000 / fps), loop=0)

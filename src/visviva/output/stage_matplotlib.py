@@ -1,0 +1,111 @@
+"""Scenes drawn by matplotlib, for machines without OpenGL."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.output.stage import INK, VIEW, Points, Scene
+
+LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
+DOTS_PER_INCH = 100
+
+
+class MatplotlibStage:
+    """A scene with flatly shaded faces on a ground grid, trails and a label.
+
+    Faces are sorted by depth as matplotlib does it, so parts that interlock may show in a wrong order.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.colors import to_rgb
+        from matplotlib.figure import Figure
+
+        self.scene = scene
+        self._figure = Figure(figsize=(scene.size[0] / DOTS_PER_INCH, scene.size[1] / DOTS_PER_INCH))
+        self._canvas = FigureCanvasAgg(self._figure)
+        self._figure.set_dpi(DOTS_PER_INCH)
+        self._figure.set_facecolor("#f4f7fa")
+        self._colors = [np.array(to_rgb(scene.color(k))) for k in range(len(scene.surfaces))]
+        self._axes: Any = self._figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
+        self._set_up()
+        self._ground()
+        self._drawn: list[Any] = []
+
+    def place(self, points: Points, trails: Points, label: str) -> None:
+        for artist in self._drawn:
+            artist.remove()
+        self._drawn = [*self._faces(points), *self._lines(points), *self._trails(trails)]
+        self._drawn.append(
+            self._axes.text2D(0.02, 0.95, label, transform=self._axes.transAxes, color=INK, size=14)
+        )
+
+    def image(self) -> NDArray[np.uint8]:
+        self._canvas.draw()
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+
+    def close(self) -> None:
+        self._figure.clear()
+
+    def _set_up(self) -> None:
+        axes, scene = self._axes, self.scene
+        size = np.maximum(scene.high - scene.low, 0.02 * scene.extent)
+        middle = (scene.low + scene.high) / 2
+        for limits, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
+            limits(m - s / 2, m + s / 2)
+        axes.set_box_aspect(size, zoom=1.35)
+        axes.set_axis_off()
+        view = np.array(VIEW) if scene.camera is None else np.subtract(scene.camera[0], scene.camera[1])
+        axes.view_init(
+            elev=np.degrees(np.arctan2(view[2], np.hypot(view[0], view[1]))),
+            azim=np.degrees(np.arctan2(view[1], view[0])),
+        )
+
+    def _ground(self) -> None:
+        from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+        x, y = self.scene.grid()
+        z = self.scene.ground
+        ends = [((x[0], b, z), (x[-1], b, z)) for b in y] + [((a, y[0], z), (a, y[-1], z)) for a in x]
+        self._axes.add_collection3d(Line3DCollection(ends, colors="#c3ced8", linewidths=0.8), autolim=False)
+
+    def _faces(self, points: Points) -> list[Any]:
+        """All faces in one collection, so that they are sorted among each other."""
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+        faces, colors = [], []
+        for k, (surface, current) in enumerate(zip(self.scene.surfaces, points, strict=True)):
+            for block in (block for block in surface.cells if block.shape[1] > 2):
+                corners = current[block]
+                faces += list(corners)
+                colors += list(_shades(corners)[:, None] * self._colors[k])
+        if not faces:
+            return []
+        collection = Poly3DCollection(
+            faces, facecolors=np.clip(colors, 0, 1), edgecolors="none", antialiased=False
+        )
+        return [self._axes.add_collection3d(collection, autolim=False)]
+
+    def _lines(self, points: Points) -> list[Any]:
+        drawn = []
+        for k, (surface, current) in enumerate(zip(self.scene.surfaces, points, strict=True)):
+            for block in (block for block in surface.cells if block.shape[1] < 3):
+                for corners in current[block]:
+                    drawn += self._axes.plot(
+                        *corners.T, color=self._colors[k], lw=2.5, marker="o", ms=4 / block.shape[1]
+                    )
+        return drawn
+
+    def _trails(self, trails: Points) -> list[Any]:
+        return [line for trail in trails for line in self._axes.plot(*trail.T, color=INK, lw=1.2, alpha=0.7)]
+
+
+def _shades(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Brightness of plane faces (m, k, 3), 0.55 in the dark and 1.1 towards the light."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    shades: NDArray[np.float64] = 0.55 + 0.55 * np.clip(normals @ LIGHT, 0, 1)
+    return shades

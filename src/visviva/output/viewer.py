@@ -1,0 +1,70 @@
+"""The interactive viewer of a stored motion."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from visviva.errors import InputError
+from visviva.output.picture import centre_paths, time_label
+from visviva.output.stage import Scene
+from visviva.output.trajectory import Trajectory
+
+
+def show(trajectory: str | Path, *, trails: Sequence[str] = (), colors: Sequence[str] = ()) -> None:
+    """Open a window with the motion and a slider for the time; returns when the window is closed.
+
+    Parameters
+    ----------
+    trajectory
+        A ``trajectory.vtkhdf``.
+    trails
+        Names of the surfaces whose centres leave a trail.
+    colors
+        One per surface; a palette if not given.
+
+    Raises
+    ------
+    InputError
+        If there is no screen, or PyVista is not installed.
+    """
+    if not _has_screen():
+        raise InputError("there is no screen to show the motion on; write a picture or a movie instead")
+    with Trajectory(trajectory) as motion:
+        plotter = build_viewer(motion, trails, colors, off_screen=False)
+        plotter.show(title=str(trajectory))
+
+
+def build_viewer(motion: Trajectory, trails: Sequence[str], colors: Sequence[str], off_screen: bool) -> Any:
+    """Set up the window with its slider."""
+    try:
+        import pyvista
+    except ImportError as error:
+        raise InputError("the viewer needs: pip install 'visviva[view]'") from error
+    from visviva.output.stage_pyvista import PyVistaStage
+
+    plotter = pyvista.Plotter(off_screen=off_screen, window_size=[1280, 800], lighting="none")
+    stage = PyVistaStage(Scene(motion.surfaces, *motion.bounds(), tuple(colors), size=(1280, 800)), plotter)
+    paths = centre_paths(motion, trails)
+
+    def move(time: float) -> None:
+        passed = [path[motion.times <= time] for path in paths]
+        stage.place(motion.points_at(time), passed, time_label(time))
+
+    start, end = float(motion.times[0]), float(motion.times[-1])
+    move(start)
+    if end > start:
+        plotter.add_slider_widget(
+            move, (start, end), start, "time in s", interaction_event="always", pointa=(0.25, 0.08), pointb=(0.75, 0.08),
+            style="modern", fmt="%.2f", color="#2b3440",
+        )  # fmt: skip
+    return plotter
+
+
+def _has_screen() -> bool:
+    if sys.platform != "linux":
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

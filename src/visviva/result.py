@@ -1,0 +1,118 @@
+"""What a run leaves: states, ledger, statistics, and the audit of what was conserved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.form import Form, Strain, Vector
+from visviva.ledger import MOMENTA, Ledger
+
+if TYPE_CHECKING:
+    from visviva.scheme import Scheme
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Statistics:
+    """Counts and times of a run."""
+
+    steps: int = 0
+    iterations: int = 0
+    factorizations: int = 0
+    rejected: int = 0
+    seconds: float = 0.0
+
+
+@dataclass
+class Result:
+    """A run's states, ledger and statistics.
+
+    Attributes
+    ----------
+    times : list of float
+        Times of the kept states.
+    states, rates : list of arrays
+        Unknowns and rates at these times.
+    ledger : Ledger
+        One row per accepted step.
+    """
+
+    system: System
+    scheme: Scheme
+    ledger: Ledger
+    times: list[float] = field(default_factory=list)
+    states: list[Array] = field(default_factory=list)
+    rates: list[Array] = field(default_factory=list)
+    statistics: Statistics = field(default_factory=Statistics)
+
+    def history(self, what: Form | Vector | Strain) -> Array:
+        """Values of a form, vector or strain at the kept times, (n,) or (n, 3)."""
+        return np.array([what.value(x) for x in self.states])
+
+    def conservation(self) -> dict[str, float]:
+        """Relative errors: energy balance, each momentum, constraints at position and velocity level."""
+        ledger = self.ledger
+        figures = {"energy": ledger.imbalance()}
+        figures |= {name: ledger.drift(name) for name in MOMENTA}
+        figures["constraints"] = float(ledger["defect_position"].max())
+        figures["constraint rates"] = float(ledger["defect_velocity"].max())
+        return figures
+
+    def audit(self) -> str:
+        """What was conserved, in ten lines; also printed."""
+        text = audit(self)
+        print(text)
+        return text
+
+    def assert_conserved(self, *names: str, tolerance: float = 1e-9) -> None:
+        """Raise `AssertionError` unless these figures of `conservation` are below `tolerance`."""
+        figures = self.conservation()
+        for name in names or ("energy", "constraints"):
+            if not figures[name] <= tolerance:
+                raise AssertionError(f"{name} is not conserved: error {figures[name]:.3e} > {tolerance:.1e}")
+
+
+def audit(result: Result) -> str:
+    """The audit's text."""
+    system, s, ledger = result.system, result.statistics, result.ledger
+    f = result.conservation()
+    m = system.n_constraints
+    momentum = "  ".join(f"{c} {f[f'momentum_{c}']:.1e}" for c in "xyz")
+    angular = "  ".join(f"{c} {f[f'angular_{c}']:.1e}" for c in "xyz")
+    works = ", ".join(f"{k} {ledger[f'work_{k}'][-1]:.6g}" for k in ledger.works) or "none"
+    seconds = max(s.seconds, 1e-12)
+    return "\n".join(
+        [
+            f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
+            f"  unknown coordinates n = {system.n_coordinates}, constraints m = {m}",
+            f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
+            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step)",
+            f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
+            f"  work done on the system: {works}",
+            f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}",
+            f"  linear momentum changes (relative)   {momentum}",
+            f"  angular momentum changes (relative)  {angular}",
+            f"  constraints hold to {f['constraints']:.1e}, their rates to {f['constraint rates']:.1e}",
+        ]
+    )
+
+
+def figures(result: Result) -> dict[str, Any]:
+    """Numbers of a run for its summary."""
+    s = result.statistics
+    return {
+        "coordinates": result.system.n_coordinates,
+        "constraints": result.system.n_constraints,
+        "steps": s.steps,
+        "iterations": s.iterations,
+        "factorizations": s.factorizations,
+        "rejected": s.rejected,
+        "seconds": s.seconds,
+        "conservation": result.conservation(),
+    }

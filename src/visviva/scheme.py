@@ -1,0 +1,153 @@
+"""Time integration schemes: small value objects that say where things are evaluated and how rates follow.
+
+A scheme gives one step's numbers: the evaluation time of loads, where strain and constraint gradients are taken
+(``x_theta = x0 + theta (x1 - x0)``), which stress rule holds, and two tables that express rates and the history at
+the end of the step through the increment ``dx = x1 - x0`` and the history ``(v, a, w)`` at its start. Rows of a
+table: rate at the evaluation point, second rate there, then ``v``, ``a``, ``w`` at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from visviva import _core
+
+NONE = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """Base of all schemes.
+
+    Attributes
+    ----------
+    order : int
+        Order of accuracy in time of the motion; one test checks them all.
+    needs_acceleration : bool
+        Whether the history starts from consistent initial accelerations.
+    projects_velocity : bool
+        Whether velocities are projected onto the constraints after each step.
+    """
+
+    order: ClassVar[int] = 0
+    theta: ClassVar[float] = 1.0
+    theta_g: ClassVar[float | None] = None
+    discrete_gradient: ClassVar[bool] = False
+    needs_acceleration: ClassVar[bool] = False
+    projects_velocity: ClassVar[bool] = False
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        """Table of a field of order 2."""
+        raise NotImplementedError
+
+    def transport(self, h: float) -> Sequence[Sequence[float]]:
+        """Table of a field of order 1."""
+        raise NotImplementedError
+
+    def step(self, t0: float, h: float) -> _core.Step:
+        """The numbers of the step from `t0` to ``t0 + h``."""
+        theta_g = self.theta if self.theta_g is None else self.theta_g
+        te = t0 + self.theta * h
+        motion = np.array(self.motion(h), dtype=float)
+        transport = np.array(self.transport(h), dtype=float)
+        return _core.Step(t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport)
+
+
+@dataclass(frozen=True)
+class Midpoint(Scheme):
+    """Implicit midpoint rule, paper eq. (10): second order, conserves momenta, energy of quadratic potentials."""
+
+    order: ClassVar[int] = 2
+    theta: ClassVar[float] = 0.5
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        second = (2 / h**2, -2 / h, 0.0, 0.0)
+        return ((1 / h, 0, 0, 0), second, (2 / h, -1, 0, 0), second, NONE)
+
+    def transport(self, h: float) -> Sequence[Sequence[float]]:
+        return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)
+
+
+@dataclass(frozen=True)
+class EnergyMomentum(Midpoint):
+    """Energy-momentum scheme: the midpoint rule with discrete gradients (Gonzalez 1996), paper eq. (23).
+
+    Conserves energy, momenta and constraints to round-off for every material and joint.
+    """
+
+    discrete_gradient: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class VariationalMidpoint(Midpoint):
+    """Discrete Euler-Lagrange equations of the midpoint Lagrangian, constraints and multipliers at the nodes [3].
+
+    Symplectic and momentum conserving; velocities are projected onto the constraints at the end of each step.
+    """
+
+    theta_g: ClassVar[float | None] = 0.0
+    projects_velocity: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class BackwardEuler(Scheme):
+    """Backward Euler: first order, dissipates."""
+
+    order: ClassVar[int] = 1
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        second = (1 / h**2, -1 / h, 0.0, 0.0)
+        return ((1 / h, 0, 0, 0), second, (1 / h, 0, 0, 0), second, NONE)
+
+    def transport(self, h: float) -> Sequence[Sequence[float]]:
+        return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)
+
+
+@dataclass(frozen=True)
+class GeneralizedAlpha(Scheme):
+    """Generalised-alpha (Chung & Hulbert 1993) in the form of Arnold & Bruels (2007) for constrained systems.
+
+    Parameters
+    ----------
+    rho : float
+        Spectral radius at infinity, 0 (damps most) to 1 (damps nothing).
+    """
+
+    rho: float = 0.9
+    order: ClassVar[int] = 2
+    needs_acceleration: ClassVar[bool] = True
+
+    def parameters(self) -> tuple[float, float, float, float]:
+        """``alpha_m, alpha_f, gamma, beta``."""
+        alpha_m, alpha_f = (2 * self.rho - 1) / (self.rho + 1), self.rho / (self.rho + 1)
+        gamma = 0.5 + alpha_f - alpha_m
+        return alpha_m, alpha_f, gamma, 0.25 * (gamma + 0.5) ** 2
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        am, af, gamma, beta = self.parameters()
+        a1 = np.array([1 / (h * h * beta), -1 / (h * beta), -(0.5 - beta) / beta, 0.0])
+        v1 = np.array([0, 1, h * (1 - gamma), 0]) + h * gamma * a1
+        w1 = ((1 - am) * a1 + np.array([0, 0, am, -af])) / (1 - af)
+        return (v1, w1, v1, a1, w1)
+
+    def transport(self, h: float) -> Sequence[Sequence[float]]:
+        am, af, gamma, _ = self.parameters()
+        a1 = np.array([1 / (h * gamma), 0, -(1 - gamma) / gamma, 0])
+        w1 = ((1 - am) * a1 + np.array([0, 0, am, -af])) / (1 - af)
+        return (w1, NONE, w1, a1, w1)
+
+
+@dataclass(frozen=True)
+class Static(Scheme):
+    """Static equilibrium at the end of the step: no rates, no inertia; time only drives the loads."""
+
+    order: ClassVar[int] = 0
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        return (NONE,) * 5
+
+    transport = motion

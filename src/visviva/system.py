@@ -1,0 +1,277 @@
+"""The system: numbers the unknowns of its components, hands them to the core, takes steps."""
+
+from __future__ import annotations
+
+import weakref
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.component import Component
+from visviva.errors import InputError, RunError
+from visviva.form import Form, Strain, Vector
+from visviva.model import Field, Model, inertia_terms, strain_terms
+from visviva.scheme import EnergyMomentum, Scheme
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Newton:
+    """How a step's equations are solved.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest estimated error of an accepted iterate, relative to each unknown's own scale.
+    max_iterations : int
+        After this many the step has failed.
+    keep_factor : float
+        A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a new
+        tangent in every iteration.
+    null_space : bool or None
+        Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
+    """
+
+    tolerance: float = 1e-14
+    max_iterations: int = 25
+    keep_factor: float = 0.02
+    null_space: bool | None = None
+    regularization: float = 1e-11
+
+
+class StepFailure(RunError):
+    """A step that did not converge.
+
+    Attributes
+    ----------
+    component, unknown : str
+        Where the last increment was largest.
+    increments : list of float
+        Relative size of the increment in every iteration.
+    """
+
+    def __init__(self, system: System, time: float, h: float, report: Any) -> None:
+        self.component, self.unknown = system.describe(report.worst_unknown)
+        self.increments = list(report.increments)
+        self.time, self.h, self.reason = time, h, report.reason
+        history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
+        super().__init__(
+            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; worst is {self.unknown} of "
+            f"{self.component}; relative increments ... {history}. Try a smaller step, or look at this component's "
+            f"data near t = {time:.4g}"
+        )
+
+
+class System:
+    """A set of components as one system of equations.
+
+    Parameters
+    ----------
+    components : sequence of Component
+        Bodies, joints, forces. Order does not matter for the physics.
+    newton : Newton
+        Options of the solver.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    >>> rod = vv.Distance(a=ground.point(), b=ball.point())
+    >>> system = vv.System([ground, ball, rod, vv.Gravity()])
+    >>> system.n_coordinates, system.n_constraints
+    (3, 1)
+    """
+
+    def __init__(self, components: Sequence[Component], newton: Newton | None = None) -> None:
+        self.components = list(components)
+        self.newton = newton or Newton()
+        self.time = 0.0
+        self.rejected = 0
+        self.has_acceleration = False
+        self._name_components()
+        self.model = Model(self.components, length=characteristic_length(self.components))
+        for c in self.components:
+            owner = getattr(c, "_system", lambda: None)()
+            if owner is not None:
+                raise InputError(f"{c.label} belongs to another system; copy.deepcopy the components before reuse")
+            c._system = weakref.ref(self)  # type: ignore[attr-defined]
+        for c in self.components:
+            c.declare(self.model)
+        for c in self.components:
+            c.contribute(self.model)
+        if not self.model.fields:
+            raise InputError("the system has no unknowns: add a body or another component that can move")
+        self._build_core()
+        self._check_finite()
+
+    # --- construction -------------------------------------------------------------------------------------------
+    def _name_components(self) -> None:
+        seen: Counter[str] = Counter()
+        taken = {c.name for c in self.components if c.name}
+        for c in self.components:
+            if not isinstance(c, Component):
+                raise InputError(f"a system is composed of components, not of {c!r}")
+            if c.name is None:
+                kind = type(c).__name__.lower()
+                while c.name is None or c.name in taken:
+                    seen[kind] += 1
+                    c.name = f"{kind}-{seen[kind]}"
+                taken.add(c.name)
+        doubled = [n for n, k in Counter(c.name for c in self.components).items() if k > 1]
+        if doubled:
+            raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+    def _build_core(self) -> None:
+        fields = self.model.fields
+        order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
+        scale = np.concatenate([f.scale for f in fields])
+        self._fixed = np.zeros(len(order), dtype=np.int32)
+        core = self.core = _core.System(order, self._fixed, scale)
+        self.order = order
+        core.set_accounts(len(self.model.accounts), len(self.components))
+        for term in [*inertia_terms(self.model), *strain_terms(self.model)]:
+            core.add(term)
+        for python_term, component in self.model.terms:
+            core.add(python_term.build(self.model, component))
+        core.set_signal_count(max(len(self.model.signals), 1))
+        core.set_blocks(*self._blocks())
+        core.finalize()
+        core.use_solver(self._use_null_space(), self.newton.regularization)
+        core.x[:] = np.concatenate([f.values for f in fields])
+        core.v[:] = np.concatenate([f.rates for f in fields])
+        self._signals = np.zeros((4, max(len(self.model.signals), 1)))
+        self._initial = core.x.copy(), core.v.copy()
+
+    def _blocks(self) -> tuple[NDArray[np.int32], ...]:
+        numbers: dict[Any, int] = {}
+        stages: list[int] = []
+        block = np.zeros(self.model.n_unknowns, dtype=np.int32)
+        multiplier = np.zeros_like(block)
+        for f in self.model.fields:
+            if f.block not in numbers:
+                numbers[f.block] = len(numbers)
+                stages.append(f.stage)
+            block[f.start : f.start + f.size] = numbers[f.block]
+            multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
+        rigid = np.array(self.model.rigid, dtype=np.int32).reshape(-1, 18)
+        self.block_sizes = np.bincount(block)
+        return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+    def _use_null_space(self) -> bool:
+        if self.newton.null_space is not None:
+            return self.newton.null_space
+        small = int(self.block_sizes.max()) <= 20
+        return small and not self.model.terms and not any(a.kind == "servo" for a in self.model.accounts)
+
+    def _check_finite(self) -> None:
+        for f in self.model.fields:
+            if not (np.all(np.isfinite(f.values)) and np.all(np.isfinite(f.rates))):
+                raise InputError(f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}")
+
+    # --- what is in it ------------------------------------------------------------------------------------------
+    @property
+    def n_coordinates(self) -> int:
+        """Unknown coordinates n, augmented ones included, multipliers not."""
+        return int(np.sum(self.order > 0))
+
+    @property
+    def n_constraints(self) -> int:
+        """Constraints m."""
+        return sum(f.size for f in self.model.fields if f.multiplier)
+
+    @property
+    def x(self) -> Array:
+        """Present unknowns, a view; after changing it call `touch`."""
+        return self.core.x  # type: ignore[no-any-return]
+
+    @property
+    def v(self) -> Array:
+        """Present rates, a view; after changing it call `touch`."""
+        return self.core.v  # type: ignore[no-any-return]
+
+    def touch(self) -> None:
+        """Tell the core that the state was changed from outside."""
+        self.core.touch()
+
+    def describe(self, unknown: int) -> tuple[str, str]:
+        """Component and unknown of a number, in words."""
+        for f in self.model.fields:
+            if unknown in f.unknowns:
+                return f.component.label, f"{f.name}[{unknown - f.start}]"
+        return "the system", "unknown"
+
+    def field(self, component: Component, name: str) -> Field:
+        """A field of a component by its name."""
+        for f in self.model.fields:
+            if f.component is component and f.name == name:
+                return f
+        names = [f.name for f in self.model.fields if f.component is component]
+        raise InputError(f"{component.label} has no field {name!r}; it has {names}")
+
+    def value(self, what: Form | Vector | Strain) -> Any:
+        """Present value of a form, vector or strain."""
+        return what.value(self.x)
+
+    # --- stepping -----------------------------------------------------------------------------------------------
+    def signals(self, step: Any) -> Array:
+        """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
+        s = self._signals
+        for k, f in enumerate(self.model.signals):
+            d = 1e-6 * max(1.0, abs(step.t1))
+            s[0, k], s[1, k], s[2, k] = f(step.t0), f(step.te), f(step.t1)
+            s[3, k] = (f(step.t1 + d) - f(step.t1 - d)) / (2 * d)
+        if self.model.signals and not np.all(np.isfinite(s)):
+            k = int(np.argmin(np.isfinite(s).all(axis=0)))
+            raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
+        return s
+
+    def step(self, h: float, scheme: Scheme | None = None) -> Any:
+        """Advance by one step of length `h`; raises `StepFailure` and keeps the state if it does not converge."""
+        scheme = EnergyMomentum() if scheme is None else scheme
+        step = scheme.step(self.time, h)
+        signals = self.signals(step)
+        report = self.core.solve(
+            step, signals, self.newton.tolerance, self.newton.max_iterations, self.newton.keep_factor
+        )
+        if not report.converged:
+            failure = StepFailure(self, self.time, h, report)
+            self.core.discard()
+            raise failure
+        self.core.accept(step, signals, True)
+        self.time = step.t1
+        return report
+
+    def take_stock(self) -> None:
+        """Fill the core's sums with the present state."""
+        step = EnergyMomentum().step(self.time, 1.0)
+        self.core.take_stock(step, self.signals(step))
+
+    def tangent(self, step: Any) -> tuple[Array, sp.csr_matrix]:
+        """Residual by unknown and tangent over the free unknowns at the present trial state."""
+        row, col, unknown = self.core.csr
+        values = np.zeros(len(col))
+        residual = np.zeros(len(self.x))
+        self.core.assemble(step, self.signals(step), residual, values)
+        n = len(unknown)
+        return residual, sp.csr_matrix((values, col, row), shape=(n, n))
+
+
+def characteristic_length(components: Sequence[Component]) -> float:
+    """Extent of the model: the scale of positions in convergence tests and reports."""
+    places = [getattr(c, "position", None) for c in components]
+    places += [getattr(c, "at", None) for c in components]
+    given = np.array([p for p in places if p is not None and np.shape(p) == (3,)], dtype=float)
+    sizes = [np.linalg.norm(np.ptp(given, axis=0)) if len(given) else 0.0]
+    for c in components:
+        m = getattr(c, "mass_properties", None)
+        if m is not None:
+            mass, _, J = m()
+            sizes.append(float(np.sqrt(np.trace(J) / mass)))
+    return float(max(sizes)) or 1.0

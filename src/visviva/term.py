@@ -1,0 +1,157 @@
+"""Terms written in Python: a batch of equal stencils with residual, and tangent, energy and history if they like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.errors import RunError
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stencils:
+    """What a term sees of the unknowns of its elements over a step; all arrays (n, n_local).
+
+    Attributes
+    ----------
+    step : Step
+        ``t0, t1, te, h, theta, theta_g, discrete_gradient`` of the step.
+    x0, x1 : array
+        Unknowns at both ends.
+    rate, second_rate : array
+        Rates of motion and transport unknowns at the evaluation point, second rates of motion.
+    v1 : array
+        Rates at the end of an accepted step (for the ledger).
+    """
+
+    step: Any
+    x0: Array
+    x1: Array
+    rate: Array
+    second_rate: Array
+    v1: Array
+
+    @property
+    def x(self) -> Array:
+        """Unknowns at the evaluation point ``x0 + theta (x1 - x0)``."""
+        return self.x0 + self.step.theta * (self.x1 - self.x0)
+
+
+class Term:
+    """Base of terms in Python.
+
+    A subclass sets `unknowns` (n, n_local), `order` (n_local,) of its unknowns, and defines `residual`; the rest is
+    optional: without `tangent` the residual is differentiated numerically, without `energy` the ledger books
+    the term's work, ``-residual . dx``.
+
+    Attributes
+    ----------
+    kind : str
+        Name of its column in the ledger.
+    history : dict of arrays
+        State of its own; changed in `accept` only, and kept in restart files.
+    """
+
+    unknowns: NDArray[np.int32]
+    order: NDArray[np.int32]
+    kind = "user"
+    label = "user term"
+
+    def __init__(self) -> None:
+        self.history: dict[str, Array] = {}
+
+    def residual(self, s: Stencils) -> Array:
+        """Contribution (n, n_local) to the equations of its unknowns."""
+        raise NotImplementedError
+
+    def tangent(self, s: Stencils) -> Array:
+        """Derivative (n, n_local, n_local) of the residual with respect to `x1`, rates included."""
+        return numerical_tangent(self, s)
+
+    energy: Callable[[Stencils], Array] | None = None
+    """Energy (n,) at the end of the step, if the term stores energy."""
+
+    def work(self, s: Stencils) -> Array:
+        """Work (n,) that the term does over the step."""
+        w: Array = -np.einsum("ij,ij->i", self.residual(s), s.x1 - s.x0)
+        return w
+
+    def accept(self, s: Stencils) -> None:
+        """The step is accepted: update `history`."""
+
+    # --- hand-over to the core ----------------------------------------------------------------------------------
+    def rate_factors(self, step: Any) -> tuple[Array, Array]:
+        """Derivatives of rate and second rate with respect to `x1`, by local unknown."""
+        first = np.choose(self.order, [0.0, step.transport_factor, step.rate_factor])
+        second = np.where(self.order == 2, step.second_rate_factor, 0.0)
+        return first, second
+
+    def build(self, model: Model, component: int) -> _core.Term:
+        """The core's term that calls this one."""
+        owner = model.components[component]
+        self.label = owner.label
+        n = len(self.unknowns)
+        category = "potential" if self.energy is not None else "work"
+        account = model.account(owner, self.kind, category)
+        index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
+        term = _core.CallbackTerm(index, self._residual, self._tangent, self._ledger, self._accept)
+        term.name = owner.label
+        term.book(np.full(n, account, dtype=np.int32), np.full(n, component, dtype=np.int32))
+        return term
+
+    def _stencils(self, step: Any, x0: Array, x1: Array, rate: Array, second: Array, v1: Array) -> Stencils:
+        return Stencils(step, x0, x1, rate, second, v1)
+
+    def _residual(self, *args: Any) -> None:
+        args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
+
+    def _tangent(self, *args: Any) -> None:
+        args[7][:] = checked(self.label, "tangent", self.tangent(Stencils(*args[:6])), args[7].shape)
+
+    def _ledger(self, *args: Any) -> None:
+        s = Stencils(*args[:6])
+        if self.energy is not None:
+            args[8][:] = checked(self.label, "energy", self.energy(s), args[8].shape)
+        else:
+            args[9][:] = checked(self.label, "work", self.work(s), args[9].shape)
+
+    def _accept(self, *args: Any) -> None:
+        self.accept(Stencils(*args[:6]))
+
+
+def checked(label: str, what: str, value: Any, shape: tuple[int, ...]) -> Array:
+    """The array a user's function returned, or an error that names whose it is."""
+    a = np.asarray(value, dtype=float)
+    if a.shape != shape:
+        raise RunError(f"{label}: its {what} has shape {a.shape}, expected {shape}")
+    if not np.all(np.isfinite(a)):
+        raise RunError(f"{label}: its {what} is not finite: {a[~np.isfinite(a)][:3].tolist()}")
+    return a
+
+
+def numerical_tangent(term: Term, s: Stencils) -> Array:
+    """Central differences of a term's residual."""
+    n, nl = s.x1.shape
+    K = np.empty((n, nl, nl))
+    first, second = term.rate_factors(s.step)
+    for j in range(nl):
+        d = 6e-6 * max(1.0, float(np.abs(s.x1[:, j]).max()))
+        ends = []
+        for sign in (1.0, -1.0):
+            x1, rate, acc = s.x1.copy(), s.rate.copy(), s.second_rate.copy()
+            x1[:, j] += sign * d
+            rate[:, j] += sign * d * first[j]
+            acc[:, j] += sign * d * second[j]
+            ends.append(term.residual(replace(s, x1=x1, rate=rate, second_rate=acc)))
+        K[:, :, j] = (ends[0] - ends[1]) / (2 * d)
+    return K
