@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <queue>
 #include <stdexcept>
-#include <tuple>
 
 namespace visviva {
 namespace {
@@ -211,7 +211,7 @@ bool BlockLU::factor(double regularization) {
 
 void BlockLU::solve(double* x) const { lu_kernels().solve(view(), x); }
 
-// A view for `solve` may write through none of its pointers; the kernels share one type.
+// One type of view serves both kernels; `solve` writes through none of its pointers.
 LuView BlockLU::view() const {
     auto writable = [](const std::vector<double>& v) { return const_cast<double*>(v.data()); };
     return {n(),

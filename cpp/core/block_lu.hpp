@@ -123,8 +123,6 @@ class BlockLU {
     std::vector<LuRun> runs_;
     std::vector<int> rows_;
     std::vector<double> multiplier_;
-    // Working storage: a solution does not change what it means, hence mutable is not needed for pointers to
-    // it.
     std::vector<double> upper_, lower_, scale_, scratch_;
     std::ptrdiff_t line_ = 0;
     int singular_ = -1;
