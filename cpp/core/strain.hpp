@@ -22,6 +22,8 @@ enum class LawKind : int {
     viscous,            // S = p0 de/dt
     viscous_length,     // force p0 dl/dt along l = sqrt(e)
     rate_callback,      // S(e, de/dt, t) from outside, batch level
+    follower,           // force s(t) (e3, e4, e5) on the place (e0, e1, e2)
+    torque,             // torque s(t) (e9, e10, e11) on the directors (e0..e2), (e3..e5), (e6..e8)
 };
 
 // What all elements of a batch share: the sparsity of forms, strains and tangent.
@@ -96,6 +98,10 @@ inline bool is_callback(LawKind k) {
 }
 inline bool needs_rate(LawKind k) {
     return k == LawKind::viscous || k == LawKind::viscous_length || k == LawKind::rate_callback;
+}
+// Laws of the state at theta whatever the rule of the potentials.
+inline bool is_at_theta(LawKind k) {
+    return needs_rate(k) || k == LawKind::follower || k == LawKind::torque;
 }
 
 }  // namespace visviva

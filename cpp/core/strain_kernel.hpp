@@ -153,10 +153,8 @@ VISVIVA_INLINE void chain_gradients(const StrainView& v, const Step& step, const
     const double theta = term_theta(s, step);
     gradients(s, w.y1, true, w.g1);
     for (int k = 0; k < s.n_e * s.n_y; ++k)
-        w.gc[k] = step.stress == Stress::discrete_gradient ? w.g1[k] : theta * w.g[k];
+        w.gc[k] = step.stress == Stress::discrete_gradient && !is_at_theta(s.law) ? w.g1[k] : theta * w.g[k];
     if (needs_rate(s.law)) {
-        // a rate law is evaluated at theta whatever the rule of the potentials
-        for (int k = 0; k < s.n_e * s.n_y; ++k) w.gc[k] = theta * w.g[k];
         gradients(s, w.ydot, false, w.gr);
         for (int k = 0; k < s.n_e * s.n_y; ++k) w.gr[k] = theta * w.gr[k] + step.motion[0][0] * w.g[k];
     }

@@ -122,6 +122,86 @@ VISVIVA_INLINE void angle_law(const LawData& a) {
     for (int i = 0; i < 3; ++i) a.S[i] = a.Jt[i] * l;
 }
 
+VISVIVA_INLINE void follower_law(const LawData& a) {
+    const V s = signal(a, a.signals->ate, 0, 1.0);
+    for (int k = 0; k < 36; ++k) a.D[k] = broadcast(0.0);
+    for (int c = 0; c < 3; ++c) {
+        a.S[c] = -s * a.et[3 + c];
+        a.S[3 + c] = broadcast(0.0);
+        a.D[6 * c + 3 + c] = -s;
+    }
+}
+
+VISVIVA_INLINE void cross(const V* a, const V* b, V* c) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+// Inverse of the symmetric A = tr(D) I - D, D = sum d_i d_i^T, the moment of the forces t x d_i per t.
+VISVIVA_INLINE void inverse_arm(const V* d, V inverse[3][3]) {
+    V A[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            A[i][j] = broadcast(0.0);
+            for (int k = 0; k < 3; ++k) A[i][j] -= d[3 * k + i] * d[3 * k + j];
+        }
+    const V trace = -(A[0][0] + A[1][1] + A[2][2]);
+    for (int i = 0; i < 3; ++i) A[i][i] += trace;
+    V minor[3][3];
+    for (int i = 0; i < 3; ++i) cross(A[(i + 1) % 3], A[(i + 2) % 3], minor[i]);
+    const V det = A[0][0] * minor[0][0] + A[0][1] * minor[0][1] + A[0][2] * minor[0][2];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) inverse[i][j] = minor[i][j] / det;
+}
+
+VISVIVA_INLINE void times(const V A[3][3], const V* b, V* c) {
+    for (int i = 0; i < 3; ++i) c[i] = A[i][0] * b[0] + A[i][1] * b[1] + A[i][2] * b[2];
+}
+
+// The torque m as forces f_i = t x d_i on the directors with A t = m: sum d_i x f_i = m also where the directors of
+// the evaluation point are not orthonormal. Column `column` of D gets the derivatives by dt and, for director j, t x u.
+VISVIVA_INLINE void torque_column(const LawData& a, const V* dt, const V* t, int column, int j) {
+    V f[3], unit[3] = {broadcast(0.0), broadcast(0.0), broadcast(0.0)};
+    for (int i = 0; i < 3; ++i) {
+        cross(dt, a.et + 3 * i, f);
+        for (int c = 0; c < 3; ++c) a.D[(3 * i + c) * 12 + column] = -f[c];
+    }
+    if (j < 0) return;
+    unit[column % 3] = broadcast(1.0);
+    cross(t, unit, f);
+    for (int c = 0; c < 3; ++c) a.D[(3 * j + c) * 12 + column] -= f[c];
+}
+
+VISVIVA_INLINE void torque_law(const LawData& a) {
+    const V s = signal(a, a.signals->ate, 0, 1.0);
+    V inverse[3][3], m[3], t[3], f[3], dt[3];
+    inverse_arm(a.et, inverse);
+    for (int c = 0; c < 3; ++c) m[c] = s * a.et[9 + c];
+    times(inverse, m, t);
+    for (int i = 0; i < 3; ++i) {
+        cross(t, a.et + 3 * i, f);
+        for (int c = 0; c < 3; ++c) a.S[3 * i + c] = -f[c];
+        a.S[9 + i] = broadcast(0.0);
+    }
+    for (int k = 9 * 12; k < 12 * 12; ++k) a.D[k] = broadcast(0.0);
+    for (int j = 0; j < 3; ++j) {
+        const V* d = a.et + 3 * j;
+        const V along = d[0] * t[0] + d[1] * t[1] + d[2] * t[2];
+        for (int k = 0; k < 3; ++k) {
+            // dt = -A^-1 dA t for a change of d_j along axis k
+            for (int c = 0; c < 3; ++c) m[c] = d[c] * t[k] - 2.0 * d[k] * t[c];
+            m[k] += along;
+            times(inverse, m, dt);
+            torque_column(a, dt, t, 3 * j + k, j);
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) dt[c] = s * inverse[c][k];
+        torque_column(a, dt, t, 9 + k, -1);
+    }
+}
+
 // Coordinates given to functions from outside: element-fastest arrays that the callback has filled.
 VISVIVA_INLINE void copy(const LawData& a, const double* from, int n, V* to) {
     for (int k = 0; k < n; ++k) to[k] = vload(from + k * a.view->stride + a.base);
@@ -189,6 +269,12 @@ VISVIVA_INLINE void evaluate_law(const LawData& a) {
         case LawKind::function_callback:
         case LawKind::rate_callback:
             callback_law(a);
+            break;
+        case LawKind::follower:
+            follower_law(a);
+            break;
+        case LawKind::torque:
+            torque_law(a);
             break;
     }
 }

@@ -10,7 +10,7 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
     for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &xg_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
-                    &v_last_})
+                    &v_last_, &v_next_, &a_next_, &w_next_})
         u->assign(n_ + 1, 0.0);
     inverse_scale_.resize(n_);
     for (int i = 0; i < n_; ++i) inverse_scale_[i] = scale[i] > 0 && !fixed_[i] ? 1 / scale[i] : 0;
@@ -23,6 +23,7 @@ void System::set_accounts(int n_accounts, int n_components) {
 }
 
 void System::finalize() {
+    spin_last_.assign(3 * blocks_.rigid.size(), 0.0);
     csr_.equation.assign(n_, -1);
     for (int i = 0; i < n_; ++i)
         if (!fixed_[i]) {
@@ -87,7 +88,47 @@ void System::predict(const Step& step) {
         else
             dx[i] = 0;
     }
+    if (moves) predict_rotations(h);
     set_base_rates(step);
+}
+
+// Angular velocity (d_i x d_i') / 2 of a body from its directors' velocities.
+void System::angular_velocity(const RigidUnknowns& body, double* spin) const {
+    spin[0] = spin[1] = spin[2] = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int* q = body.q + 3 + 3 * k;
+        for (int c = 0; c < 3; ++c) {
+            const int i = q[(c + 1) % 3], j = q[(c + 2) % 3];
+            spin[c] += 0.5 * (x[i] * v[j] - x[j] * v[i]);
+        }
+    }
+}
+
+// Directors turn by the Cayley rotation of the extrapolated angular velocity: what a steadily spinning body does
+// under the midpoint rule at any step length.
+void System::predict_rotations(double h) {
+    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b) {
+        const RigidUnknowns& body = blocks_.rigid[b];
+        double spin[3];
+        angular_velocity(body, spin);
+        for (int c = 0; c < 3; ++c) {
+            const double last = spin_last_[3 * b + c];
+            spin[c] = h * (spin[c] + (h_last_ > 0 ? 0.5 * h / h_last_ * (spin[c] - last) : 0));
+        }
+        const double f = 1 / (1 + 0.25 * (spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]));
+        auto cross = [&](const double* a, double* r) {
+            for (int c = 0; c < 3; ++c)
+                r[c] = spin[(c + 1) % 3] * a[(c + 2) % 3] - spin[(c + 2) % 3] * a[(c + 1) % 3];
+        };
+        for (int k = 0; k < 3; ++k) {
+            const int* q = body.q + 3 + 3 * k;
+            double d[3] = {x[q[0]], x[q[1]], x[q[2]]}, once[3], twice[3];
+            cross(d, once);
+            cross(once, twice);
+            for (int c = 0; c < 3; ++c)
+                if (!fixed_[q[c]]) dx[q[c]] = f * (once[c] + 0.5 * twice[c]);
+        }
+    }
 }
 
 void System::set_base_rates(const Step& step) {
@@ -182,10 +223,14 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             stale_factor_ = true;
             return report;
         }
-        if (k > 0 && size > 0) contraction_ = std::min(1.0, size / last);
+        // What remains: Newton's quadratic convergence where the tangent is new in every iteration, otherwise the
+        // slowest contraction seen in this step (in the last step, before there is one).
+        const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : std::max(contraction_, 1e-3);
+        if (k > 0) contraction_ = k == 1 ? rho : std::max(rho, contraction_);
         const bool newton = options.keep_factor <= 0 || (refresh && k > 0);
-        const double rho = contraction_;
-        const double error = newton ? rho * rho * size : rho < 1 ? rho / (1 - rho) * size : size;
+        const double error = newton          ? rho * rho * size
+                             : contraction_ < 1 ? std::max(rho, contraction_) / (1 - contraction_) * size
+                                                : size;
         const bool stagnates = k > 0 && fresh && size < 1e-10 && rho > 0.3;  // rounding, not convergence
         if (size <= options.tolerance || error <= options.tolerance || stagnates) {
             report.converged = true;
@@ -214,17 +259,22 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
-    std::copy(v.begin(), v.end(), v_last_.begin());
-    h_last_ = step.h;
     for (int i = 0; i < n_; ++i) {
-        if (order_[i] == 0) continue;
         const auto& t = order_[i] == 2 ? step.motion : step.transport;
         const double old[4] = {dx[i], v[i], a[i], w[i]};
         auto row = [&](int k) { return t[k][0] * old[0] + t[k][1] * old[1] + t[k][2] * old[2] + t[k][3] * old[3]; };
-        v[i] = row(2), a[i] = row(3), w[i] = row(4);
+        const bool moves = order_[i] != 0;
+        v_next_[i] = moves ? row(2) : v[i], a_next_[i] = moves ? row(3) : a[i], w_next_[i] = moves ? row(4) : w[i];
     }
-    if (ledger) book(context, v.data());
+    // Functions from outside may throw in here; the accepted state is still the old one then.
+    if (ledger) book(context, v_next_.data());
     for (const auto& term : terms_) term->accept(context);
+    std::copy(v.begin(), v.end(), v_last_.begin());
+    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b) angular_velocity(blocks_.rigid[b], &spin_last_[3 * b]);
+    h_last_ = step.h;
+    std::copy(v_next_.begin(), v_next_.end(), v.begin());
+    std::copy(a_next_.begin(), a_next_.end(), a.begin());
+    std::copy(w_next_.begin(), w_next_.end(), w.begin());
     for (int i = 0; i < n_; ++i) x[i] = x1_[i];
     discard();
     stale_begin_ = true;
@@ -242,6 +292,7 @@ void System::take_stock(const Step& step, const Signals& signals) {
 std::vector<double> System::memory() const {
     std::vector<double> m = {h_last_, contraction_, stale_factor_ ? 1.0 : 0.0};
     m.insert(m.end(), v_last_.begin(), v_last_.end());
+    m.insert(m.end(), spin_last_.begin(), spin_last_.end());
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)}) m.push_back(value);
@@ -259,6 +310,8 @@ void System::remember(const std::vector<double>& memory) {
     const bool stale = m[2] != 0;
     std::copy(m + 3, m + 3 + v_last_.size(), v_last_.begin());
     m += 3 + v_last_.size();
+    std::copy(m, m + spin_last_.size(), spin_last_.begin());
+    m += spin_last_.size();
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];

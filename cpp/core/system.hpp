@@ -65,6 +65,8 @@ class System {
   private:
     void predict(const Step&);
     void set_base_rates(const Step&);
+    void predict_rotations(double h);
+    void angular_velocity(const RigidUnknowns& body, double* w) const;
     void update_vectors(const Step&);
     void evaluate_residual(const Context&);
     bool refactor(const Context&, const Step&);
@@ -80,7 +82,8 @@ class System {
     Blocks blocks_;
     Csr csr_;
     std::unique_ptr<LinearSolver> solver_;
-    std::vector<double> x1_, xg_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_;
+    std::vector<double> x1_, xg_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_, spin_last_;
+    std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     double h_last_ = 0, contraction_ = 1;
     bool stale_begin_ = true, stale_factor_ = true;
     Step factored_;

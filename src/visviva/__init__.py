@@ -30,8 +30,10 @@ from visviva.scheme import (
     Static,
     VariationalMidpoint,
 )
+from visviva.reaction import reaction
 from visviva.result import Result
 from visviva.solve import march, simulate
+from visviva.study import Study
 from visviva.system import Newton, StepFailure, System
 
 __version__ = "0.1.0"

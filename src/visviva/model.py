@@ -101,6 +101,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
+    nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
 
     def index(self, component: Component) -> int:
@@ -170,6 +171,8 @@ class Model:
         `positions` marks the nodes that move along under a translation (they make up linear momentum).
         """
         m = np.asarray(mass, dtype=float)
+        nodes = [(start + 3 * k, bool(p)) for k, p in enumerate(positions)]
+        self.nodes.setdefault(component, []).extend(nodes)
         pairs = [(a, b) for a in range(len(m)) for b in range(len(m)) if m[a, b] != 0.0]
         key = (2, len(m), 3, tuple(pairs), tuple(bool(p) for p in positions))
         account = self.account(component, "kinetic", "kinetic")

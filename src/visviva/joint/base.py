@@ -105,35 +105,35 @@ class Joint(Component):
         setattr(self, coordinate, True)
 
     def declare(self, model: Model) -> None:
-        self._sides = Side(self._attach(self.a)), Side(self._attach(self.b))
+        self.sides = Side(self._attach(self.a)), Side(self._attach(self.b))
         self._coordinates: dict[str, Field] = {}
         x, v = initial(model)
         if self.angle:
-            e0, e1 = angle_strains(*self._sides)
+            e0, e1 = angle_strains(*self.sides)
             s, c = e1.value(x), e0.value(x)
             rate = (c * e1.rate(x, v) - s * e0.rate(x, v)) / (s * s + c * c)
             self._coordinates["angle"] = model.field(
                 self, "angle", [np.arctan2(s, c)], [rate], scale=1.0, stage=1
             )
         if self.stroke:
-            u = stroke_strain(*self._sides)
+            u = stroke_strain(*self.sides)
             self._coordinates["stroke"] = model.field(
                 self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length, stage=1
             )
 
     def contribute(self, model: Model) -> None:
-        self._strains = [strain(e) for e in self.constraints(*self._sides)]
+        self._strains = [strain(e) for e in self.constraints(*self.sides)]
         n = len(self._strains)
         self._multipliers = model.multipliers(self, "reaction", n + len(self._coordinates), block=self)
         if n:
             model.constrain(self, self._multipliers, self._strains)
         k = n
         if self.angle:
-            ties = [*angle_strains(*self._sides), strain(self.coordinate("angle"))]
+            ties = [*angle_strains(*self.sides), strain(self.coordinate("angle"))]
             model.constrain(self, self._multipliers, ties, first=k, law=Law(LawKind.ANGLE), n=1)
             k += 1
         if self.stroke:
-            tie = stroke_strain(*self._sides) - self.coordinate("stroke")
+            tie = stroke_strain(*self.sides) - self.coordinate("stroke")
             model.constrain(self, self._multipliers, [tie], first=k)
 
     def coordinate(self, name: str | None = None) -> Form:

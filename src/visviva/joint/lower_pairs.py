@@ -137,7 +137,7 @@ class Distance(Joint):
     def declare(self, model: Model) -> None:
         super().declare(model)
         if self.length is None:
-            A, B = self._sides
+            A, B = self.sides
             self.length = float(np.sqrt(squared(B.p - A.p).value(initial(model)[0])))
 
     def constraints(self, A: Side, B: Side) -> Constraints:

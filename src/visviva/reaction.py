@@ -1,0 +1,56 @@
+"""Reaction forces and torques of joints and motors, from their multipliers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from visviva.component import Component
+    from visviva.joint.base import Joint
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+
+def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
+    """Force (3,) and torque (3,) that a joint exerts on its partner `b`, the torque about the joint's point on b.
+
+    Multipliers of the midpoint schemes belong to the middle of the last step; the lever arms are taken at its end.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0)
+    >>> rope = vv.Spherical(a=ground, b=ball, at=(0, 0, 0))
+    >>> system = vv.System([ground, ball, rope, vv.Gravity(acceleration=(0, 0, -10))])
+    >>> report = system.step(0.1)
+    >>> vv.reaction(system, rope)[0].round(9).tolist()
+    [0.0, 0.0, 20.0]
+    """
+    a, b = joint.partners
+    about = joint.sides[1].p.value(system.x)
+    force = joint.generalised_reaction(system.x)
+    own = _wrench(system, b, force, about)
+    if own is None:
+        other = _wrench(system, a, force, about)
+        assert other is not None
+        return -other[0], -other[1]
+    return own
+
+
+def _wrench(system: System, component: Component, force: dict[int, float], about: Array) -> Any:
+    """Resultant of generalised forces on a component's nodes; None if it has no unknowns."""
+    nodes = system.model.nodes.get(component)
+    if nodes is None:
+        return None
+    total, torque = np.zeros(3), np.zeros(3)
+    for start, is_position in nodes:
+        f = np.array([force.get(start + c, 0.0) for c in range(3)])
+        arm = system.x[start : start + 3] - (about if is_position else 0.0)
+        torque += np.cross(arm, f)
+        if is_position:
+            total += f
+    return total, torque

@@ -1,0 +1,51 @@
+"""A study: a system with what to do with it; what examples and scene files give and the command line runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from visviva.form import Form, Strain, Vector
+from visviva.scheme import EnergyMomentum, Scheme
+from visviva.system import System
+
+Probe = Form | Vector | Strain | Callable[[System], Any]
+"""What can be recorded over time: a form, vector or strain, or a function of the system."""
+
+
+@dataclass
+class Study:
+    """A system, how long and by which steps to run it, and what to record.
+
+    Attributes
+    ----------
+    system : System
+    until, step : float
+        End time and step length.
+    scheme : Scheme
+    probes : dict
+        Time series by name; a vector is recorded as name_x, name_y, name_z.
+    trails : tuple of str
+        Vector probes whose path is drawn.
+    ropes : list of (Vector, Vector)
+        Lines to draw between two points (ropes, springs).
+    title : str
+    notes : str
+        Choices the source leaves open.
+    """
+
+    system: System
+    until: float
+    step: float
+    scheme: Scheme = field(default_factory=EnergyMomentum)
+    probes: Mapping[str, Probe] = field(default_factory=dict)
+    trails: tuple[str, ...] = ()
+    ropes: list[tuple[Vector, Vector]] = field(default_factory=list)
+    title: str = ""
+    notes: str = ""
+
+
+def measure(system: System, probe: Probe) -> Any:
+    """Present value of a probe."""
+    return probe(system) if callable(probe) else system.value(probe)
