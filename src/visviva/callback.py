@@ -1,0 +1,198 @@
+"""Energies and constraints given as functions of the user: stresses, tangents and discrete gradients follow.
+
+A function takes strains (n_e, n), one column per element, and returns one value per element. First derivatives come
+from the complex step (exact to round-off) where the function allows complex arguments, else from central differences;
+second derivatives from central differences of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import RunError
+
+Array = NDArray[np.float64]
+LawCallback = Callable[..., None]
+
+COMPLEX_STEP = 1e-40
+RELATIVE_STEP = 6e-6  # about the cube root of the rounding unit: best for central differences
+# Below these relative changes of the strains the energy error of the plain midpoint is under round-off; the second
+# is for first derivatives from differences, whose rounding leaves less to gain from a correction.
+TINY, TINY_DIFFERENCES = 1e-8, 1e-5
+SMOOTH = 1e-4  # below this ratio of second to first differences of the stress, Simpson's rule is exact to round-off
+
+
+class Function:
+    """A user's function of strains (n_e, n) with m values (m, n), and its derivatives.
+
+    Parameters
+    ----------
+    function : callable
+        Maps strains (n_e, n) to values (m, n); for m = 1 also to (n,).
+    n_e, m : int
+        Numbers of strains and values per element.
+    label : str
+        Whose function it is, for error messages.
+    """
+
+    def __init__(self, function: Callable[[Any], Any], n_e: int, m: int, label: str) -> None:
+        self.function, self.n_e, self.m, self.label = function, n_e, m, label
+        self._takes_complex: bool | None = None
+
+    def raw(self, e: Any) -> NDArray[Any]:
+        """The function's values (m, n), shape checked."""
+        n = e.shape[1]
+        f = np.asarray(self.function(e))
+        if f.shape not in ((self.m, n), (n,) if self.m == 1 else (self.m, n)):
+            expected = f"({n},)" if self.m == 1 else f"({self.m}, {n})"
+            raise RunError(
+                f"{self.label}: it returned shape {f.shape} for strains {e.shape}, expected {expected}"
+            )
+        return f.reshape(self.m, n)
+
+    def value(self, e: Array) -> Array:
+        """Values (m, n)."""
+        f = np.asarray(self.raw(e), dtype=float)
+        if not np.all(np.isfinite(f)):
+            k = int(np.argmin(np.isfinite(f).all(axis=0)))
+            raise RunError(f"{self.label}: it returned {f[:, k].tolist()} at the strains {e[:, k].tolist()}")
+        return f
+
+    def takes_complex(self, e: Array) -> bool:
+        """Whether the complex step works; tried once, against differences near the first strains met."""
+        if self._takes_complex is None:
+            near = e + 0.01 * np.abs(e) + 1e-4
+            with np.errstate(all="ignore"):
+                try:
+                    a, b = self._complex_gradient(near), self._difference_gradient(near)
+                except (TypeError, ValueError, AttributeError, RunError):
+                    a, b = np.zeros(1), np.full(1, np.inf)
+                scale = np.abs(b).max()
+                self._takes_complex = bool(np.abs(a - b).max() <= 1e-4 * scale)
+        return self._takes_complex
+
+    def gradient(self, e: Array) -> Array:
+        """First derivatives (m, n_e, n)."""
+        if self.takes_complex(e):
+            return self._complex_gradient(e)
+        return self._difference_gradient(e)
+
+    def _complex_gradient(self, e: Array) -> Array:
+        g = np.empty((self.m, self.n_e, e.shape[1]))
+        for j in range(self.n_e):
+            z = e.astype(complex)
+            z[j] += 1j * COMPLEX_STEP
+            g[:, j] = self.raw(z).imag / COMPLEX_STEP
+        return g
+
+    def _difference_gradient(self, e: Array) -> Array:
+        g = np.empty((self.m, self.n_e, e.shape[1]))
+        for j, (d, plus, minus) in enumerate(neighbours(e)):
+            g[:, j] = (self.value(plus) - self.value(minus)) / d
+        return g
+
+    def hessian(self, e: Array) -> Array:
+        """Second derivatives (m, n_e, n_e, n)."""
+        H = np.empty((self.m, self.n_e, self.n_e, e.shape[1]))
+        for j, (d, plus, minus) in enumerate(neighbours(e, 1.0 if self.takes_complex(e) else 20.0)):
+            H[:, :, j] = (self.gradient(plus) - self.gradient(minus)) / d
+        return 0.5 * (H + H.swapaxes(1, 2))
+
+    def discrete_gradient(self, e0: Array, e1: Array, want_tangent: bool) -> tuple[Array, Array | None]:
+        """``S`` with ``S . (e1 - e0) = f(e1) - f(e0)`` (Gonzalez 1996), and its derivative with respect to `e1`.
+
+        ``S = f'(em) + b / |de|^2 de`` with the bracket ``b = df - f'(em) . de``. As a difference of values ``b``
+        drowns in rounding for small ``de``; there it is Simpson's rule in the gradients, whose rounding shrinks
+        with ``de``, and finally nothing. Either changes the energy by less than round-off.
+        """
+        de, em = e1 - e0, 0.5 * (e0 + e1)
+        g0, gm, g1 = self.gradient(e0), self.gradient(em), self.gradient(e1)
+        first, second = (g1 - g0) * de, (g0 - 2 * gm + g1) * de
+        exact = self.value(e1) - self.value(e0) - (gm * de).sum(axis=1)
+        smooth = np.abs(second).sum(axis=1) <= SMOOTH * np.abs(first).sum(axis=1)
+        analytic = self.takes_complex(em)
+        b = np.where(smooth & analytic, second.sum(axis=1) / 6, exact)
+        size = np.maximum(np.abs(e0), np.abs(e1)).max(axis=0)
+        tiny = np.abs(de).max(axis=0) <= (TINY if analytic else TINY_DIFFERENCES) * size
+        inverse = np.where(tiny, 0.0, 1 / np.where(tiny, 1.0, (de * de).sum(axis=0)))
+        c = b * inverse
+        S = gm + c[:, None] * de
+        if not want_tangent:
+            return S, None
+        half = 0.5 * self.hessian(em)
+        db = g1 - gm - np.einsum("mijn,jn->min", half, de) - 2 * c[:, None] * de
+        D = half + np.einsum("in,mjn->mijn", de * inverse, db)
+        return S, D + c[:, None, None] * np.eye(self.n_e)[:, :, None]
+
+
+def neighbours(e: Array, stretch: float = 1.0) -> list[tuple[Array, Array, Array]]:
+    """For every strain the distance and the two points of a central difference, in steps that suit each element."""
+    size = np.maximum(0.1 * np.abs(e).max(axis=0), 1e-3)
+    steps = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
+    points = []
+    for j, d in enumerate(steps):
+        plus, minus = e.copy(), e.copy()
+        plus[j] += d
+        minus[j] -= d
+        points.append((plus[j] - minus[j], plus, minus))
+    return points
+
+
+def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user energy") -> LawCallback:
+    """The core's callback for an energy ``W(e)``, given as a function of strains (n_e, n) with values (n,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from visviva.callback import Function
+    >>> W = Function(lambda e: 0.5 * (np.sqrt(e[0]) - 1.0) ** 2, n_e=1, m=1, label="spring")
+    >>> e0, e1 = np.array([[1.0]]), np.array([[4.0]])
+    >>> S, _ = W.discrete_gradient(e0, e1, want_tangent=False)
+    >>> round(float((S[0, 0] * (e1 - e0)).item()), 12)
+    0.5
+    """
+    W = Function(energy, n_e, 1, label)
+
+    def call(
+        n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
+    ) -> None:
+        e0, e_eval, e1 = (a[:, :n] for a in arrays[:3])
+        S, D, energies = arrays[5], arrays[6], arrays[11]
+        energies[:, :n] = W.value(e1)
+        if discrete:
+            stress, tangent = W.discrete_gradient(e0, e1, want_tangent)
+        else:
+            stress, tangent = W.gradient(e_eval), W.hessian(e_eval) if want_tangent else None
+        S[:, :n] = stress[0]
+        if tangent is not None:
+            D[:, :n] = tangent[0].reshape(n_e * n_e, n)
+
+    return call
+
+
+def constraint_callback(
+    function: Callable[[Any], Any], n_e: int, n_m: int, label: str = "user constraint"
+) -> LawCallback:
+    """The core's callback for constraints ``Phi(e) = 0``, a function of strains (n_e, n) with values (n_m, n)."""
+    Phi = Function(function, n_e, n_m, label)
+
+    def call(
+        n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
+    ) -> None:
+        e0, e_eval, e1, _, multipliers = (a[:, :n] for a in arrays[:5])
+        D, values, J, Jt = arrays[6], arrays[8], arrays[9], arrays[10]
+        values[:, :n] = Phi.value(e1)
+        J[:, :n] = Phi.gradient(e1).reshape(n_m * n_e, n)
+        if discrete:
+            gradient, tangent = Phi.discrete_gradient(e0, e1, want_tangent)
+        else:
+            gradient, tangent = Phi.gradient(e_eval), Phi.hessian(e_eval) if want_tangent else None
+        Jt[:, :n] = gradient.swapaxes(0, 1).reshape(n_e * n_m, n)
+        if tangent is not None:
+            D[:, :n] = np.einsum("mn,mijn->ijn", multipliers, tangent).reshape(n_e * n_e, n)
+
+    return call
