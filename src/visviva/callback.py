@@ -1,8 +1,8 @@
 """Energies and constraints given as functions of the user: stresses, tangents and discrete gradients follow.
 
-A function takes strains (n_e, n), one column per element, and returns one value per element. First derivatives come
-from the complex step (exact to round-off) where the function allows complex arguments, else from central differences;
-second derivatives from central differences of the first.
+A function takes strains (n_e, n), one column per element, and returns one value per element. First derivatives
+come from the complex step (exact to round-off) where the function allows complex arguments, else from central
+differences; second derivatives from central differences of the first.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ LawCallback = Callable[..., None]
 
 COMPLEX_STEP = 1e-40
 RELATIVE_STEP = 6e-6  # about the cube root of the rounding unit: best for central differences
-# Below these relative changes of the strains the energy error of the plain midpoint is under round-off; the second
-# is for first derivatives from differences, whose rounding leaves less to gain from a correction.
+# Below these relative changes of the strains the energy error of the plain midpoint is under round-off; the
+# second is for first derivatives from differences, whose rounding leaves less to gain from a correction.
 TINY, TINY_DIFFERENCES = 1e-8, 1e-5
-SMOOTH = 1e-4  # below this ratio of second to first differences of the stress, Simpson's rule is exact to round-off
+# Below this ratio of second to first differences of the stress, Simpson's rule is exact to round-off.
+SMOOTH = 1e-4
 
 
 class Function:
@@ -103,11 +104,11 @@ class Function:
         return 0.5 * (H + H.swapaxes(1, 2))
 
     def discrete_gradient(self, e0: Array, e1: Array, want_tangent: bool) -> tuple[Array, Array | None]:
-        """``S`` with ``S . (e1 - e0) = f(e1) - f(e0)`` (Gonzalez 1996), and its derivative with respect to `e1`.
+        """``S`` with ``S . (e1 - e0) = f(e1) - f(e0)`` (Gonzalez 1996), and its derivative by `e1`.
 
-        ``S = f'(em) + b / |de|^2 de`` with the bracket ``b = df - f'(em) . de``. As a difference of values ``b``
-        drowns in rounding for small ``de``; there it is Simpson's rule in the gradients, whose rounding shrinks
-        with ``de``, and finally nothing. Either changes the energy by less than round-off.
+        ``S = f'(em) + b / |de|^2 de`` with the bracket ``b = df - f'(em) . de``. As a difference of values
+        ``b`` drowns in rounding for small ``de``; there it is Simpson's rule in the gradients, whose rounding
+        shrinks with ``de``, and finally nothing. Either changes the energy by less than round-off.
         """
         de, em = e1 - e0, 0.5 * (e0 + e1)
         g0, gm, g1 = self.gradient(e0), self.gradient(em), self.gradient(e1)
@@ -130,7 +131,7 @@ class Function:
 
 
 def neighbours(e: Array, stretch: float = 1.0) -> list[tuple[Array, Array, Array]]:
-    """For every strain the distance and the two points of a central difference, in steps that suit each element."""
+    """For every strain: distance and the two points of a central difference, with steps by element."""
     size = np.maximum(0.1 * np.abs(e).max(axis=0), 1e-3)
     steps = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
     points = []
@@ -177,7 +178,7 @@ def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user e
 def constraint_callback(
     function: Callable[[Any], Any], n_e: int, n_m: int, label: str = "user constraint"
 ) -> LawCallback:
-    """The core's callback for constraints ``Phi(e) = 0``, a function of strains (n_e, n) with values (n_m, n)."""
+    """The core's callback for constraints ``Phi(e) = 0``: strains (n_e, n) to values (n_m, n)."""
     Phi = Function(function, n_e, n_m, label)
 
     def call(
