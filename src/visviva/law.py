@@ -28,6 +28,8 @@ class LawKind(IntEnum):
     VISCOUS = 9
     VISCOUS_LENGTH = 10
     RATE_CALLBACK = 11
+    FOLLOWER = 12
+    TORQUE = 13
 
 
 @dataclass(frozen=True)
