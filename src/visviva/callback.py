@@ -197,3 +197,25 @@ def constraint_callback(
             D[:, :n] = np.einsum("mn,mijn->ijn", multipliers, tangent).reshape(n_e * n_e, n)
 
     return call
+
+
+def rate_callback(
+    stress: Callable[[float, Any, Any], Any], n_e: int, label: str = "user force"
+) -> LawCallback:
+    """The core's callback for stresses ``S(t, e, de/dt)``: time, strains and their rates (n_e, n) to (n_e, n)."""
+    time = 0.0
+    S = Function(lambda z: stress(time, z[:n_e], z[n_e:]), 2 * n_e, n_e, label)
+
+    def call(
+        n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
+    ) -> None:
+        nonlocal time
+        time = t
+        z = np.concatenate([arrays[1][:, :n], arrays[3][:, :n]])
+        arrays[5][:, :n] = S.value(z)
+        if want_tangent:
+            g = S.gradient(z)
+            arrays[6][:, :n] = g[:, :n_e].reshape(n_e * n_e, n)
+            arrays[7][:, :n] = g[:, n_e:].reshape(n_e * n_e, n)
+
+    return call

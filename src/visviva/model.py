@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +14,13 @@ from visviva import _core
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, strain
 from visviva.law import Law, LawKind
+from visviva.timefunction import TimeFunction
 
 if TYPE_CHECKING:
     from visviva.component import Component
     from visviva.term import Term
 
 Array = NDArray[np.float64]
-TimeFunction = Callable[[float], float]
 
 
 @dataclass(eq=False)
@@ -37,6 +37,8 @@ class Field:
         Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 what couples only those.
     block : object
         Unknowns of equal block are eliminated together; by default the component.
+    fixed : bool array
+        Unknowns that keep their values and have no equation.
     """
 
     component: Component
@@ -49,6 +51,7 @@ class Field:
     stage: int
     multiplier: bool
     block: Any
+    fixed: NDArray[np.bool_]
 
     @property
     def size(self) -> int:
@@ -124,6 +127,7 @@ class Model:
         stage: int = 0,
         multiplier: bool = False,
         block: Any = None,
+        fixed: ArrayLike = False,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -133,7 +137,8 @@ class Model:
         scales = np.broadcast_to(np.asarray(scale, dtype=float), x.shape).copy()
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
-        new = Field(component, name, order, start, x, v, scales, stage, multiplier, block)
+        held = np.broadcast_to(np.asarray(fixed, dtype=bool), x.shape).copy()
+        new = Field(component, name, order, start, x, v, scales, stage, multiplier, block, held)
         self.fields.append(new)
         return new
 
@@ -157,11 +162,11 @@ class Model:
         self.accounts.append(Account(owner, kind, category))
         return len(self.accounts) - 1
 
-    def signal(self, function: TimeFunction | None) -> int:
-        """Number of a prescribed function of time; -1 for none."""
+    def signal(self, function: Any) -> int:
+        """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none."""
         if function is None:
             return -1
-        self.signals.append(function)
+        self.signals.append(TimeFunction(function))
         return len(self.signals) - 1
 
     # --- physics ------------------------------------------------------------------------------------------------
@@ -187,7 +192,7 @@ class Model:
         """A law of strain rates."""
         self._element(component, strains, law, (), (), self.account(component, kind, "dissipation"))
 
-    def load(self, component: Component, kind: str, strains: Any, amplitude: float, at: TimeFunction | None) -> None:
+    def load(self, component: Component, kind: str, strains: Any, amplitude: float, at: Any) -> None:
         """Generalised force ``amplitude * at(t)`` conjugate to a strain; `at` None means constant."""
         account = self.account(component, kind, "work")
         law = Law(LawKind.LOAD, (amplitude, 0.0))
@@ -200,7 +205,7 @@ class Model:
         strains: Sequence[Strain | Form],
         *,
         first: int = 0,
-        targets: Sequence[TimeFunction | None] | None = None,
+        targets: Sequence[Any] | None = None,
         law: Law | None = None,
         n: int | None = None,
     ) -> None:

@@ -17,7 +17,7 @@ from visviva.component import Component
 from visviva.errors import InputError, RunError
 from visviva.form import Form, Strain, Vector
 from visviva.model import Field, Model, inertia_terms, strain_terms
-from visviva.scheme import EnergyMomentum, Scheme
+from visviva.scheme import EnergyMomentum, Scheme, Static
 
 Array = NDArray[np.float64]
 
@@ -132,8 +132,8 @@ class System:
         fields = self.model.fields
         order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
         scale = np.concatenate([f.scale for f in fields])
-        self._fixed = np.zeros(len(order), dtype=np.int32)
-        core = self.core = _core.System(order, self._fixed, scale)
+        fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
+        core = self.core = _core.System(order, fixed, scale)
         self.order = order
         core.set_accounts(len(self.model.accounts), len(self.components))
         for term in [*inertia_terms(self.model), *strain_terms(self.model)]:
@@ -224,9 +224,7 @@ class System:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
         s = self._signals
         for k, f in enumerate(self.model.signals):
-            d = 1e-6 * max(1.0, abs(step.t1))
-            s[0, k], s[1, k], s[2, k] = f(step.t0), f(step.te), f(step.t1)
-            s[3, k] = (f(step.t1 + d) - f(step.t1 - d)) / (2 * d)
+            s[:, k] = f(step.t0), f(step.te), f(step.t1), f.rate(step.t1)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
             raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
@@ -237,20 +235,28 @@ class System:
         scheme = EnergyMomentum() if scheme is None else scheme
         step = scheme.step(self.time, h)
         signals = self.signals(step)
-        report = self.core.solve(
-            step, signals, self.newton.tolerance, self.newton.max_iterations, self.newton.keep_factor
-        )
+        try:
+            report = self.core.solve(
+                step, signals, self.newton.tolerance, self.newton.max_iterations, self.newton.keep_factor
+            )
+        except BaseException:  # a user's function has raised
+            self.core.discard()
+            raise
         if not report.converged:
             failure = StepFailure(self, self.time, h, report)
             self.core.discard()
             raise failure
-        self.core.accept(step, signals, True)
+        try:
+            self.core.accept(step, signals, True)
+        except BaseException:
+            self.core.discard()
+            raise
         self.time = step.t1
         return report
 
     def take_stock(self) -> None:
         """Fill the core's sums with the present state."""
-        step = EnergyMomentum().step(self.time, 1.0)
+        step = Static().step(self.time, 0.0)
         self.core.take_stock(step, self.signals(step))
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_matrix]:

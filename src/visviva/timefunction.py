@@ -1,0 +1,258 @@
+"""Functions of time: numbers, expressions such as ``"2*sin(3*t)"``, tables and Python functions as one type."""
+
+from __future__ import annotations
+
+import ast
+import bisect
+import cmath
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
+
+from visviva.errors import InputError
+
+Evaluator = Callable[[complex], complex]
+Source = float | str | list[list[float]] | Callable[[float], float]
+
+OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: lambda a, b: _power(a, b),
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+NAMES = {"pi": math.pi}
+
+
+def _power(a: complex, b: complex) -> complex:
+    whole = b.imag == 0 and b.real == round(b.real) and abs(b.real) < 100
+    return a ** (int(b.real) if whole else b)  # type: ignore[no-any-return]
+
+
+def _least(*values: complex) -> complex:
+    return min(values, key=lambda z: z.real)
+
+
+def _greatest(*values: complex) -> complex:
+    return max(values, key=lambda z: z.real)
+
+
+def _absolute(z: complex) -> complex:
+    return -z if z.real < 0 else z
+
+
+def _step(z: complex) -> complex:
+    return 1.0 if z.real >= 0 else 0.0
+
+
+def _smoothstep(z: complex) -> complex:
+    x = _least(_greatest(z, 0.0), 1.0)
+    return x * x * x * (10 + x * (6 * x - 15))
+
+
+FUNCTIONS: dict[str, Callable[..., complex]] = {
+    **{name: getattr(cmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt")},
+    **{name: getattr(cmath, name) for name in ("sinh", "cosh", "tanh", "asin", "acos", "atan")},
+    "abs": _absolute,
+    "min": _least,
+    "max": _greatest,
+    "step": _step,
+    "smoothstep": _smoothstep,
+}
+ARGUMENTS = {"min": range(1, 99), "max": range(1, 99)}
+
+
+class TimeFunction:
+    """A prescribed function of time, callable, with its `rate`.
+
+    Parameters
+    ----------
+    source : float, str, list of [t, value], callable or TimeFunction
+        A constant; an expression in ``t`` of numbers, ``+ - * / **``, ``pi`` and sin, cos, tan, exp, log, sqrt,
+        sinh, cosh, tanh, asin, acos, atan, abs, min, max, ``step(x)`` (0 for x < 0, else 1) and
+        ``smoothstep(x)`` (0 to 1 over 0 < x < 1, twice continuously differentiable); a table, linear between its
+        points and constant outside; or a Python function of t.
+
+    Raises
+    ------
+    InputError
+        If the expression uses anything else, or the table's times do not increase.
+
+    Examples
+    --------
+    >>> f = TimeFunction("2*sin(3*t)")
+    >>> f(0.0), f.rate(0.0)
+    (0.0, 6.0)
+    >>> TimeFunction([[0, 0], [2, 10]])(0.5)
+    2.5
+    """
+
+    def __init__(self, source: Any) -> None:
+        self.source: Source = source.source if isinstance(source, TimeFunction) else _plain(source)
+        if callable(self.source):
+            self._value: Callable[[float], float] = self.source
+            self.rate = self._difference
+        elif isinstance(self.source, str):
+            self._expression = _compile(self.source)
+            self._value, self.rate = self._evaluate, self._derivative
+        elif isinstance(self.source, list):
+            self._times = [t for t, _ in self.source]
+            self._value, self.rate = self._interpolate, self._slope
+        else:
+            constant = self.source
+            self._value, self.rate = lambda t: constant, lambda t: 0.0
+
+    def __call__(self, t: float) -> float:
+        """Value at time `t`."""
+        return self._value(t)
+
+    def __repr__(self) -> str:
+        return f"TimeFunction({self.source!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, TimeFunction) and self.source == other.source
+
+    def __hash__(self) -> int:
+        return hash(repr(self.source))
+
+    # --- a Python function: rate by differences of fourth order ---------------------------------------------------
+    def _difference(self, t: float) -> float:
+        d, f = 2e-4 * max(1.0, abs(t)), self._value
+        return float((8 * (f(t + d) - f(t - d)) - (f(t + 2 * d) - f(t - 2 * d))) / (12 * d))
+
+    # --- an expression: rate by a complex step, exact to round-off ------------------------------------------------
+    def _evaluate(self, t: float) -> float:
+        value = self._at(t)
+        if abs(value.imag) > 1e-12 * abs(value.real):
+            raise InputError(f"{self.source!r} is not real at t = {t:g}")
+        return value.real
+
+    def _derivative(self, t: float) -> float:
+        return self._at(complex(t, 1e-30)).imag / 1e-30
+
+    def _at(self, t: complex) -> complex:
+        try:
+            return complex(self._expression(t))
+        except (ArithmeticError, ValueError) as error:
+            raise InputError(f"{self.source!r} cannot be evaluated at t = {t.real:g}: {error}") from None
+
+    # --- a table --------------------------------------------------------------------------------------------------
+    def _piece(self, t: float) -> tuple[float, float, float]:
+        """Start, value and slope of the piece that ends at or contains `t`."""
+        table: Any = self.source
+        k = bisect.bisect_left(self._times, t)
+        if k == 0 or k == len(table):
+            return t, table[min(k, len(table) - 1)][1], 0.0
+        (t0, f0), (t1, f1) = table[k - 1], table[k]
+        return t0, f0, (f1 - f0) / (t1 - t0)
+
+    def _interpolate(self, t: float) -> float:
+        start, value, slope = self._piece(t)
+        return value + slope * (t - start)
+
+    def _slope(self, t: float) -> float:
+        return self._piece(t)[2]
+
+
+def _plain(source: Any) -> Source:
+    """A source checked and turned into plain data."""
+    if callable(source):
+        return source  # type: ignore[no-any-return]
+    if isinstance(source, str):
+        return source
+    if isinstance(source, Sequence) or hasattr(source, "tolist"):
+        return _table(source)
+    try:
+        number = float(source)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"a function of time is a number, an expression in t, a table or a function, not {source!r}"
+        ) from None
+    if not math.isfinite(number):
+        raise InputError(f"a function of time cannot be the constant {number}")
+    return number
+
+
+def _table(source: Any) -> list[list[float]]:
+    try:
+        rows = [[float(t), float(value)] for t, value in source]
+    except (TypeError, ValueError):
+        raise InputError(f"a table of a function of time has rows [t, value], not {source!r}") from None
+    if not rows or not all(math.isfinite(x) for row in rows for x in row):
+        raise InputError(f"a table of a function of time needs finite numbers, not {rows}")
+    for (t0, _), (t1, _) in zip(rows, rows[1:], strict=False):
+        if t1 <= t0:
+            raise InputError(f"the times of a table must increase, but {t1:g} follows {t0:g}")
+    return rows
+
+
+def _compile(text: str) -> Evaluator:
+    """An expression as nested functions; whatever is not listed above is refused."""
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except SyntaxError as error:
+        raise InputError(f"{text!r} is not an expression in t: {error.msg}") from None
+    return _build(tree.body, text)
+
+
+def _build(node: ast.AST, text: str) -> Evaluator:
+    match node:
+        case ast.Constant(value=bool()):
+            pass
+        case ast.Constant(value=int() | float() as constant):
+            number = float(constant)
+            return lambda t: number
+        case ast.Name(id="t"):
+            return lambda t: t
+        case ast.Name(id=name) if name in NAMES:
+            return lambda t: NAMES[name]
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
+            unary, inner = OPERATORS[type(op)], _build(operand, text)
+            return lambda t: unary(inner(t))
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+            binary, a, b = OPERATORS[type(op)], _build(left, text), _build(right, text)
+            return lambda t: binary(a(t), b(t))
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+            return _call(name, args, text)
+    used = ast.unparse(node)
+    known = ", ".join(["t", *NAMES, *FUNCTIONS])
+    raise InputError(f"{used!r} in {text!r} is not understood; an expression may use numbers, + - * / **, {known}")
+
+
+def _call(name: str, args: list[ast.expr], text: str) -> Evaluator:
+    if len(args) not in ARGUMENTS.get(name, (1,)):
+        raise InputError(f"{name} in {text!r} takes one argument, not {len(args)}")
+    function, inner = FUNCTIONS[name], [_build(a, text) for a in args]
+    return lambda t: function(*(f(t) for f in inner))
+
+
+def _serialize(function: TimeFunction | None) -> Any:
+    if function is None or not callable(function.source):
+        return None if function is None else function.source
+    raise ValueError("a Python function cannot be written to a file; use an expression such as '2*sin(3*t)'")
+
+
+OfTime = Annotated[
+    Any,
+    BeforeValidator(TimeFunction),
+    PlainSerializer(_serialize),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number"},
+                {"type": "string", "description": "expression in t, e.g. 2*sin(3*t)"},
+                {
+                    "type": "array",
+                    "description": "rows [t, value]",
+                    "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+                },
+            ]
+        }
+    ),
+]
+"""Argument of constructors that takes what `TimeFunction` takes."""
