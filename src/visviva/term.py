@@ -52,12 +52,14 @@ class Term:
 
     A subclass sets `unknowns` (n, n_local), `order` (n_local,) of its unknowns, and defines `residual`; the rest is
     optional: without `tangent` the residual is differentiated numerically, without `energy` the ledger books
-    the term's work, ``-residual . dx``.
+    the term's work, ``-residual . dx`` unless `work` says otherwise (as it must for unknowns of order 1).
 
     Attributes
     ----------
     kind : str
         Name of its column in the ledger.
+    stores : str
+        'potential' or 'kinetic': what its energy, if it has one, counts as.
     history : dict of arrays
         State of its own; changed in `accept` only, and kept in restart files.
     """
@@ -65,6 +67,7 @@ class Term:
     unknowns: NDArray[np.int32]
     order: NDArray[np.int32]
     kind = "user"
+    stores = "potential"
     label = "user term"
 
     def __init__(self) -> None:
@@ -101,7 +104,7 @@ class Term:
         owner = model.components[component]
         self.label = owner.label
         n = len(self.unknowns)
-        category = "potential" if self.energy is not None else "work"
+        category = self.stores if self.energy is not None else "work"
         account = model.account(owner, self.kind, category)
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
         term = _core.CallbackTerm(index, self._residual, self._tangent, self._ledger, self._accept)
