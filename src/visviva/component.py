@@ -47,12 +47,18 @@ class Component:
         return []
 
     def surface(self) -> Any:
-        """What is drawn of it, in its own coordinates; None for nothing."""
+        """What is drawn of it, in its own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None
+
+    def lines(self) -> list[tuple[Vector, Vector]]:
+        """Lines that are drawn of it, from point to point (ropes, rods, springs)."""
+        return []
 
 
 class Attachable(Component):
     """A component that others can be attached to: its material points are linear forms of its unknowns."""
+
+    has_directions = True
 
     def place(self, X: Array) -> Vector:
         """Position of the material point `X` (3,), given in the component's own coordinates."""

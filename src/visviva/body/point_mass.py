@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.body.shape import Sphere
 from visviva.component import Attachable, settings
 from visviva.errors import InputError
 from visviva.form import Vector
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from visviva.model import Model
 
 Array = NDArray[np.float64]
+MARKER = 0.03  # radius of the ball that is drawn, in lengths of the model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -26,6 +28,8 @@ class PointMass(Attachable):
     mass: Number
     position: Vector3 = (0.0, 0.0, 0.0)
     velocity: Vector3 = (0.0, 0.0, 0.0)
+
+    has_directions = False
 
     def __post_init__(self) -> None:
         if self.mass <= 0:
@@ -47,6 +51,9 @@ class PointMass(Attachable):
 
     def weights(self) -> list[tuple[float, Vector]]:
         return [(self.mass, self._field.vector())]
+
+    def surface(self) -> Any:
+        return Sphere(radius=MARKER * float(self._field.scale[0])).surface(resolution=12)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor, steiner
-from visviva.body.shape import AnyShape
+from visviva.body.shape import AnyShape, Box
 from visviva.component import Attachable, settings
 from visviva.errors import InputError
 from visviva.form import Vector, dot
@@ -156,6 +156,17 @@ class RigidBody(Attachable):
         return [(m, self.place(centre))]
 
     def surface(self) -> Any:
-        return self.shape.surface() if self.shape is not None else None
+        return self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())
+
+
+def inertia_box(properties: MassProperties) -> Any:
+    """Surface of the homogeneous box with the same inertia, edges no thinner than 1/50 of the longest."""
+    m, centre, J = properties
+    euler, axes = np.linalg.eigh(euler_tensor(J))
+    edges = np.sqrt(12 * np.maximum(euler, 0) / m)
+    longest = float(edges.max()) or 1.0
+    points, triangles = Box(size=tuple(np.maximum(edges, longest / 50).tolist())).surface()
+    right_handed = axes * np.sign(np.linalg.det(axes))
+    return centre + points @ right_handed.T, triangles
 
 

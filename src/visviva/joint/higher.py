@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.errors import InputError
-from visviva.form import Form, Strain, product, squared
+from visviva.form import Form, Strain, Vector, product, squared
 from visviva.joint.base import Joint, Side
 from visviva.values import Number
 
@@ -41,6 +41,9 @@ class RopeOverWinch(Joint):
     def constraints(self, A: Side, B: Side) -> Constraints:
         L = self.radius * self.winch.coordinate("angle") + self.length
         return [1 / (2 * self.length) * (squared(B.p - A.p) - product(L, L))]
+
+    def lines(self) -> list[tuple[Vector, Vector]]:
+        return [(self.sides[0].p, self.sides[1].p)]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
-from visviva.form import Form, Strain, dot, squared
+from visviva.form import Form, Strain, Vector, dot, squared
 from visviva.joint.base import Joint, Side, initial, stroke_strain
 from visviva.values import Number
 
@@ -143,3 +143,6 @@ class Distance(Joint):
     def constraints(self, A: Side, B: Side) -> Constraints:
         assert self.length is not None
         return [0.5 * squared(B.p - A.p) - 0.5 * self.length**2]
+
+    def lines(self) -> list[tuple[Vector, Vector]]:
+        return [(self.sides[0].p, self.sides[1].p)]
