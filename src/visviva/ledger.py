@@ -67,7 +67,16 @@ class Ledger:
 
 
 class Bookkeeper:
-    """Turns the core's sums of each step into rows of a ledger."""
+    """Turns the core's sums of each step into rows of a ledger.
+
+    Attributes
+    ----------
+    ledger : Ledger
+    done : array
+        Work done so far by kind.
+    total0 : float or None
+        Energy of the initial state, None before its row is booked.
+    """
 
     def __init__(self, accounts: list[Any]) -> None:
         def kinds(*categories: str) -> list[str]:
@@ -83,8 +92,8 @@ class Bookkeeper:
                 self._potential[ledger.potentials.index(a.kind), k] = 1
             if a.category in ("work", "dissipation"):
                 self._work[ledger.works.index(a.kind), k] = 1
-        self._done = np.zeros(len(ledger.works))
-        self._total0: float | None = None
+        self.done = np.zeros(len(ledger.works))
+        self.total0: float | None = None
 
     def book(self, time: float, core: Any) -> Array:
         """Add the row of the step that the core has just accepted (or of the initial state)."""
@@ -92,12 +101,12 @@ class Bookkeeper:
         kinetic = self._kinetic @ energy
         potential = self._potential @ energy
         total = kinetic + potential.sum()
-        self._done = self._done + self._work @ core.work
-        if self._total0 is None:
-            self._total0 = total
+        self.done = self.done + self._work @ core.work
+        if self.total0 is None:
+            self.total0 = total
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
         defect = core.defect.reshape(-1, 2).max(axis=0)
-        imbalance = total - self._total0 - self._done.sum()
-        row = np.concatenate([[time, kinetic], potential, [total], self._done, [imbalance], momentum, defect])
+        imbalance = total - self.total0 - self.done.sum()
+        row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
         self.ledger.rows.append(row)
         return row

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
 from visviva.system import StepFailure, System
+
+Array = NDArray[np.float64]
 
 HALVINGS = 6
 """A step that fails is tried again with half its length this many times before the run gives up."""
@@ -31,26 +37,26 @@ def march(system: System, *, until: float, step: float, scheme: Scheme | None = 
     >>> round(float(system.x[0]), 12)
     1.0
     """
-    if not step > 0:
-        raise InputError(f"step = {step} is not positive")
-    if not until > system.time:
+    if not (step > 0 and math.isfinite(step)):
+        raise InputError(f"step = {step} is not a positive number")
+    if not (until > system.time and math.isfinite(until)):
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme)
-    halvings = 0
     while until - system.time > 1e-9 * step:
-        h = min(step / 2**halvings, until - system.time)
+        h = min(step / 2**system.halvings, until - system.time)
         if abs(until - system.time - h) < 1e-9 * step:
-            h = until - system.time if halvings or abs(h - step) > 1e-9 * step else step
+            h = until - system.time if system.halvings or abs(h - step) > 1e-9 * step else step
         try:
             report = system.step(h, scheme)
         except StepFailure:
-            halvings += 1
+            system.halvings += 1
             system.rejected += 1
-            if halvings > HALVINGS:
+            if system.halvings > HALVINGS:
+                system.halvings = 0
                 raise
             continue
-        halvings = max(halvings - 1, 0)
+        system.halvings = max(system.halvings - 1, 0)
         yield report
 
 
@@ -86,26 +92,37 @@ def simulate(
     observe : callable
         Called with the system after each accepted step.
     """
-    scheme = EnergyMomentum() if scheme is None else scheme
-    books = Bookkeeper(system.model.accounts)
-    result = Result(system, scheme, books.ledger)
-    system.take_stock()
-    books.book(system.time, system.core)
-    keep(result)
-    start, rejected = time.perf_counter(), system.rejected
-    for report in march(system, until=until, step=step, scheme=scheme):
-        s = result.statistics
-        s.steps += 1
-        s.iterations += report.iterations
-        s.factorizations += report.factorizations
-        books.book(system.time, system.core)
-        if s.steps % every == 0:
+    result, books = begin(system, scheme)
+    for _ in advance(result, books, until=until, step=step):
+        if result.statistics.steps % every == 0:
             keep(result)
         if observe is not None:
             observe(system)
-    result.statistics.seconds = time.perf_counter() - start
-    result.statistics.rejected = system.rejected - rejected
     return result
+
+
+def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkeeper]:
+    """A result that holds the present state, and the books opened with it."""
+    books = Bookkeeper(system.model.accounts)
+    result = Result(system, EnergyMomentum() if scheme is None else scheme, books.ledger)
+    system.take_stock()
+    books.book(system.time, system.core)
+    keep(result)
+    return result, books
+
+
+def advance(result: Result, books: Bookkeeper, *, until: float, step: float) -> Iterator[Array]:
+    """March on with the books kept; yields the ledger's row after each accepted step."""
+    system, s = result.system, result.statistics
+    start, rejected = time.perf_counter() - s.seconds, system.rejected - s.rejected
+    for report in march(system, until=until, step=step, scheme=result.scheme):
+        s.steps += 1
+        s.iterations += report.iterations
+        s.factorizations += report.factorizations
+        s.rejected = system.rejected - rejected
+        row = books.book(system.time, system.core)
+        s.seconds = time.perf_counter() - start
+        yield row
 
 
 def keep(result: Result) -> None:

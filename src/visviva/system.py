@@ -94,6 +94,7 @@ class System:
         self.newton = newton or Newton()
         self.time = 0.0
         self.rejected = 0
+        self.halvings = 0  # of the step length, after failures; decays with every success
         self.has_acceleration = False
         self._name_components()
         self.model = Model(self.components, length=characteristic_length(self.components))
@@ -135,11 +136,11 @@ class System:
         fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
         core = self.core = _core.System(order, fixed, scale)
         self.order = order
-        core.set_accounts(len(self.model.accounts), len(self.components))
-        for term in [*inertia_terms(self.model), *strain_terms(self.model)]:
+        terms = [*inertia_terms(self.model), *strain_terms(self.model)]
+        terms += [term.build(self.model, component) for term, component in self.model.terms]
+        core.set_accounts(len(self.model.accounts), len(self.components))  # after the terms have opened theirs
+        for term in terms:
             core.add(term)
-        for python_term, component in self.model.terms:
-            core.add(python_term.build(self.model, component))
         core.set_signal_count(max(len(self.model.signals), 1))
         core.set_blocks(*self._blocks())
         core.finalize()
@@ -179,7 +180,7 @@ class System:
     @property
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
-        return int(np.sum(self.order > 0))
+        return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.order > 0)
 
     @property
     def n_constraints(self) -> int:

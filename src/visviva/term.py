@@ -72,6 +72,7 @@ class Term:
 
     def __init__(self) -> None:
         self.history: dict[str, Array] = {}
+        self.history_at_tangent: dict[str, Array] = {}  # when the tangent last asked for was made, for restarts
 
     def residual(self, s: Stencils) -> Array:
         """Contribution (n, n_local) to the equations of its unknowns."""
@@ -119,6 +120,7 @@ class Term:
         args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
 
     def _tangent(self, *args: Any) -> None:
+        self.history_at_tangent = {name: value.copy() for name, value in self.history.items()}
         args[7][:] = checked(self.label, "tangent", self.tangent(Stencils(*args[:6])), args[7].shape)
 
     def _ledger(self, *args: Any) -> None:
