@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
 from visviva.output.files import replacing, reporting
-from visviva.output.picture import centre_paths, time_label
+from visviva.output.picture import time_label, trails_until
 from visviva.output.stage import Camera, Scene, open_stage
 from visviva.output.trajectory import Trajectory
 
@@ -65,7 +65,7 @@ def movie(
         raise InputError(f"a movie needs an even width and height of at least 16 pixels, got {size}")
     encode = _encode_gif if target.suffix.lower() == ".gif" else _encode_mp4
     with Trajectory(trajectory) as motion:
-        scene = Scene(motion.surfaces, *motion.bounds(), tuple(colors), camera, size)
+        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size)
         times = _frame_times(motion.times, speed / fps)
         frames = _frames(motion, scene, times, trails, progress)
         try:
@@ -77,7 +77,8 @@ def movie(
 
 def _frame_times(times: NDArray[np.float64], interval: float) -> NDArray[np.float64]:
     n_frames = int(np.floor((times[-1] - times[0]) / interval + 1e-9)) + 1
-    return np.minimum(times[0] + interval * np.arange(n_frames), times[-1])
+    frames: NDArray[np.float64] = np.minimum(times[0] + interval * np.arange(n_frames), times[-1])
+    return frames
 
 
 def _frames(
@@ -86,13 +87,13 @@ def _frames(
     times: NDArray[np.float64],
     trails: Sequence[str],
     progress: Callable[[int, int], None] | None,
-) -> Iterator[Image]:
-    paths = centre_paths(motion, trails)
+) -> Generator[Image]:
+    paths = motion.centres(trails)
     stage = open_stage(scene)
     try:
-        for k, time in enumerate(times):
-            passed = [path[motion.times <= time] for path in paths]
-            stage.place(motion.points_at(float(time)), passed, time_label(float(time)))
+        for k, time in enumerate(times.tolist()):
+            points = motion.points_at(time)
+            stage.place(points, trails_until(motion, paths, time, points), time_label(time))
             yield stage.image()
             if progress is not None:
                 progress(k + 1, len(times))
@@ -102,7 +103,7 @@ def _frames(
 
 def _encode_mp4(frames: Iterator[Image], path: Path, fps: int, size: tuple[int, int]) -> None:
     try:
-        from imageio_ffmpeg import write_frames
+        from imageio_ffmpeg import write_frames  # type: ignore[import-untyped, unused-ignore]
     except ImportError as error:
         raise InputError("an mp4 movie needs: pip install 'visviva[view]'; a *.gif does not") from error
     options = ["-f", "mp4", "-movflags", "+faststart", "-crf", "20", "-preset", "medium"]

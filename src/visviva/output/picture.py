@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
-from visviva.output.stage import Camera, Points, Scene, open_stage
+from visviva.output.stage import Camera, Points, Scene, Trails, open_stage
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -20,7 +19,7 @@ def picture(
     png: str | Path,
     *,
     points: Sequence[ArrayLike] | None = None,
-    trails: Sequence[ArrayLike] = (),
+    trails: Mapping[int, ArrayLike] | None = None,
     label: str = "",
     colors: Sequence[str] = (),
     camera: Camera | None = None,
@@ -37,7 +36,7 @@ def picture(
     points
         Current points of every surface, (n, 3) each, in m; the reference points if not given.
     trails
-        Positions that marked points have passed, (n, 3) each.
+        Positions (n, 3) that a point has passed, by the number of the surface whose colour they take.
     label
         Text in the corner.
     colors
@@ -53,11 +52,9 @@ def picture(
         If the file cannot be written.
     """
     current = [np.asarray(array, float) for array in points or [surface.points for surface in surfaces]]
-    paths = [np.asarray(trail, float) for trail in trails]
-    everything = np.concatenate([*current, *paths])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    scene = Scene(tuple(surfaces), low, high, tuple(colors), camera, size)
-    _draw(scene, current, paths, label, Path(png))
+    paths = {k: np.asarray(trail, float) for k, trail in (trails or {}).items()}
+    cloud = np.concatenate([*current, *paths.values()])
+    _draw(Scene(tuple(surfaces), cloud, tuple(colors), camera, size), current, paths, label, Path(png))
 
 
 def snapshot(
@@ -86,21 +83,19 @@ def snapshot(
         As for `picture`.
     """
     with Trajectory(trajectory) as motion:
-        low, high = motion.bounds()
-        scene = Scene(motion.surfaces, low, high, tuple(colors), camera, size)
+        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size)
         moment = float(motion.times[-1]) if time is None else time
-        passed = [path[motion.times <= moment] for path in centre_paths(motion, trails)]
-        _draw(scene, motion.points_at(moment), passed, time_label(moment), Path(png))
+        points = motion.points_at(moment)
+        passed = trails_until(motion, motion.centres(trails), moment, points)
+        _draw(scene, points, passed, time_label(moment), Path(png))
 
 
-def centre_paths(motion: Trajectory, names: Sequence[str]) -> list[NDArray[np.float64]]:
-    """Positions (n_steps, 3) of the mean points of the named surfaces."""
-    known = [surface.name for surface in motion.surfaces]
-    for name in names:
-        if name not in known:
-            raise InputError(f"no surface is called {name!r}; there are {', '.join(known)}")
-    steps = [motion.points(step) for step in range(len(motion.times))] if names else []
-    return [np.array([points[known.index(name)].mean(axis=0) for points in steps]) for name in names]
+def trails_until(
+    motion: Trajectory, paths: Mapping[int, NDArray[np.float64]], time: float, points: Points
+) -> dict[int, NDArray[np.float64]]:
+    """The parts of the paths passed before `time`, ending at the current points."""
+    n_passed = int(np.searchsorted(motion.times, time, side="left"))
+    return {k: np.vstack([path[:n_passed], points[k].mean(axis=0)]) for k, path in paths.items()}
 
 
 def time_label(time: float) -> str:
@@ -108,7 +103,7 @@ def time_label(time: float) -> str:
     return f"t = {time:.2f} s"
 
 
-def _draw(scene: Scene, points: Points, trails: Points, label: str, png: Path) -> None:
+def _draw(scene: Scene, points: Points, trails: Trails, label: str, png: Path) -> None:
     import matplotlib.image
 
     stage = open_stage(scene)

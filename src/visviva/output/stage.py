@@ -7,8 +7,9 @@ import hashlib
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
@@ -18,10 +19,12 @@ from numpy.typing import NDArray
 from visviva.output.surface import Surface
 
 Points = Sequence[NDArray[np.float64]]
+Trails = Mapping[int, NDArray[np.float64]]  # positions (n, 3) passed so far, by the number of the surface
 Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
+MARGIN = 1.12  # of the view around what is shown
 VIEW = (1.0, -1.7, 0.75)  # from where one looks by default, third axis up
 
 PROBE = """
@@ -40,30 +43,41 @@ class Scene:
     ----------
     surfaces
         One per component.
-    low, high
-        (3,) corners of a box around all positions to be shown, in m.
+    cloud
+        (n, 3) positions that shall be in view, in m.
     colors
         One per surface, any notation of matplotlib; none for a default palette.
     camera
-        Position, point looked at and up direction, (3,) each; none to look at the whole box.
+        Position, point looked at and up direction, (3,) each; none to look at the whole cloud.
     size
-        Width and height in pixels, both even.
+        Width and height in pixels.
     """
 
     surfaces: tuple[Surface, ...]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
+    cloud: NDArray[np.float64]
     colors: tuple[str, ...] = ()
     camera: Camera | None = None
-    size: tuple[int, int] = field(default=(1280, 720))
+    size: tuple[int, int] = (1280, 720)
 
     def color(self, k: int) -> str:
         """Colour of the surface number `k`."""
         return self.colors[k] if self.colors else PALETTE[k % len(PALETTE)]
 
+    @cached_property
+    def low(self) -> NDArray[np.float64]:
+        """(3,) lowest coordinates in view."""
+        lowest: NDArray[np.float64] = self.cloud.min(axis=0)
+        return lowest
+
+    @cached_property
+    def high(self) -> NDArray[np.float64]:
+        """(3,) highest coordinates in view."""
+        highest: NDArray[np.float64] = self.cloud.max(axis=0)
+        return highest
+
     @property
     def extent(self) -> float:
-        """Diagonal of the box, never zero."""
+        """Diagonal of the box around what is in view, never zero."""
         return float(np.linalg.norm(self.high - self.low)) or 1.0
 
     @property
@@ -71,19 +85,54 @@ class Scene:
         """Height of the ground, a little below everything."""
         return float(self.low[2]) - 0.005 * self.extent
 
-    def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Coordinates of the lines of the ground grid along the first and the second axis."""
-        spacing = _round(self.extent / 12)
-        reach = 0.35 * self.extent
-        first, last = np.floor((self.low - reach) / spacing), np.ceil((self.high + reach) / spacing)
-        return spacing * np.arange(first[0], last[0] + 1), spacing * np.arange(first[1], last[1] + 1)
+    def grid(self) -> NDArray[np.float64]:
+        """Lines of the ground grid, (n, 2, 3) end points, each line cut into single meshes."""
+        spacing = round_length(self.extent / 14)
+        reach = self.reach
+        middle = spacing * np.round((self.low + self.high)[:2] / 2 / spacing)
+        ticks = spacing * np.arange(-np.floor(reach / spacing), np.floor(reach / spacing) + 1)
+        across, along = np.meshgrid(ticks, ticks[:-1])
+        starts = np.stack([across, along], axis=-1).reshape(-1, 2)
+        lines = np.stack([starts, starts + np.array([0.0, spacing])], axis=1)
+        both = np.concatenate([lines, lines[..., ::-1]]) + middle
+        return np.concatenate([both, np.full((*both.shape[:2], 1), self.ground)], axis=-1)
+
+    @property
+    def reach(self) -> float:
+        """How far the ground is drawn from the middle."""
+        return 0.95 * self.extent
+
+    def fitted_camera(self, opening: float) -> Camera:
+        """The camera, or the nearest one in the default direction that sees the whole cloud.
+
+        Parameters
+        ----------
+        opening
+            Angle between the upper and lower edge of the view, in degrees.
+        """
+        if self.camera is not None:
+            return self.camera
+        back = np.array(VIEW) / np.linalg.norm(VIEW)
+        right = np.cross([0.0, 0.0, 1.0], back)
+        axes = np.array([right / np.linalg.norm(right), np.zeros(3), back])
+        axes[1] = np.cross(back, axes[0])
+        half = np.tan(np.radians(opening) / 2) / MARGIN
+        slopes = half * np.array([self.size[0] / self.size[1], 1.0])
+        middle = (self.low + self.high) / 2
+        seen = (self.cloud - middle) @ axes.T
+        # in view is |x - m| <= slope (d - z): the outermost points on both sides give m, the worse axis d
+        upper = (seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
+        lower = (-seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
+        distance = max(float(((upper + lower) / 2).max()), 0.5 * self.extent)
+        target = middle + (slopes * (upper - lower) / 2) @ axes[:2]
+        return tuple(target + distance * back), tuple(target), (0.0, 0.0, 1.0)
 
 
 class Stage(Protocol):
     """Draws a scene at given positions."""
 
-    def place(self, points: Points, trails: Points, label: str) -> None:
-        """Move the surfaces, draw the trails ((n, 3) positions passed so far) and write the label."""
+    def place(self, points: Points, trails: Trails, label: str) -> None:
+        """Move the surfaces, draw the trails and write the label."""
 
     def image(self) -> NDArray[np.uint8]:
         """Render: (height, width, 3)."""
@@ -133,7 +182,7 @@ def _note() -> Path:
     return cache / "visviva" / f"rendering-{key}"
 
 
-def _round(length: float) -> float:
+def round_length(length: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above `length`."""
     power = 10.0 ** np.floor(np.log10(length))
     return float(power * max(digit for digit in (1, 2, 5) if digit * power <= length * (1 + 1e-9)))

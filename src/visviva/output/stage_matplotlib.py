@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.output.stage import INK, VIEW, Points, Scene
+from visviva.output.stage import INK, VIEW, Points, Scene, Trails
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100
@@ -26,22 +26,20 @@ class MatplotlibStage:
 
         self.scene = scene
         self._figure = Figure(figsize=(scene.size[0] / DOTS_PER_INCH, scene.size[1] / DOTS_PER_INCH))
-        self._canvas = FigureCanvasAgg(self._figure)
+        self._canvas: Any = FigureCanvasAgg(self._figure)
         self._figure.set_dpi(DOTS_PER_INCH)
         self._figure.set_facecolor("#f4f7fa")
         self._colors = [np.array(to_rgb(scene.color(k))) for k in range(len(scene.surfaces))]
-        self._axes: Any = self._figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
+        self._axes: Any = self._figure.add_axes(_square(scene.size), projection="3d", computed_zorder=False)
         self._set_up()
         self._ground()
         self._drawn: list[Any] = []
 
-    def place(self, points: Points, trails: Points, label: str) -> None:
+    def place(self, points: Points, trails: Trails, label: str) -> None:
         for artist in self._drawn:
             artist.remove()
         self._drawn = [*self._faces(points), *self._lines(points), *self._trails(trails)]
-        self._drawn.append(
-            self._axes.text2D(0.02, 0.95, label, transform=self._axes.transAxes, color=INK, size=14)
-        )
+        self._drawn.append(self._figure.text(0.02, 0.94, label, color=INK, size=self.scene.size[1] / 50))
 
     def image(self) -> NDArray[np.uint8]:
         self._canvas.draw()
@@ -56,8 +54,9 @@ class MatplotlibStage:
         middle = (scene.low + scene.high) / 2
         for limits, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
             limits(m - s / 2, m + s / 2)
-        axes.set_box_aspect(size, zoom=1.35)
+        axes.set_box_aspect(size, zoom=0.95)
         axes.set_axis_off()
+        axes.patch.set_visible(False)
         view = np.array(VIEW) if scene.camera is None else np.subtract(scene.camera[0], scene.camera[1])
         axes.view_init(
             elev=np.degrees(np.arctan2(view[2], np.hypot(view[0], view[1]))),
@@ -65,16 +64,20 @@ class MatplotlibStage:
         )
 
     def _ground(self) -> None:
-        from mpl_toolkits.mplot3d.art3d import Line3DCollection
+        from mpl_toolkits.mplot3d.art3d import Line3DCollection  # type: ignore[import-untyped, unused-ignore]
 
-        x, y = self.scene.grid()
-        z = self.scene.ground
-        ends = [((x[0], b, z), (x[-1], b, z)) for b in y] + [((a, y[0], z), (a, y[-1], z)) for a in x]
-        self._axes.add_collection3d(Line3DCollection(ends, colors="#c3ced8", linewidths=0.8), autolim=False)
+        lines = self.scene.grid()
+        middle = (self.scene.low + self.scene.high)[:2] / 2
+        away = np.linalg.norm(lines.mean(axis=1)[:, :2] - middle, axis=1) / self.scene.reach
+        near = lines[away < 0.7]
+        grid = Line3DCollection(
+            near, colors="#c3ced8", linewidths=0.8, alpha=1.0 - away[away < 0.7] / 0.7, zorder=0
+        )
+        self._axes.add_collection3d(grid, autolim=False)
 
     def _faces(self, points: Points) -> list[Any]:
         """All faces in one collection, so that they are sorted among each other."""
-        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped, unused-ignore]
 
         faces, colors = [], []
         for k, (surface, current) in enumerate(zip(self.scene.surfaces, points, strict=True)):
@@ -99,8 +102,18 @@ class MatplotlibStage:
                     )
         return drawn
 
-    def _trails(self, trails: Points) -> list[Any]:
-        return [line for trail in trails for line in self._axes.plot(*trail.T, color=INK, lw=1.2, alpha=0.7)]
+    def _trails(self, trails: Trails) -> list[Any]:
+        return [
+            line
+            for k, trail in trails.items()
+            for line in self._axes.plot(*trail.T, color=self._colors[k], lw=1.5, alpha=0.7, zorder=1)
+        ]
+
+
+def _square(size: tuple[int, int]) -> tuple[float, float, float, float]:
+    """A square that covers the whole figure, since axes in space use the largest square in their room."""
+    width, height = max(1.0, size[1] / size[0]), max(1.0, size[0] / size[1])
+    return (1 - width) / 2, (1 - height) / 2, width, height
 
 
 def _shades(corners: NDArray[np.float64]) -> NDArray[np.float64]:

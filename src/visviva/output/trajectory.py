@@ -70,12 +70,25 @@ class Trajectory:
         ends = zip(self.points(before), self.points(before + 1), strict=True)
         return [(1 - weight) * early + weight * late for early, late in ends]
 
-    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Lowest and highest coordinates over all points and steps."""
-        steps = [self._root["Points"][rows] for rows in self._row_blocks()]
-        low = np.min([block.min(axis=0) for block in steps], axis=0)
-        high = np.max([block.max(axis=0) for block in steps], axis=0)
-        return low, high
+    def cloud(self, n_steps: int = 100) -> NDArray[np.float64]:
+        """Points of at most `n_steps` steps spread over the motion, (n, 3), to fit a camera to."""
+        chosen = np.unique(np.linspace(0, len(self.times) - 1, n_steps).round().astype(int))
+        return np.concatenate([points for step in chosen for points in self.points(int(step))])
+
+    def centres(self, names: Sequence[str]) -> dict[int, NDArray[np.float64]]:
+        """Paths (n_steps, 3) of the mean points of the named surfaces, by the number of the surface.
+
+        Raises
+        ------
+        InputError
+            If there is no such surface.
+        """
+        known = [surface.name for surface in self.surfaces]
+        for name in names:
+            if name not in known:
+                raise InputError(f"{self.path}: no surface is called {name!r}; there are {', '.join(known)}")
+        steps = [self.points(step) for step in range(len(self.times))] if names else []
+        return {k: np.array([points[k].mean(axis=0) for points in steps]) for k in map(known.index, names)}
 
     def widths(self, kind: str) -> dict[str, int]:
         """Numbers of components of the stored quantities per ``Point`` or per ``Cell``."""
@@ -104,10 +117,6 @@ class Trajectory:
         if stream == "time":
             return 1
         return len(self._root["Types"]) if stream.startswith("Cell/") else int(self._ends[-1])
-
-    def _row_blocks(self, n_rows: int = 1 << 18) -> list[slice]:
-        stop = len(self.times) * int(self._ends[-1])
-        return [slice(start, min(start + n_rows, stop)) for start in range(0, stop, n_rows)]
 
 
 def _surfaces(own: Any, root: Any, ends: NDArray[np.int64]) -> tuple[Surface, ...]:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from visviva.errors import InputError
-from visviva.output.picture import centre_paths, time_label
-from visviva.output.stage import Scene
+from visviva.output.picture import time_label, trails_until
+from visviva.output.stage import INK, Scene
 from visviva.output.trajectory import Trajectory
 
 
@@ -46,21 +46,28 @@ def build_viewer(motion: Trajectory, trails: Sequence[str], colors: Sequence[str
         raise InputError("the viewer needs: pip install 'visviva[view]'") from error
     from visviva.output.stage_pyvista import PyVistaStage
 
-    plotter = pyvista.Plotter(off_screen=off_screen, window_size=[1280, 800], lighting="none")
-    stage = PyVistaStage(Scene(motion.surfaces, *motion.bounds(), tuple(colors), size=(1280, 800)), plotter)
-    paths = centre_paths(motion, trails)
+    plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=[1280, 800], lighting="none")
+    stage = PyVistaStage(Scene(motion.surfaces, motion.cloud(), tuple(colors), size=(1280, 800)), plotter)
+    paths = motion.centres(trails)
 
     def move(time: float) -> None:
-        passed = [path[motion.times <= time] for path in paths]
-        stage.place(motion.points_at(time), passed, time_label(time))
+        points = motion.points_at(time)
+        stage.place(points, trails_until(motion, paths, time, points), time_label(time))
 
     start, end = float(motion.times[0]), float(motion.times[-1])
     move(start)
     if end > start:
         plotter.add_slider_widget(
-            move, (start, end), start, "time in s", interaction_event="always", pointa=(0.25, 0.08), pointb=(0.75, 0.08),
-            style="modern", fmt="%.2f", color="#2b3440",
-        )  # fmt: skip
+            callback=move,
+            rng=(start, end),
+            value=start,
+            title="time in s",
+            pointa=(0.25, 0.08),
+            pointb=(0.75, 0.08),
+            interaction_event="always",
+            style="modern",
+            color=INK,
+        )
     return plotter
 
 
