@@ -1,8 +1,9 @@
 """Energies and constraints given as functions of the user: stresses, tangents and discrete gradients follow.
 
-A function takes strains (n_e, n), one column per element, and returns one value per element. First derivatives
-come from the complex step (exact to round-off) where the function allows complex arguments, else from central
-differences; second derivatives from central differences of the first.
+A function takes strains (n_e, n), one column per element, and returns one value per column; it is called with any
+number of columns, so what differs between elements has to come in as a strain (a constant form will do). First
+derivatives come from the complex step (exact to round-off) where the function allows complex arguments, else from
+central differences; second derivatives from central differences of the first.
 """
 
 from __future__ import annotations
@@ -83,24 +84,20 @@ class Function:
         return self._difference_gradient(e)
 
     def _complex_gradient(self, e: Array) -> Array:
-        g = np.empty((self.m, self.n_e, e.shape[1]))
-        for j in range(self.n_e):
-            z = e.astype(complex)
-            z[j] += 1j * COMPLEX_STEP
-            g[:, j] = self.raw(z).imag / COMPLEX_STEP
-        return g
+        z = np.repeat(e[:, None, :], self.n_e, axis=1).astype(complex)
+        z += 1j * COMPLEX_STEP * np.eye(self.n_e)[:, :, None]
+        return self.raw(z.reshape(self.n_e, -1)).imag.reshape(self.m, self.n_e, -1) / COMPLEX_STEP
 
     def _difference_gradient(self, e: Array) -> Array:
-        g = np.empty((self.m, self.n_e, e.shape[1]))
-        for j, (d, plus, minus) in enumerate(neighbours(e)):
-            g[:, j] = (self.value(plus) - self.value(minus)) / d
-        return g
+        points, distance = neighbours(e)
+        f = self.value(points.reshape(self.n_e, -1)).reshape(self.m, 2, self.n_e, -1)
+        return (f[:, 0] - f[:, 1]) / distance
 
     def hessian(self, e: Array) -> Array:
         """Second derivatives (m, n_e, n_e, n)."""
-        H = np.empty((self.m, self.n_e, self.n_e, e.shape[1]))
-        for j, (d, plus, minus) in enumerate(neighbours(e, 1.0 if self.takes_complex(e) else 20.0)):
-            H[:, :, j] = (self.gradient(plus) - self.gradient(minus)) / d
+        points, distance = neighbours(e, 1.0 if self.takes_complex(e) else 20.0)
+        g = self.gradient(points.reshape(self.n_e, -1)).reshape(self.m, self.n_e, 2, self.n_e, -1)
+        H = (g[:, :, 0] - g[:, :, 1]) / distance
         return 0.5 * (H + H.swapaxes(1, 2))
 
     def discrete_gradient(self, e0: Array, e1: Array, want_tangent: bool) -> tuple[Array, Array | None]:
@@ -117,7 +114,7 @@ class Function:
         smooth = np.abs(second).sum(axis=1) <= SMOOTH * np.abs(first).sum(axis=1)
         analytic = self.takes_complex(em)
         b = np.where(smooth & analytic, second.sum(axis=1) / 6, exact)
-        size = np.maximum(np.abs(e0), np.abs(e1)).max(axis=0)
+        size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0)).max(axis=0)
         tiny = np.abs(de).max(axis=0) <= (TINY if analytic else TINY_DIFFERENCES) * size
         inverse = np.where(tiny, 0.0, 1 / np.where(tiny, 1.0, (de * de).sum(axis=0)))
         c = b * inverse
@@ -130,17 +127,14 @@ class Function:
         return S, D + c[:, None, None] * np.eye(self.n_e)[:, :, None]
 
 
-def neighbours(e: Array, stretch: float = 1.0) -> list[tuple[Array, Array, Array]]:
-    """For every strain: distance and the two points of a central difference, with steps by element."""
+def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
+    """Both points of a central difference in every strain (n_e, 2, n_e, n), and their distances (n_e, n)."""
     size = np.maximum(0.1 * np.abs(e).max(axis=0), 1e-3)
-    steps = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
-    points = []
-    for j, d in enumerate(steps):
-        plus, minus = e.copy(), e.copy()
-        plus[j] += d
-        minus[j] -= d
-        points.append((plus[j] - minus[j], plus, minus))
-    return points
+    step = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
+    moved = np.eye(len(e))[:, :, None] * step
+    points = e[:, None, None, :] + np.stack([moved, -moved], axis=1)
+    distance = np.einsum("jjn->jn", points[:, 0] - points[:, 1])
+    return points, distance
 
 
 def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user energy") -> LawCallback:
