@@ -18,9 +18,14 @@ from visviva.joint.lower_pairs import (
     Spherical,
     Universal,
 )
-from visviva.load.drive import Force, JointDamper, JointForce, JointSpring, Motor
+from visviva.joint.servo import Servo
+from visviva.load.bushing import Bushing
+from visviva.load.drive import JointDamper, JointForce, JointSpring, Motor
+from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
-from visviva.load.spring import Spring
+from visviva.load.spring import Damper, Spring
+from visviva.load.torque import FollowerTorque, Torque, TorquePair
+from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
 from visviva.scheme import (
     BackwardEuler,
     EnergyMomentum,
@@ -35,5 +40,8 @@ from visviva.result import Result
 from visviva.solve import march, simulate
 from visviva.study import Study
 from visviva.system import Newton, StepFailure, System
+from visviva.term import Term
+from visviva.timefunction import TimeFunction
+from visviva.user import Constraint, GeneralizedForce, Potential, UserTerm
 
 __version__ = "0.1.0"

@@ -192,11 +192,14 @@ class Model:
         """A law of strain rates."""
         self._element(component, strains, law, (), (), self.account(component, kind, "dissipation"))
 
+    def act(self, component: Component, kind: str, strains: Any, law: Law, times: Any = None) -> None:
+        """A law whose stresses do work on the system, driven by a function of time if it takes one."""
+        account = self.account(component, kind, "work")
+        self._element(component, strains, law, (), (self.signal(times),), account)
+
     def load(self, component: Component, kind: str, strains: Any, amplitude: float, at: Any) -> None:
         """Generalised force ``amplitude * at(t)`` conjugate to a strain; `at` None means constant."""
-        account = self.account(component, kind, "work")
-        law = Law(LawKind.LOAD, (amplitude, 0.0))
-        self._element(component, strains, law, (), (self.signal(at),), account)
+        self.act(component, kind, strains, Law(LawKind.LOAD, (amplitude, 0.0)), at)
 
     def constrain(
         self,

@@ -54,3 +54,30 @@ Matrix = Annotated[
     ),
 ]
 Number = FiniteFloat
+
+
+def _function(value: Any) -> Any:
+    if not callable(value):
+        raise ValueError(f"expected a Python function, not {value!r}")
+    return value
+
+
+def _vector_or_function(value: Any) -> Any:
+    return value if callable(value) else _vector(value)
+
+
+def _plain_vector(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return _list(value)
+
+
+Function = Annotated[
+    Any,
+    BeforeValidator(_function),
+    PlainSerializer(_plain_vector),
+    WithJsonSchema({"not": {}, "description": "a Python function; not possible in a file"}),
+]
+VectorOrFunction = Annotated[
+    Any, BeforeValidator(_vector_or_function), PlainSerializer(_plain_vector), WithJsonSchema(VECTOR_SCHEMA)
+]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic.dataclasses import dataclass
 
 from visviva.component import Component, settings
+from visviva.errors import InputError
 from visviva.form import Form
 from visviva.joint.base import Joint, initial
 from visviva.law import quadratic, viscous
+from visviva.timefunction import OfTime
 from visviva.values import Number
 
 if TYPE_CHECKING:
@@ -34,12 +35,20 @@ class OnJoint(Component):
         """The coordinate as a form."""
         return self.joint.coordinate(self.coordinate)
 
+    def not_negative(self, what: str) -> None:
+        """Refuse a negative number."""
+        if getattr(self, what) < 0:
+            raise InputError(f"{self.label}: {what} {getattr(self, what):g} is negative")
+
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Motor(OnJoint):
-    """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force."""
+    """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force.
 
-    motion: Callable[[float], float]
+    `motion` is whatever `TimeFunction` takes: a number, an expression such as ``"2*pi*t"``, a table, a function.
+    """
+
+    motion: OfTime
 
     def contribute(self, model: Model) -> None:
         self._multipliers = model.multipliers(self, "reaction", 1, stage=2)
@@ -48,15 +57,12 @@ class Motor(OnJoint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class JointForce(OnJoint):
-    """Torque on an angle or force on a stroke: a number, or a function of time."""
+    """Torque on an angle or force on a stroke, as a function of time (see `TimeFunction`)."""
 
-    force: Number | Callable[[float], float]
+    force: OfTime
 
     def contribute(self, model: Model) -> None:
-        if callable(self.force):
-            model.load(self, "joint force", self.form, 1.0, self.force)
-        else:
-            model.load(self, "joint force", self.form, float(self.force), None)
+        model.load(self, "joint force", self.form, 1.0, self.force)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -65,6 +71,10 @@ class JointSpring(OnJoint):
 
     stiffness: Number
     free: Number | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.not_negative("stiffness")
 
     def contribute(self, model: Model) -> None:
         free = self.form.value(initial(model)[0]) if self.free is None else self.free
@@ -77,18 +87,9 @@ class JointDamper(OnJoint):
 
     damping: Number
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.not_negative("damping")
+
     def contribute(self, model: Model) -> None:
         model.dissipate(self, "damper", self.form, viscous(self.damping))
-
-
-@dataclass(config=settings, eq=False, kw_only=True)
-class Force(Component):
-    """Dead force (3,) at a point, times `at` (a function of time) if given."""
-
-    on: Any
-    force: Any
-    at: Callable[[float], float] | None = None
-
-    def contribute(self, model: Model) -> None:
-        point = self.on if hasattr(self.on, "position") and hasattr(self.on, "X") else self.on.point()
-        model.load(self, "force", point.position.along(self.force), 1.0, self.at)

@@ -1,4 +1,4 @@
-"""Springs and dampers between points."""
+"""Springs and dampers between points, linear or by a law of the user."""
 
 from __future__ import annotations
 
@@ -7,53 +7,80 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.component import settings
+from visviva.callback import energy_callback, rate_callback
+from visviva.component import Component, settings
 from visviva.errors import InputError
-from visviva.form import squared
-from visviva.joint.base import Joint, initial
-from visviva.law import length, viscous_length
-from visviva.values import Number
+from visviva.form import Strain, squared
+from visviva.joint.base import initial
+from visviva.law import Law, LawKind, length, viscous_length
+from visviva.load.force import guarded
+from visviva.load.where import point_of
+from visviva.values import Function, Number, Vector3
 
 if TYPE_CHECKING:
     from visviva.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Spring(Joint):
-    """Linear spring and damper between two points: force ``stiffness (l - free_length) + damping dl/dt``.
+class Spring(Component):
+    """Spring and damper between two points.
 
     Parameters
     ----------
     a, b : component or Point
         What it connects; `at_a`, `at_b` say where on a component, its own origin if not given.
     stiffness, damping : float
-        Not negative.
+        Tension ``stiffness (l - free_length) + damping dl/dt``; not negative.
     free_length : float
         Length without force; the initial length if not given.
+    energy : callable
+        Instead of a stiffness, the stored energy ``W(l)`` as a function of the length, elementwise on arrays.
+        Tension and discrete gradient follow from it: energy is conserved to round-off.
+    force : callable
+        A law ``f(l, dl/dt)`` of the tension, elementwise on arrays, added to the rest; booked as work.
+
+    Notes
+    -----
+    The strain is the squared length, so momentum and angular momentum are conserved exactly.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1.1, 0, 0))
+    >>> spring = vv.Spring(a=ground, b=ball, energy=lambda l: 50 * (l - 1) ** 2 + 3 * (l - 1) ** 4)
+    >>> result = vv.simulate(vv.System([ground, ball, spring]), until=1.0, step=0.01)
+    >>> result.assert_conserved("energy", tolerance=1e-12)
     """
 
+    a: Any
+    b: Any
     stiffness: Number = 0.0
     damping: Number = 0.0
     free_length: Number | None = None
-    at_a: Any = None
-    at_b: Any = None
-    needs_frames = False
+    energy: Function | None = None
+    force: Function | None = None
+    at_a: Vector3 | None = None
+    at_b: Vector3 | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
+        A, B = self.points()
+        if A is B:
+            raise InputError(f"{self.label} connects a point of {A.component.label} with itself")
         for what in ("stiffness", "damping"):
             if getattr(self, what) < 0:
                 raise InputError(f"{self.label}: {what} {getattr(self, what):g} is negative")
+        if self.energy is not None and (self.stiffness or self.free_length is not None):
+            raise InputError(f"{self.label}: energy replaces stiffness and free_length; give one or the other")
+        if not (self.stiffness or self.damping or self.energy or self.force):
+            raise InputError(f"{self.label} does nothing; give it a stiffness, damping, energy or force")
 
-    def _attach(self, side: Any) -> Any:
-        at = self.at_a if side is self.a else self.at_b
-        if hasattr(side, "position") and hasattr(side, "X"):
-            return side
-        return side.point() if at is None else side.point_at(at)
+    def points(self) -> tuple[Any, Any]:
+        """The two points it connects."""
+        return point_of(self.label, self.a, self.at_a), point_of(self.label, self.b, self.at_b)
 
     def contribute(self, model: Model) -> None:
-        A, B = self._sides
-        e = squared(B.p - A.p)
+        A, B = self.points()
+        e = squared(B.position - A.position)
         l0 = float(np.sqrt(e.value(initial(model)[0])))
         if l0 == 0:
             raise InputError(f"{self.label}: its two points coincide initially, so it has no direction")
@@ -62,3 +89,32 @@ class Spring(Joint):
             model.potential(self, "spring", e, length(self.stiffness, free))
         if self.damping:
             model.dissipate(self, "damper", e, viscous_length(self.damping))
+        self._user_laws(model, e)
+
+    def _user_laws(self, model: Model, e: Strain) -> None:
+        if self.energy is not None:
+            W = guarded(self.label, "energy", self.energy)
+            call = energy_callback(lambda e: W(np.sqrt(e[0])), 1, f"{self.label}, its energy")
+            model.potential(self, "spring", e, Law(LawKind.ENERGY_CALLBACK, callback=call))
+        if self.force is not None:
+            f = guarded(self.label, "force", self.force)
+
+            def stress(t: float, e: Any, rate: Any) -> Any:
+                l = np.sqrt(e)
+                return f(l, rate / (2 * l)) / (2 * l)
+
+            call = rate_callback(stress, 1, f"{self.label}, its force")
+            model.act(self, "spring force", e, Law(LawKind.RATE_CALLBACK, callback=call))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Damper(Spring):
+    """Damper between two points: tension ``damping dl/dt``, or a law ``force = f(l, dl/dt)`` of the user.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0), velocity=(1, 0, 0))
+    >>> damper = vv.Damper(a=ground, b=ball, force=lambda l, rate: 0.2 * rate * abs(rate))
+    >>> system = vv.System([ground, ball, damper])
+    """

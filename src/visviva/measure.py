@@ -1,0 +1,132 @@
+"""Measures: what user components and servo constraints look at, each a few quadratic functions of the unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.errors import InputError
+from visviva.form import Strain, dot, squared, strain
+from visviva.joint.base import Joint
+from visviva.load.where import frame_of, point_of
+from visviva.values import Vector3
+
+Director = Literal[1, 2, 3]
+
+
+class Measure:
+    """Base: something with `strains`, numbers that are at most quadratic in the unknowns."""
+
+    def strains(self) -> list[Strain]:
+        """The strains, available once the components have been put into a system."""
+        raise NotImplementedError
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Position(Measure):
+    """Coordinates (3) of a point, or one coordinate along `direction` (3,)."""
+
+    of: Any
+    at: Vector3 | None = None
+    direction: Vector3 | None = None
+
+    def strains(self) -> list[Strain]:
+        x = point_of("Position", self.of, self.at).position
+        return [strain(c) for c in x] if self.direction is None else [strain(x.along(self.direction))]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SquaredDistance(Measure):
+    """Squared distance of two points."""
+
+    a: Any
+    b: Any
+
+    def strains(self) -> list[Strain]:
+        a, b = (point_of("SquaredDistance", p).position for p in (self.a, self.b))
+        return [squared(b - a)]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class DirectorProduct(Measure):
+    """Product of director `i` of frame `a` with director `j` of frame `b`: the cosine between them."""
+
+    a: Any
+    b: Any
+    i: Director = 3
+    j: Director = 3
+
+    def strains(self) -> list[Strain]:
+        a, b = (frame_of("DirectorProduct", f).directors for f in (self.a, self.b))
+        return [dot(a[self.i - 1], b[self.j - 1])]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Offset(Measure):
+    """How far the point `to` is from the frame `a` along its director `i`."""
+
+    a: Any
+    to: Any
+    i: Director = 3
+
+    def strains(self) -> list[Strain]:
+        frame, point = frame_of("Offset", self.a), point_of("Offset", self.to)
+        return [dot(frame.directors[self.i - 1], point.position - frame.position)]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class JointCoordinate(Measure):
+    """Angle or stroke of a joint, which becomes a coordinate of the system."""
+
+    joint: Joint
+    coordinate: Literal["angle", "stroke"] | None = Field(default=None)
+
+    def __post_init__(self) -> None:
+        self.joint.want(self.name)
+
+    @property
+    def name(self) -> str:
+        """Which coordinate: the angle where the joint has one, unless said otherwise."""
+        return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
+
+    def strains(self) -> list[Strain]:
+        return [strain(self.joint.coordinate(self.name))]
+
+
+@dataclass(config=settings, frozen=True)
+class Custom(Measure):
+    """What a function without arguments returns: forms or strains, built when the system is."""
+
+    function: Callable[[], Any]
+
+    def strains(self) -> list[Strain]:
+        made = self.function()
+        return [strain(e) for e in (made if isinstance(made, Sequence) else [made])]
+
+
+def measure_of(label: str, what: Any) -> Measure:
+    """A measure from itself, a joint (its coordinate), a component or point (its coordinates), or a function."""
+    if isinstance(what, Measure):
+        return what
+    if isinstance(what, Joint):
+        return JointCoordinate(joint=what)
+    if callable(what):
+        return Custom(what)
+    point_of(label, what)
+    return Position(of=what)
+
+
+def measures_of(label: str, of: Sequence[Any]) -> list[Measure]:
+    """One measure for each entry; at least one."""
+    if not isinstance(of, list | tuple) or not of:
+        raise InputError(f"{label} needs a list of measures: points, joints, or e.g. vv.SquaredDistance(a=..., b=...)")
+    return [measure_of(label, what) for what in of]
+
+
+def strains_of(measures: Sequence[Measure]) -> list[Strain]:
+    """All their strains, in order."""
+    return [e for m in measures for e in m.strains()]
