@@ -74,19 +74,27 @@ static nb::tuple arrays_of(const LawArguments& a) {
                           own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n));
 }
 
-static LawCallback law_callback(nb::object f) {
-    return [f](const LawArguments& a) {
+// Functions of the user often know the system that calls them. The Python side owns them, and only weak references
+// lie here, where the garbage collector could not see the cycle.
+static nb::object alive(const nb::weakref& f) {
+    nb::object g = f();
+    if (g.is_none()) throw std::runtime_error("a function of the user was called after its system was released");
+    return g;
+}
+
+static LawCallback law_callback(nb::object function) {
+    return [f = nb::weakref(function)](const LawArguments& a) {
         nb::gil_scoped_acquire gil;
-        f(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
+        alive(f)(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
     };
 }
 
-static CallbackTerm::Function term_callback(nb::object f, std::size_t n, std::size_t nl) {
-    if (f.is_none()) return {};
-    return [f, n, nl](const TermArguments& a) {
+static CallbackTerm::Function term_callback(nb::object function, std::size_t n, std::size_t nl) {
+    if (function.is_none()) return {};
+    return [f = nb::weakref(function), n, nl](const TermArguments& a) {
         nb::gil_scoped_acquire gil;
         const std::size_t shape[3] = {n, nl, nl};
-        f(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
+        alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
           own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
           view(a.energy, n, nb::none()), view(a.work, n, nb::none()));
     };

@@ -108,7 +108,9 @@ class Term:
         category = self.stores if self.energy is not None else "work"
         account = model.account(owner, self.kind, category)
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
-        term = _core.CallbackTerm(index, self._residual, self._tangent, self._ledger, self._accept)
+        # The core keeps weak references only (a term may know its system); they live here.
+        self._calls = self._residual, self._tangent, self._ledger, self._accept
+        term = _core.CallbackTerm(index, *self._calls)
         term.name = owner.label
         term.book(np.full(n, account, dtype=np.int32), np.full(n, component, dtype=np.int32))
         return term
