@@ -58,6 +58,7 @@ class Joint(Component):
     stroke: bool = False
 
     needs_frames = True
+    needs_frame_b = True
     has_angle = False
     has_stroke = False
 
@@ -81,13 +82,14 @@ class Joint(Component):
         return self._component(self.a), self._component(self.b)
 
     def _attach(self, side: Any) -> Point:
+        framed = self.needs_frames and (side is self.a or self.needs_frame_b)
         if isinstance(side, Point):
-            if self.needs_frames and not isinstance(side, Frame):
+            if framed and not isinstance(side, Frame):
                 raise InputError(f"{self.label} needs frames; use {side.component.label}.frame(...)")
             return side
         if self.at is None:
             raise InputError(f"{self.label}: say where with at=(x, y, z), or give points or frames to join")
-        if not self.needs_frames:
+        if not framed:
             return side.point_at(self.at)  # type: ignore[no-any-return]
         axis = np.array([0.0, 0.0, 1.0]) if self.axis is None else self.axis
         return side.frame_at(self.at, axis, self.first)  # type: ignore[no-any-return]

@@ -113,6 +113,7 @@ class PointOnLine(Joint):
     """The point of b stays on the line through a along the axis (2 constraints); coordinate: `stroke`."""
 
     has_stroke = True
+    needs_frame_b = False
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         p = B.p - A.p
@@ -122,6 +123,8 @@ class PointOnLine(Joint):
 @dataclass(config=settings, eq=False, kw_only=True)
 class PointOnPlane(Joint):
     """The point of b stays in the plane through a normal to the axis (1 constraint)."""
+
+    needs_frame_b = False
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         return [dot(A.d3, B.p - A.p)]

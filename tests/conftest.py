@@ -1,0 +1,29 @@
+"""Fixtures that run a test over every line of the catalogue and over every scheme."""
+
+from __future__ import annotations
+
+import pytest
+from catalogue import CATALOGUE, Entry
+
+import visviva as vv
+
+SCHEMES = [
+    vv.EnergyMomentum(),
+    vv.Midpoint(),
+    vv.VariationalMidpoint(),
+    vv.BackwardEuler(),
+    vv.GeneralizedAlpha(0.8),
+    vv.Static(),
+]
+
+
+@pytest.fixture(params=CATALOGUE, ids=lambda e: e.name.replace(", ", "-").replace(" ", "_"))
+def entry(request: pytest.FixtureRequest) -> Entry:
+    """A line of the catalogue."""
+    return request.param  # type: ignore[no-any-return]
+
+
+@pytest.fixture(params=SCHEMES, ids=lambda s: type(s).__name__)
+def scheme(request: pytest.FixtureRequest) -> vv.Scheme:
+    """A scheme of each kind."""
+    return request.param  # type: ignore[no-any-return]
