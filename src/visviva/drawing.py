@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,8 @@ class Drawing:
         Every component with a `surface` is drawn, and the `lines` of ropes and springs.
     lines : sequence of (Vector, Vector)
         Further lines between two points.
+    spots : mapping
+        Further single points by name.
 
     Attributes
     ----------
@@ -46,27 +48,33 @@ class Drawing:
     ('ball', [0.0, 0.0, 2.0])
     """
 
-    def __init__(self, system: System, lines: Sequence[Line] = ()) -> None:
+    def __init__(
+        self, system: System, lines: Sequence[Line] = (), spots: Mapping[str, Vector] | None = None
+    ) -> None:
         drawn = [(c, c.surface()) for c in system.components if isinstance(c, Attachable)]
         solids = [(c, surface) for c, surface in drawn if surface is not None]
         named = list(named_lines(system, lines))
-        self.surfaces = tuple(
-            [Surface(str(c.name), points, triangles) for c, (points, triangles) in solids]
-            + [Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named]
+        taken = {str(c.name) for c, _ in solids} | {name for name, _ in named}
+        free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
+        self.surfaces = (
+            *(Surface(str(c.name), points, triangles) for c, (points, triangles) in solids),
+            *(Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named),
+            *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
-        self._n_solids = len(solids)
-        vectors = [v for c, _ in solids for v in placement(c)] + [end for _, line in named for end in line]
+        self._n_solids, self._n_lines = len(solids), len(named)
+        vectors = [v for c, _ in solids for v in placement(c)]
+        vectors += [end for _, line in named for end in line] + list(free.values())
         self._map, self._constant = stacked(vectors, len(system.x))
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
         values = (self._map @ x + self._constant).reshape(-1, 3)
-        n = 4 * self._n_solids
+        n, m = 4 * self._n_solids, 4 * self._n_solids + 2 * self._n_lines
         moved = [
             s.points @ frame[1:] + frame[0]
             for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
         ]
-        return [*moved, *values[n:].reshape(-1, 2, 3)]
+        return [*moved, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
 
 
 def named_lines(system: System, lines: Sequence[Line]) -> Iterator[tuple[str, Line]]:
@@ -96,6 +104,12 @@ def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_arra
     row, column, weight = zip(*entries, strict=True) if entries else ((), (), ())
     matrix = sparse.csr_array((weight, (row, column)), shape=(len(forms), n_unknowns), dtype=float)
     return matrix, np.array([form.constant for form in forms])
+
+
+def draw(study: Study) -> Drawing:
+    """What is drawn of a study: its system, its ropes, and its trails where no component has their name."""
+    spots = {name: study.probes[name] for name in study.trails if name in study.probes}
+    return Drawing(study.system, study.ropes, {n: v for n, v in spots.items() if isinstance(v, Vector)})
 
 
 def trail_names(study: Study, drawing: Drawing) -> list[str]:

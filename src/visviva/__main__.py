@@ -1,0 +1,7 @@
+"""``python -m visviva``: the command line."""
+
+import sys
+
+from visviva.cli import main
+
+sys.exit(main())

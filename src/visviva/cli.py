@@ -1,0 +1,259 @@
+"""The command line: ``visviva run crane`` and what belongs to it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import App, CycloptsError, Parameter
+
+from visviva.errors import InputError, VisvivaError
+
+if TYPE_CHECKING:
+    from visviva.gallery import Source
+    from visviva.result import Result
+
+BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+SCENES = (".yaml", ".yml", ".toml")
+
+app = App(
+    name="visviva",
+    help="Energy-momentum conserving mechanics: bodies, joints and forces as one system, audited in every run.",
+    version=lambda: _version(),
+    suppress_keyboard_interrupt=False,
+    help_format="plaintext",
+)
+
+Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
+Directory = Annotated[Path, Parameter(help="Directory of a run.")]
+Settings = Annotated[
+    list[str], Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat.")
+]
+
+
+@app.command
+def run(
+    model: Model,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")] = None,
+    until: Annotated[float | None, Parameter(help="End time.")] = None,
+    step: Annotated[float | None, Parameter(help="Step length.")] = None,
+    scheme: Annotated[str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")] = None,
+    settings: Settings = [],  # noqa: B006  (cyclopts copies)
+    resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
+) -> int:
+    """Run an example or a scene file and print an audit of what was conserved."""
+    from visviva.gallery import assignments
+    from visviva.run import run as run_study
+
+    directory = out or Path("runs") / Path(model).stem
+    changes = {"until": until, "step": step, "scheme": scheme}
+    given = {key: value for key, value in changes.items() if value is not None}
+    parameters = assignments(settings)
+    if resume:
+        given, parameters = as_before(directory, given, parameters)
+    else:
+        refuse_earlier_run(directory)
+    source = compose(model, parameters, given)
+    introduce(source)
+    notes = {"study": source.name, "parameters": parameters, "given": given}
+    try:
+        result = run_study(source.study, directory, resume=resume, notes=notes)
+    except KeyboardInterrupt:
+        where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
+        say(f"{where} (state and files are in {directory})")
+        return INTERRUPTED
+    result.audit()
+    passed = report_check(source, result)
+    print(f"files are in {directory}")
+    return 0 if passed else FAILED
+
+
+@app.command
+def check(model: Model, /, *, settings: Settings = []) -> int:  # noqa: B006
+    """Compose an example or a scene file and check it without running."""
+    from visviva.gallery import assignments
+
+    source = compose(model, assignments(settings), {})
+    introduce(source)
+    return 0
+
+
+@app.command
+def examples() -> None:
+    """List the examples."""
+    from visviva.gallery import example, example_names, first_line
+
+    names = example_names()
+    width = max(map(len, names))
+    for name in names:
+        print(f"{name:{width}}  {first_line(example(name))}")
+
+
+@app.command
+def plot(directory: Directory, /) -> None:
+    """Plot energies, the error of the balance and the probes of a run."""
+    from visviva.output.directory import RunDirectory
+    from visviva.output.plot import energy_plot
+
+    files = RunDirectory.open(directory)
+    probes = files.path / "probes.png"
+    energy_plot(files.ledger, files.energy_plot, error="imbalance")
+    energy_plot(files.ledger, probes, error="imbalance", probes=files.probes)
+    print(f"{files.energy_plot}\n{probes}")
+
+
+@app.command
+def movie(
+    directory: Directory,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")] = None,
+    fps: Annotated[int, Parameter(help="Frames per second.")] = 25,
+    speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
+) -> None:
+    """Turn a run into a movie."""
+    from visviva.output.directory import RunDirectory
+    from visviva.output.movie import movie as make_movie
+    from visviva.progress import counting_bar
+
+    files = RunDirectory.open(directory)
+    target = out or files.movie
+    with counting_bar("movie") as show:
+        make_movie(files.trajectory, target, fps=fps, speed=speed, progress=show)
+    print(target)
+
+
+@app.command
+def view(directory: Directory, /) -> None:
+    """Show a run in a window."""
+    from visviva.output.directory import RunDirectory
+    from visviva.output.viewer import show
+
+    show(RunDirectory.open(directory).trajectory)
+
+
+@app.command
+def schema() -> None:
+    """Print the JSON Schema of scene files, for editors."""
+    import json
+
+    from visviva.scene.schema import scene_schema
+
+    print(json.dumps(scene_schema(), indent=2))
+
+
+@app.command
+def info() -> None:
+    """Print version, instruction set and optional packages."""
+    import platform
+    from importlib.util import find_spec
+
+    from visviva import _core
+
+    print(f"visviva {_version()}, Python {platform.python_version()}, {platform.platform()}")
+    print(f"instruction set of the core: {_core.instruction_set()}")
+    for package, use in (("pyvista", "viewer and better pictures"), ("imageio_ffmpeg", "mp4 movies"),
+                         ("trimesh", "bodies from surface meshes"), ("meshio", "mesh files")):  # fmt: skip
+        print(f"{package}: {'found' if find_spec(package) else 'not installed'} ({use})")
+
+
+# --- what the commands share --------------------------------------------------------------------------------------
+def compose(model: str, parameters: dict[str, Any], given: dict[str, Any]) -> Source:
+    """The study that was asked for, with end time, step and scheme as given."""
+    from visviva.gallery import compose_example
+
+    if Path(model).suffix in SCENES or os.sep in model:
+        from visviva.scene.read import compose_scene
+
+        source = compose_scene(model, parameters)
+    else:
+        source = compose_example(model, parameters)
+    if "until" in given:
+        source.study.until = given["until"]
+    if "step" in given:
+        source.study.step = given["step"]
+    if "scheme" in given:
+        from visviva.scene.read import scheme_of_text
+
+        source.study.scheme = scheme_of_text(given["scheme"])
+    return source
+
+
+def as_before(directory: Path, given: dict[str, Any], parameters: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What an earlier run was given, with the end time changed if wanted."""
+    from visviva.output.directory import RunDirectory
+    from visviva.restart import notes_of
+
+    earlier = notes_of(RunDirectory.open(directory).state)["study"]
+    for key, value in parameters.items():
+        if earlier["parameters"].get(key) != value:
+            raise InputError(f"{directory}: was run without --set {key}={value}; resume with what it was run with")
+    return earlier["given"] | given, earlier["parameters"]
+
+
+def refuse_earlier_run(directory: Path) -> None:
+    """A new run must not mix with an older one."""
+    from visviva.output.directory import RunDirectory
+
+    earlier = [file for file in RunDirectory(directory).files if file.exists()]
+    if earlier:
+        raise InputError(
+            f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
+            "or choose another directory with --out DIR"
+        )
+
+
+def introduce(source: Source) -> None:
+    """Title and size of a system."""
+    system = source.study.system
+    n, m = system.n_coordinates, system.n_constraints
+    print(source.study.title or source.name)
+    print(f"unknown coordinates n = {n}, constraints m = {m}, {n - m} degrees of freedom", flush=True)
+
+
+def report_check(source: Source, result: Result) -> bool:
+    """Execute an example's check and say how it went."""
+    if source.check is None:
+        return True
+    try:
+        source.check(result)
+    except AssertionError as error:
+        say(f"check of {source.name} failed: {error}")
+        return False
+    print(f"check of {source.name} passed")
+    return True
+
+
+def say(message: str) -> None:
+    """A line to standard error."""
+    print(f"visviva: {message}", file=sys.stderr)
+
+
+def _version() -> str:
+    from visviva import __version__
+
+    return __version__
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code: 0, 2 for bad input, 1 for a failed run, 130 on Ctrl-C."""
+    tokens = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+    except CycloptsError as error:
+        say(f"{str(error).strip()} (see visviva --help)")
+        return BAD_INPUT
+    except InputError as error:
+        say(str(error))
+        return BAD_INPUT
+    except VisvivaError as error:
+        say(str(error))
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return code if isinstance(code, int) else 0

@@ -1,0 +1,143 @@
+"""The restart state of a run: everything that decides the bits of what comes after."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError
+from visviva.ledger import Bookkeeper
+from visviva.output.checkpoint import load_state, save_state
+from visviva.output.tables import read_table
+from visviva.result import Result
+from visviva.system import System
+
+Arrays = Mapping[str, NDArray[Any]]
+Notes = Mapping[str, float | str]
+
+STATE = ("x", "v", "a", "w")
+
+
+def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]) -> None:
+    """Write the state of a run.
+
+    Parameters
+    ----------
+    path
+        The file; an older one is replaced when the new one is complete.
+    result, books
+        Of the run so far.
+    notes
+        What else shall be found on resuming, by name; anything that JSON can hold.
+
+    Raises
+    ------
+    RunError
+        If it cannot be written; the older state is then still there.
+    """
+    system = result.system
+    arrays: dict[str, NDArray[Any]] = {name: getattr(system.core, name) for name in STATE}
+    arrays |= {"memory": system.core.memory(), "books/done": books.done}
+    arrays |= {"kept/times": np.array(result.times), "kept/x": np.array(result.states)}
+    arrays["kept/v"] = np.array(result.rates)
+    for k, (term, _) in enumerate(system.model.terms):
+        for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
+            arrays |= {f"terms/{k}/{when}/{name}": value for name, value in history.items()}
+    attributes: dict[str, float | str] = {
+        "time": system.time,
+        "halvings": system.halvings,
+        "rejected": system.rejected,
+        "has_acceleration": int(system.has_acceleration),
+        "total0": 0.0 if books.total0 is None else books.total0,
+        "model": signature(system),
+        "notes": json.dumps(notes),
+    }
+    attributes |= {f"statistics.{name}": value for name, value in asdict(result.statistics).items()}
+    save_state(path, arrays, attributes)
+
+
+def notes_of(path: Path) -> dict[str, Any]:
+    """The notes in a state file."""
+    _, attributes = load_state(path)
+    notes: dict[str, Any] = json.loads(str(attributes["notes"]))
+    return notes
+
+
+def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
+    """Put a system, its result and its books into the state that `save` wrote.
+
+    Parameters
+    ----------
+    path
+        State file.
+    ledger
+        The run's table of books, read up to the time of the state.
+    result, books
+        Fresh ones of a system that was composed as for the run that was saved.
+
+    Raises
+    ------
+    InputError
+        If the file is unreadable or was written for another system.
+    """
+    arrays, attributes = load_state(path)
+    system = result.system
+    if attributes["model"] != signature(system):
+        raise InputError(
+            f"{path}: was written for another system ({attributes['model']}; this one: {signature(system)}); "
+            "resume with the same parameters or start the run anew"
+        )
+    for name in STATE:
+        getattr(system.core, name)[:] = arrays[name]
+    _load_memory(system, arrays)
+    system.time = float(attributes["time"])
+    system.halvings, system.rejected = int(attributes["halvings"]), int(attributes["rejected"])
+    system.has_acceleration = bool(attributes["has_acceleration"])
+    for statistic in fields(result.statistics):
+        setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])
+    books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
+    books.ledger.rows[:] = rows_until(ledger, books.ledger.names, system.time)
+    result.times[:] = arrays["kept/times"].tolist()
+    result.states[:], result.rates[:] = list(arrays["kept/x"]), list(arrays["kept/v"])
+
+
+def _load_memory(system: System, arrays: Arrays) -> None:
+    """Bring back the kept factorisation, then the histories of terms in Python.
+
+    The factorisation is made again from the tangent of its own time, so terms need the history of that time.
+    """
+    for when, restore in (("at_tangent", True), ("now", False)):
+        for k, (term, _) in enumerate(system.model.terms):
+            found = {n.split("/")[-1]: a for n, a in arrays.items() if n.startswith(f"terms/{k}/{when}/")}
+            term.history.update({name: value.copy() for name, value in found.items()})
+        if restore:
+            system.core.remember(np.ascontiguousarray(arrays["memory"]))
+
+
+def rows_until(ledger: Path, names: list[str], time: float) -> list[NDArray[np.float64]]:
+    """Rows of a table of books up to a time."""
+    columns = read_table(ledger)
+    if list(columns) != names:
+        raise InputError(f"{ledger}: holds other columns than {names}; resume with the same system")
+    rows = np.column_stack([columns[name] for name in names])
+    return list(rows[rows[:, 0] <= time])
+
+
+def signature(system: System) -> str:
+    """A short text that tells systems apart: counts, and a digest of names and initial values of the unknowns."""
+    import hashlib
+
+    digest = hashlib.sha256()
+    for f in system.model.fields:
+        digest.update(f"{f.component.name}.{f.name}:{f.order}".encode())
+        digest.update(f.values.tobytes() + f.rates.tobytes())
+    return (
+        f"n = {system.n_coordinates}, m = {system.n_constraints}, {len(system.components)} components, "
+        f"initial values {digest.hexdigest()[:12]}"
+    )

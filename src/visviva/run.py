@@ -1,0 +1,309 @@
+"""Runs a study into a directory: trajectory, books, probes, restart state, summary and pictures."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import restart
+from visviva.drawing import draw, trail_names
+from visviva.errors import InputError, VisvivaError
+from visviva.interrupt import deferred_interrupt
+from visviva.ledger import Bookkeeper
+from visviva.output.directory import RunDirectory
+from visviva.output.tables import Table
+from visviva.output.vtkhdf import TrajectoryWriter
+from visviva.progress import progress_bar
+from visviva.result import Result, figures
+from visviva.solve import advance, begin, keep
+from visviva.study import Study, measure
+
+Array = NDArray[np.float64]
+
+MOST_ROWS = 20_000
+MOST_KEPT = 64e6  # bytes of states kept in memory and in the restart file
+
+
+@dataclass(frozen=True)
+class Cadence:
+    """Every how many steps something is written or kept."""
+
+    frames: int
+    rows: int
+    states: int
+
+    @staticmethod
+    def of(study: Study, frames_per_second: float) -> Cadence:
+        """Not more frames than asked for, at least a hundred of them, at most a thousand."""
+        duration = study.until - study.system.time
+        n_steps = max(duration / study.step, 1.0)
+        apart = max(duration / 1000, min(1 / frames_per_second, duration / 100))
+        kept = 16.0 * len(study.system.x) * n_steps
+        return Cadence(
+            frames=max(1, round(apart / study.step)),
+            rows=math.ceil(n_steps / MOST_ROWS),
+            states=math.ceil(kept / MOST_KEPT),
+        )
+
+
+def run(
+    study: Study,
+    directory: str | Path,
+    *,
+    resume: bool = False,
+    progress: bool = True,
+    frames_per_second: float = 50.0,
+    save_every: float = 5.0,
+    notes: Mapping[str, Any] | None = None,
+) -> Result:
+    """Run a study and leave everything in a directory.
+
+    The directory then holds ``trajectory.vtkhdf``, ``ledger.csv``, ``probes.csv``, ``state.h5``,
+    ``summary.json``, ``energy.png`` and ``picture.png``. Ctrl-C takes effect between two steps; files are closed
+    and the state saved before `KeyboardInterrupt` goes on.
+
+    Parameters
+    ----------
+    study : Study
+    directory : path
+        Made if missing; must not hold a run yet unless `resume`.
+    resume : bool
+        Continue the run in the directory from its last saved state, to the same bits as an unbroken run. The
+        study must be composed in the same way; only its end time may differ.
+    progress : bool
+        Show a progress bar where there is a terminal.
+    frames_per_second : float
+        Most frames of the trajectory per second of simulated time.
+    save_every : float
+        Seconds of wall time between saves of the state.
+    notes : mapping
+        What the summary shall say about the origin of the study, by name.
+
+    Raises
+    ------
+    InputError
+        If the directory cannot be used or the study does not fit the run in it.
+    RunError
+        If a step fails or a file cannot be written; what was computed so far is kept and can be resumed.
+
+    Examples
+    --------
+    >>> import tempfile, visviva as vv
+    >>> ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")
+    >>> study = vv.Study(vv.System([ball]), until=0.1, step=0.01, probes={"place": ball.point().position})
+    >>> result = run(study, tempfile.mkdtemp() + "/ball")
+    >>> result.statistics.steps
+    10
+    """
+    recorder = Recorder.resume(study, directory) if resume else None
+    if recorder is None:
+        cadence = Cadence.of(checked(study), frames_per_second)
+        recorder = Recorder.start(study, directory, cadence, dict(notes or {}))
+    with recorder, deferred_interrupt() as interrupted:
+        recorder.march(interrupted, progress, save_every)
+    recorder.finish()
+    return recorder.result
+
+
+def checked(study: Study) -> Study:
+    """The study, if its times make sense."""
+    if not (study.step > 0 and math.isfinite(study.step)):
+        raise InputError(f"step = {study.step} is not a positive number")
+    if not (study.until > study.system.time and math.isfinite(study.until)):
+        raise InputError(f"end time until = {study.until} is not after the start at {study.system.time:g}")
+    return study
+
+
+class Recorder:
+    """The files of a run and what goes into them while it marches."""
+
+    def __init__(self, study: Study, files: RunDirectory, result: Result, books: Bookkeeper) -> None:
+        self.study, self.files, self.result, self.books = study, files, result, books
+        self.drawing = draw(study)
+        self.cadence = Cadence(1, 1, 1)
+        self.notes: dict[str, Any] = {}
+        self._saved = 0.0
+        self._cost = 0.0
+        self.trajectory: TrajectoryWriter | None = None
+
+    # --- opening ------------------------------------------------------------------------------------------------
+    @classmethod
+    def start(
+        cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]
+    ) -> Recorder:
+        """Open the files of a new run and write the initial state into them."""
+        result, books = begin(study.system, study.scheme)
+        columns = probe_columns(study)
+        recorder = cls(study, RunDirectory.create(directory), result, books)
+        recorder.cadence, recorder.notes = cadence, notes
+        files = recorder.files
+        recorder.ledger = Table(files.ledger, books.ledger.names)
+        recorder.probes = Table(files.probes, columns)
+        if recorder.drawing.surfaces:
+            n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
+            recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
+        recorder.write_row(books.ledger.rows[-1])
+        recorder.write_frame()
+        recorder.save()
+        return recorder
+
+    @classmethod
+    def resume(cls, study: Study, directory: str | Path) -> Recorder:
+        """Open the files of an earlier run at its last saved state."""
+        files = RunDirectory.open(directory)
+        kept = restart.notes_of(files.state)
+        for name, wanted in (("step", study.step), ("scheme", str(study.scheme))):
+            if kept[name] != wanted:
+                raise InputError(
+                    f"{files.path}: was run with {name} = {kept[name]}, not {wanted}; resume with the same "
+                    f"{name} or start anew in another directory"
+                )
+        result, books = begin(study.system, study.scheme)
+        restart.load(files.state, files.ledger, result, books)
+        recorder = cls(study, files, result, books)
+        recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
+        now = study.system.time
+        recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now)
+        recorder.probes = Table.reopen(files.probes, probe_columns(study), now)
+        if recorder.drawing.surfaces:
+            recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, now)
+        return recorder
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for file in (self.ledger, self.probes, self.trajectory):
+            if file is not None:
+                file.close()
+
+    # --- marching -----------------------------------------------------------------------------------------------
+    def march(self, interrupted: Any, progress: bool, save_every: float) -> None:
+        """March to the end, writing as the cadence says; whatever happens, the last state is saved."""
+        study, steps = self.study, self.result.statistics
+        if self.is_complete():
+            return
+        try:
+            with progress_bar(study, self.books.ledger, progress) as show:
+                for row in advance(self.result, self.books, until=study.until, step=study.step):
+                    self.write(steps.steps, row)
+                    self.save_now_and_then(save_every)
+                    show(row)
+                    if interrupted():
+                        raise KeyboardInterrupt
+        except BaseException:
+            with suppress(VisvivaError):  # the first error counts; an older state is still there
+                self.save()
+            raise
+        self.save()
+
+    def is_complete(self) -> bool:
+        """Whether there is nothing left to march."""
+        return not self.study.until - self.study.system.time > 1e-9 * self.study.step
+
+    def write(self, step: int, row: Array) -> None:
+        """Write and keep what is due after a step."""
+        last = self.is_complete()
+        if last or step % self.cadence.states == 0:
+            keep(self.result)
+        if last or step % self.cadence.rows == 0:
+            self.write_row(row)
+        if last or step % self.cadence.frames == 0:
+            self.write_frame()
+
+    def write_row(self, row: Array) -> None:
+        """Books and probes of the present state."""
+        self.ledger.append(row)
+        system = self.study.system
+        values = [np.ravel(measure(system, probe)) for probe in self.study.probes.values()]
+        self.probes.append(np.concatenate([[system.time], *values]))
+
+    def write_frame(self) -> None:
+        """The shapes at the present state."""
+        if self.trajectory is not None:
+            system = self.study.system
+            self.trajectory.append(system.time, self.drawing.points(system.x))
+
+    def save_now_and_then(self, seconds: float) -> None:
+        """Save the state if it is due; seldom enough that saving costs little."""
+        if time.perf_counter() - self._saved >= max(seconds, 20 * self._cost):
+            self.save()
+
+    def save(self) -> None:
+        """Save the state."""
+        start = time.perf_counter()
+        study = self.study
+        notes = {"step": study.step, "scheme": str(study.scheme), "until": study.until}
+        restart.save(
+            self.files.state,
+            self.result,
+            self.books,
+            notes | {"cadence": asdict(self.cadence), "study": self.notes},
+        )
+        self._saved = time.perf_counter()
+        self._cost = self._saved - start
+
+    # --- the end ------------------------------------------------------------------------------------------------
+    def finish(self) -> None:
+        """Write summary and pictures of a complete run."""
+        from visviva.output.picture import snapshot
+        from visviva.output.plot import energy_plot
+
+        files, study = self.files, self.study
+        files.write_summary(summary(study, self.result, self.notes))
+        energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
+        if self.drawing.surfaces:
+            snapshot(files.trajectory, files.picture, trails=trail_names(study, self.drawing))
+
+
+def probe_columns(study: Study) -> list[str]:
+    """Columns of the table of probes: vectors as name_x, name_y, name_z."""
+    return ["time", *(column for name, probe in study.probes.items() for column in columns_of(study, name, probe))]
+
+
+def columns_of(study: Study, name: str, probe: Any) -> Iterator[str]:
+    """Columns of one probe, told by its present value."""
+    size = np.size(measure(study.system, probe))
+    if size == 1:
+        yield name
+    else:
+        yield from (f"{name}_{k}" for k in ("xyz" if size == 3 else range(size)))
+
+
+def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str, Any]:
+    """Figures of a run, for its summary."""
+    import platform
+
+    import scipy
+
+    from visviva import __version__, _core
+
+    system, numbers = study.system, figures(result)
+    return {
+        "title": study.title,
+        **notes,
+        "until": study.until,
+        "step": study.step,
+        "scheme": str(result.scheme),
+        "unknowns": len(system.x),
+        **numbers,
+        "degrees_of_freedom": system.n_coordinates - system.n_constraints,
+        "end_time": system.time,
+        "solver": system.core.solver,
+        "newton": asdict(system.newton),
+        "versions": {
+            "visviva": __version__,
+            "instruction_set": _core.instruction_set(),
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+        },
+    }
