@@ -157,6 +157,7 @@ class _Skin(_Part):
 
     def move(self, points: NDArray[np.float64]) -> None:
         super().move(points)
+        self._mesh.clear_data()  # VTK keeps normals that are there already
         normals = {"cell_normals": False, "split_vertices": False, "consistent_normals": False}
         self._mesh.compute_normals(inplace=True, **normals)
 
