@@ -4,6 +4,7 @@
 #include "dispatch.hpp"
 #include "inertia_kernel.hpp"
 #include "strain_kernel.hpp"
+#include "vector_kernel.hpp"
 
 #define VISVIVA_TEXT2(x) #x
 #define VISVIVA_TEXT(x) VISVIVA_TEXT2(x)
@@ -13,7 +14,7 @@ namespace visviva::VISVIVA_ISA {
 extern const Kernels table;
 const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA), W,
                        strain_begin,   strain_strains,  strain_residual, strain_tangent, strain_ledger,
-                       inertia_residual, inertia_tangent, inertia_ledger,
+                       inertia_residual, inertia_tangent, inertia_ledger, vector_update, vector_affine,
                        {lu_factor, lu_solve}};
 
 }  // namespace visviva::VISVIVA_ISA

@@ -29,16 +29,21 @@ struct Blocks {
     std::vector<RigidUnknowns> rigid;
 };
 
+// The trial configuration x1 and where constraint gradients are taken, x0 + theta_g (x1 - x0); by unknown.
+struct Place {
+    const double *x0, *x1;
+    double theta_g;
+};
+
 class LinearSolver {
   public:
     virtual ~LinearSolver() = default;
     virtual void analyze(const Csr& pattern, const Blocks& blocks) = 0;
     // Before the first iteration: bring a predicted configuration where the solver wants it.
     virtual void project(const double* /*x0*/, double* /*dx*/) {}
-    // `x` the trial configuration, `xg` where constraint gradients are taken; both by unknown.
-    virtual bool factor(const double* values, const double* x, const double* xg) = 0;
+    virtual bool factor(const double* values, const Place& place) = 0;
     // From the residual r to the increment d, both by unknown (fixed entries untouched).
-    virtual void solve(const double* r, const double* x, const double* xg, double* d) = 0;
+    virtual void solve(const double* r, const Place& place, double* d) = 0;
     // After a failed factorisation: one unknown of the singular part, or -1.
     virtual int singular_unknown() const { return -1; }
     virtual const char* name() const = 0;

@@ -29,6 +29,15 @@ Directors gather(const RigidUnknowns& body, const double* x) {
     return f;
 }
 
+Directors gather(const RigidUnknowns& body, const Place& place) {
+    Directors f;
+    for (int k = 0; k < 9; ++k) {
+        const double x0 = place.x0[body.q[3 + k]];
+        f.d[k] = x0 + place.theta_g * (place.x1[body.q[3 + k]] - x0);
+    }
+    return f;
+}
+
 // One Newton-Schulz sweep towards the nearest orthonormal frame: d <- d (I - (d^T d - I) / 2); returns the defect.
 double orthonormalise(const Directors& f, double* change) {
     double e[3][3], largest = 0;
@@ -80,6 +89,12 @@ class NullSpace : public LinearSolver {
         lu_.analyze(size_, blocks.stage, pairs, multiplier_);
         for (Group& g : groups_) g.target = lu_.block(g.i, g.j);
         right_.resize(lu_.n());
+        plain_.clear(), reduced_.clear();
+        for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
+            if (rigid_of_[b] >= 0) reduced_.push_back({lu_.offset(b), rigid_of_[b]});
+            for (int k = 0; rigid_of_[b] < 0 && k < size_[b]; ++k)
+                plain_.push_back({lu_.offset(b) + k, members_[b][k]});
+        }
     }
 
     void project(const double* x0, double* dx) override {
@@ -95,7 +110,7 @@ class NullSpace : public LinearSolver {
         }
     }
 
-    bool factor(const double* values, const double* x, const double* xg) override {
+    bool factor(const double* values, const Place& place) override {
         lu_.set_zero();
         for (const Group& g : groups_) {
             double f[12 * 12];
@@ -104,32 +119,18 @@ class NullSpace : public LinearSolver {
             double* a = rows * cols <= 144 ? f : big_.data();
             std::fill(a, a + rows * cols, 0.0);
             for (int k = g.begin; k < g.end; ++k) a[entries_[k].i * cols + entries_[k].j] += values[entries_[k].at];
-            add_block(g, a, x, xg);
+            add_block(g, a, place);
         }
         return lu_.factor(regularization);
     }
 
-    void solve(const double* r, const double* x, const double* xg, double* d) override {
-        for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
-            double* s = right_.data() + lu_.offset(b);
-            if (rigid_of_[b] < 0) {
-                for (int k = 0; k < size_[b]; ++k) s[k] = -r[members_[b][k]];
-                continue;
-            }
-            const RigidUnknowns& body = rigid_[rigid_of_[b]];
-            for (int c = 0; c < 3; ++c) s[c] = -r[body.q[c]], s[3 + c] = 0;
-            const Directors f = gather(body, xg), minus_r = gather(body, r);
-            for (int k = 0; k < 3; ++k) cross_add(f.d + 3 * k, minus_r.d + 3 * k, s + 3);
-            for (int c = 3; c < 6; ++c) s[c] = -s[c];
-        }
-        lu_.solve(right_.data());
-        for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
-            const double* s = right_.data() + lu_.offset(b);
-            if (rigid_of_[b] < 0)
-                for (int k = 0; k < size_[b]; ++k) d[members_[b][k]] = s[k];
-            else
-                expand(rigid_[rigid_of_[b]], s, r, x, xg, d);
-        }
+    void solve(const double* r, const Place& place, double* d) override {
+        double* s = right_.data();
+        for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
+        for (const auto& [at, body] : reduced_) gather_force(rigid_[body], r, place, s + at);
+        lu_.solve(s);
+        for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
+        for (const auto& [at, body] : reduced_) expand(rigid_[body], s + at, r, place, d);
     }
 
     int singular_unknown() const override {
@@ -190,12 +191,12 @@ class NullSpace : public LinearSolver {
     }
 
     // P^T a P into the elimination's storage; a is row-major, full_[i] x full_[j].
-    void add_block(const Group& g, const double* a, const double* x, const double* xg) {
+    void add_block(const Group& g, const double* a, const Place& place) {
         const int rows = full_[g.i], cols = full_[g.j];
         double left[6 * 12];
         int n = rows;
         if (rigid_of_[g.i] >= 0) {
-            const Directors f = gather(rigid_[rigid_of_[g.i]], xg);
+            const Directors f = gather(rigid_[rigid_of_[g.i]], place);
             if (cols > 12) wide_.assign(static_cast<std::size_t>(6) * cols, 0.0);
             double* l = cols > 12 ? wide_.data() : left;
             reduce_rows(a, cols, f, l);
@@ -207,7 +208,7 @@ class NullSpace : public LinearSolver {
                 for (int j = 0; j < cols; ++j) target(i, j) += a[i * cols + j];
             return;
         }
-        const Directors f = gather(rigid_[rigid_of_[g.j]], x);
+        const Directors f = gather(rigid_[rigid_of_[g.j]], place.x1);
         for (int i = 0; i < n; ++i) {
             double t[3] = {0, 0, 0};
             for (int k = 0; k < 3; ++k) cross_add(f.d + 3 * k, a + i * cols + 3 + 3 * k, t);
@@ -228,18 +229,24 @@ class NullSpace : public LinearSolver {
         }
     }
 
+    // P^T (-r) of a body: force and torque.
+    static void gather_force(const RigidUnknowns& body, const double* r, const Place& place, double* s) {
+        for (int c = 0; c < 3; ++c) s[c] = -r[body.q[c]], s[3 + c] = 0;
+        const Directors f = gather(body, place), force = gather(body, r);
+        for (int k = 0; k < 3; ++k) cross_add(force.d + 3 * k, f.d + 3 * k, s + 3);
+    }
+
     // From the six reduced increments to the body's 18 unknowns.
-    static void expand(const RigidUnknowns& body, const double* s, const double* r, const double* x,
-                       const double* xg, double* d) {
+    static void expand(const RigidUnknowns& body, const double* s, const double* r, const Place& place, double* d) {
         for (int c = 0; c < 3; ++c) d[body.q[c]] = s[c];
-        Directors f = gather(body, x);
+        Directors f = gather(body, place.x1);
         double change[9], fix[9], g[9];
         rotate(f, s + 3, change);
         for (int k = 0; k < 9; ++k) f.d[k] += change[k];
         orthonormalise(f, fix);
         for (int k = 0; k < 9; ++k) d[body.q[3 + k]] = change[k] + fix[k];
         // the multipliers of orthonormality balance what is left of the director forces
-        dual(gather(body, xg), g);
+        dual(gather(body, place), g);
         const Directors force = gather(body, r);
         double m[3][3];
         for (int i = 0; i < 3; ++i)
@@ -261,6 +268,7 @@ class NullSpace : public LinearSolver {
     std::vector<std::vector<int>> members_;
     std::vector<Group> groups_;
     std::vector<Entry> entries_;
+    std::vector<std::pair<int, int>> plain_, reduced_;  // place in the right-hand side, unknown or body
     std::vector<double> right_, big_, wide_;
 };
 

@@ -31,7 +31,7 @@ class SparseLu : public LinearSolver {
         row_.resize(n), col_.resize(n), right_.resize(n);
     }
 
-    bool factor(const double* values, const double*, const double*) override {
+    bool factor(const double* values, const Place&) override {
         double* a = matrix_.valuePtr();
         std::fill(a, a + matrix_.nonZeros(), 0.0);
         for (std::size_t k = 0; k < to_.size(); ++k) a[to_[k]] += values[k];
@@ -43,7 +43,7 @@ class SparseLu : public LinearSolver {
         return lu_.info() == Eigen::Success;
     }
 
-    void solve(const double* r, const double*, const double*, double* d) override {
+    void solve(const double* r, const Place&, double* d) override {
         for (int i = 0; i < csr_->n; ++i) right_[i] = -r[csr_->unknown[i]] * row_[i];
         const Eigen::VectorXd s = lu_.solve(right_);
         for (int i = 0; i < csr_->n; ++i) d[csr_->unknown[i]] = s[i] * col_[i];

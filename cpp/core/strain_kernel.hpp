@@ -67,6 +67,11 @@ VISVIVA_INLINE double term_theta(const ShapeView& s, const Step& step) {
     return is_constraint(s.law) ? step.theta_g : step.theta;
 }
 
+// Laws that look at strains between the ends; for the others their gradients are all that theta is about.
+VISVIVA_INLINE bool looks_at_theta(LawKind k) {
+    return k != LawKind::linear && k != LawKind::constraint && k != LawKind::servo && k != LawKind::load;
+}
+
 // Strains at the ends and at theta, their rate, and what the law makes of them.
 VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vectors& x, const Signals& signals,
                                 int base, const Work& w, bool law = true) {
@@ -78,11 +83,13 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
         V y0 = vload(v.y0 + a * v.stride + base);
         w.yt[a] = theta == 1.0 ? w.y1[a] : y0 + theta * (w.y1[a] - y0);
     }
-    for (int i = 0; i < s.n_e; ++i) w.e0[i] = vload(v.e0 + i * v.stride + base);
-    strains(v, w.yt, base, w.et);
-    gradients(s, w.yt, true, w.g);
+    if (looks_at_theta(s.law)) {
+        for (int i = 0; i < s.n_e; ++i) w.e0[i] = vload(v.e0 + i * v.stride + base);
+        strains(v, w.yt, base, w.et);
+    }
     if (needs_rate(s.law)) {
         forms(v, x.rate, base, false, w.ydot);
+        gradients(s, w.yt, true, w.g);
         for (int i = 0; i < s.n_e; ++i) {
             w.edot[i] = broadcast(0.0);
             for (int a = 0; a < s.n_y; ++a) w.edot[i] += w.g[i * s.n_y + a] * w.ydot[a];
@@ -95,10 +102,28 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
     return a;
 }
 
+// gy = grad e(y)^T S
+VISVIVA_INLINE void form_forces(const ShapeView& s, const V* y, const V* S, V* gy) {
+    for (int a = 0; a < s.n_y; ++a) gy[a] = broadcast(0.0);
+    for (int k = 0; k < s.n_quad; ++k) {
+        const int a = s.quad_a[k], b = s.quad_b[k];
+        const V c = s.quad_coef[k] * S[s.quad_e[k]];
+        gy[a] += c * y[b];
+        gy[b] += c * y[a];
+    }
+    for (int k = 0; k < s.n_lin; ++k) gy[s.lin_a[k]] += s.lin_coef[k] * S[s.lin_e[k]];
+}
+
 VISVIVA_INLINE int active(const StrainView& v, int base) { return v.n - base < W ? v.n - base : W; }
 
 VISVIVA_INLINE void scatter(V a, const int* index, int n, double* r) {
     for (int l = 0; l < n; ++l) r[index[l]] += a[l];
+}
+
+// What was the end of a step is the begin of the next.
+VISVIVA_INLINE void keep_ends(const StrainView& v, int base, const Work& w) {
+    for (int a = 0; a < v.shape.n_y; ++a) vstore(v.y0 + a * v.stride + base, w.y1[a]);
+    for (int i = 0; i < v.shape.n_e; ++i) vstore(v.e0 + i * v.stride + base, w.e1[i]);
 }
 
 void strain_begin(const StrainView& v, const double* x) {
@@ -106,8 +131,7 @@ void strain_begin(const StrainView& v, const double* x) {
     for (int base = 0; base < v.n; base += W) {
         forms(v, x, base, true, w.y1);
         strains(v, w.y1, base, w.e1);
-        for (int a = 0; a < v.shape.n_y; ++a) vstore(v.y0 + a * v.stride + base, w.y1[a]);
-        for (int i = 0; i < v.shape.n_e; ++i) vstore(v.e0 + i * v.stride + base, w.e1[i]);
+        keep_ends(v, base, w);
     }
 }
 
@@ -132,10 +156,7 @@ void strain_residual(const StrainView& v, const Step& step, const Vectors& x, co
     for (int base = 0; base < v.n; base += W) {
         evaluate(v, step, x, signals, base, w);
         const int n = active(v, base);
-        for (int a = 0; a < s.n_y; ++a) {
-            w.gy[a] = broadcast(0.0);
-            for (int i = 0; i < s.n_e; ++i) w.gy[a] += w.S[i] * w.g[i * s.n_y + a];
-        }
+        form_forces(s, w.yt, w.S, w.gy);
         const int *row = s.form_row, *col = s.form_col;
         for (int k = 0; k < n_forms;) {
             const int j = col[k];
@@ -217,6 +238,7 @@ void strain_tangent(const StrainView& v, const Step& step, const Vectors& x, con
     for (int base = 0; base < v.n; base += W) {
         evaluate(v, step, x, signals, base, w);
         const int n = active(v, base);
+        gradients(s, w.yt, true, w.g);
         if (v.n_products) form_tangent(v, step, w);
         for (int k = 0; k < v.n_products;) {
             const int slot = v.products[k].slot;
@@ -272,11 +294,11 @@ void strain_ledger(const StrainView& v, const Step& step, const Vectors& x, cons
     for (int base = 0; base < v.n; base += W) {
         LawData a = evaluate(v, step, x, signals, base, w);
         V work = broadcast(0.0), defect = work, rate_defect = work;
-        for (int i = 0; i < s.n_e; ++i)
-            for (int b = 0; b < s.n_y; ++b)
-                work -= w.S[i] * w.g[i * s.n_y + b] * (w.y1[b] - vload(v.y0 + b * v.stride + base));
+        form_forces(s, w.yt, w.S, w.gy);
+        for (int b = 0; b < s.n_y; ++b) work -= w.gy[b] * (w.y1[b] - vload(v.y0 + b * v.stride + base));
         const V energy = law_energy(a);
         if (s.n_m) defects(v, a, signals, v1, w, defect, rate_defect);
+        keep_ends(v, base, w);
         vstore(out.energy + base, energy);
         vstore(out.work + base, work);
         vstore(out.defect + base, defect);

@@ -4,14 +4,21 @@
 #include <cmath>
 #include <numeric>
 
+#include "dispatch.hpp"
+
 namespace visviva {
 
 System::System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale)
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
-    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &xg_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
+    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
                     &v_last_, &v_next_, &a_next_, &w_next_})
         u->assign(n_ + 1, 0.0);
+    for (int i = 0; i < n_; ++i)
+        if (segments_.empty() || segments_.back().order != order_[i])
+            segments_.push_back({i, i + 1, order_[i]});
+        else
+            segments_.back().end = i + 1;
     inverse_scale_.resize(n_);
     for (int i = 0; i < n_; ++i) inverse_scale_[i] = scale[i] > 0 && !fixed_[i] ? 1 / scale[i] : 0;
 }
@@ -23,6 +30,7 @@ void System::set_accounts(int n_accounts, int n_components) {
 }
 
 void System::finalize() {
+    wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
     spin_last_.assign(3 * blocks_.rigid.size(), 0.0);
     csr_.equation.assign(n_, -1);
     for (int i = 0; i < n_; ++i)
@@ -79,15 +87,12 @@ void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 void System::predict(const Step& step) {
     const double h = step.h, curvature = h_last_ > 0 && step.motion[0][0] != 0 ? 0.5 * h * h / h_last_ : 0;
     const bool moves = step.motion[0][0] != 0, flows = step.transport[0][0] != 0;
-    for (int i = 0; i < n_; ++i) {
-        if (fixed_[i]) continue;  // what was prescribed stays
-        if (order_[i] == 2)
-            dx[i] = moves ? h * v[i] + curvature * (v[i] - v_last_[i]) : 0;
-        else if (order_[i] == 1)
-            dx[i] = flows ? h * v[i] : 0;
-        else
-            dx[i] = 0;
-    }
+    for (const Segment& s : segments_)
+        for (int i = s.begin; i < s.end; ++i) {
+            if (fixed_[i]) continue;  // what was prescribed stays
+            const bool goes = s.order == 2 ? moves : s.order == 1 && flows;
+            dx[i] = goes ? h * v[i] + (s.order == 2 ? curvature * (v[i] - v_last_[i]) : 0) : 0;
+        }
     if (moves) predict_rotations(h);
     set_base_rates(step);
 }
@@ -132,23 +137,39 @@ void System::predict_rotations(double h) {
 }
 
 void System::set_base_rates(const Step& step) {
-    for (int i = 0; i < n_; ++i) {
-        const auto& table = order_[i] == 2 ? step.motion : step.transport;
-        base_rate_[i] = base_second_[i] = 0;
-        if (order_[i] == 0) continue;
-        base_rate_[i] = table[0][1] * v[i] + table[0][2] * a[i] + table[0][3] * w[i];
-        if (order_[i] == 2) base_second_[i] = table[1][1] * v[i] + table[1][2] * a[i] + table[1][3] * w[i];
+    for (const Segment& s : segments_) {
+        if (s.order == 0) continue;
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        const bool history = t[0][2] != 0 || t[0][3] != 0 || t[1][2] != 0 || t[1][3] != 0;
+        for (int i = s.begin; i < s.end; ++i) {
+            base_rate_[i] = t[0][1] * v[i];
+            base_second_[i] = t[1][1] * v[i];
+        }
+        for (int i = s.begin; history && i < s.end; ++i) {
+            base_rate_[i] += t[0][2] * a[i] + t[0][3] * w[i];
+            base_second_[i] += t[1][2] * a[i] + t[1][3] * w[i];
+        }
     }
 }
 
 void System::update_vectors(const Step& step) {
-    for (int i = 0; i < n_; ++i) {
-        x1_[i] = x[i] + dx[i];
-        xg_[i] = x[i] + step.theta_g * dx[i];
-        const double c = order_[i] == 2 ? step.motion[0][0] : order_[i] == 1 ? step.transport[0][0] : 0;
-        rate_[i] = base_rate_[i] + c * dx[i];
-        second_rate_[i] = base_second_[i] + (order_[i] == 2 ? step.motion[1][0] : 0) * dx[i];
+    const Kernels& k = kernels();
+    k.vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    for (const Segment& s : segments_) {
+        if (s.order == 0) continue;
+        const int i = s.begin, n = s.end - s.begin;
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        if (wants_rates_) k.vector_affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
+        if (s.order == 2) k.vector_affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
     }
+}
+
+// Add the increment; its largest entry relative to the unknowns' scales.
+double System::iterate(const Step& step) {
+    const double size =
+        kernels().vector_update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());
+    update_vectors(step);
+    return size;
 }
 
 void System::evaluate_residual(const Context& c) {
@@ -165,21 +186,18 @@ bool System::refactor(const Context& c, const Step& step) {
     factored_signals_.clear();
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
         factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
-    return solver_->factor(values_.data(), x1_.data(), xg_.data());
+    return solver_->factor(values_.data(), place(step));
 }
 
-double System::norm(int& worst) const {
+int System::worst() const {
     double largest = 0;
-    worst = -1;
+    int worst = -1;
     for (int i = 0; i < n_; ++i) {
         const double s = std::abs(d_[i]) * inverse_scale_[i];
-        if (!(s <= largest)) {  // catches NaN as well
-            largest = s;
-            worst = i;
-            if (std::isnan(s)) break;
-        }
+        if (std::isnan(s)) return i;
+        if (s > largest) largest = s, worst = i;
     }
-    return largest;
+    return worst;
 }
 
 namespace {
@@ -198,52 +216,49 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     stale_begin_ = false;
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
-    bool refresh = stale_factor_ || options.keep_factor <= 0 || !same_matrix(step, factored_), fresh = false;
+    const bool full = options.keep_factor <= 0;
+    bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
+                   iterations_last_ > NewtonOptions::many_iterations;
+    bool fresh = false;
     double last = 0;
+    auto fail = [&](const std::string& reason, int unknown) {
+        report.reason = reason;
+        report.worst_unknown = unknown;
+        stale_factor_ = true;
+        return report;
+    };
+    update_vectors(step);
     for (int k = 0; k < options.max_iterations; ++k) {
-        update_vectors(step);
         evaluate_residual(context);
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
-            if (!refactor(context, step)) {
-                report.reason = "the tangent is singular";
-                report.worst_unknown = solver_->singular_unknown();
-                return report;
-            }
+            if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
             stale_factor_ = false, fresh = true;
         }
-        solver_->solve(r_.data(), x1_.data(), xg_.data(), d_.data());
-        for (int i = 0; i < n_; ++i) dx[i] += d_[i];
-        const double size = norm(report.worst_unknown);
+        solver_->solve(r_.data(), place(step), d_.data());
+        const double size = iterate(step);
         report.increments.push_back(size);
         report.iterations = k + 1;
-        if (!std::isfinite(size)) {
-            report.reason = "an unknown became infinite or not a number";
-            stale_factor_ = true;
-            return report;
-        }
+        if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
         // What remains: Newton's quadratic convergence where the tangent is new in every iteration, otherwise the
         // slowest contraction seen in this step (in the last step, before there is one).
         const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : std::max(contraction_, 1e-3);
         if (k > 0) contraction_ = k == 1 ? rho : std::max(rho, contraction_);
-        const bool newton = options.keep_factor <= 0 || (refresh && k > 0);
-        const double error = newton          ? rho * rho * size
-                             : contraction_ < 1 ? std::max(rho, contraction_) / (1 - contraction_) * size
-                                                : size;
+        const double slowest = std::max(rho, contraction_);
+        const double error = (full || (refresh && k > 0)) ? rho * rho * size
+                             : slowest < 1                ? slowest / (1 - slowest) * size
+                                                          : size;
         const bool stagnates = k > 0 && fresh && size < 1e-10 && rho > 0.3;  // rounding, not convergence
         if (size <= options.tolerance || error <= options.tolerance || stagnates) {
             report.converged = true;
-            break;
+            iterations_last_ = fresh ? 0 : report.iterations;
+            return report;
         }
-        refresh = options.keep_factor <= 0 || (k > 0 && rho > options.keep_factor);
+        refresh = full || (k > 0 && rho > options.keep_factor);
         last = size;
     }
-    if (!report.converged) {
-        report.reason = "no convergence in " + std::to_string(options.max_iterations) + " iterations";
-        stale_factor_ = true;
-    }
-    return report;
+    return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
 }
 
 void System::clear_sums() {
@@ -259,13 +274,20 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
-    for (int i = 0; i < n_; ++i) {
-        const auto& t = order_[i] == 2 ? step.motion : step.transport;
-        const double old[4] = {dx[i], v[i], a[i], w[i]};
-        auto row = [&](int k) { return t[k][0] * old[0] + t[k][1] * old[1] + t[k][2] * old[2] + t[k][3] * old[3]; };
-        const bool moves = order_[i] != 0;
-        v_next_[i] = moves ? row(2) : v[i], a_next_[i] = moves ? row(3) : a[i], w_next_[i] = moves ? row(4) : w[i];
+    std::copy(v.begin(), v.end(), v_next_.begin());
+    std::copy(a.begin(), a.end(), a_next_.begin());
+    std::copy(w.begin(), w.end(), w_next_.begin());
+    for (const Segment& s : segments_) {
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        auto row = [&](int k, std::vector<double>& to) {
+            const bool used = t[k][0] != 0 || t[k][1] != 0 || t[k][2] != 0 || t[k][3] != 0;
+            for (int i = s.begin; used && i < s.end; ++i)
+                to[i] = t[k][0] * dx[i] + t[k][1] * v[i] + t[k][2] * a[i] + t[k][3] * w[i];
+        };
+        if (s.order == 0) continue;
+        row(2, v_next_), row(3, a_next_), row(4, w_next_);
     }
+    stale_begin_ = true;
     // Functions from outside may throw in here; the accepted state is still the old one then.
     if (ledger) book(context, v_next_.data());
     for (const auto& term : terms_) term->accept(context);
@@ -275,9 +297,9 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     std::copy(v_next_.begin(), v_next_.end(), v.begin());
     std::copy(a_next_.begin(), a_next_.end(), a.begin());
     std::copy(w_next_.begin(), w_next_.end(), w.begin());
-    for (int i = 0; i < n_; ++i) x[i] = x1_[i];
+    std::copy(x1_.begin(), x1_.end(), x.begin());
     discard();
-    stale_begin_ = true;
+    stale_begin_ = !ledger;  // booking leaves the terms at the end of the step
 }
 
 void System::take_stock(const Step& step, const Signals& signals) {
@@ -290,7 +312,7 @@ void System::take_stock(const Step& step, const Signals& signals) {
 }
 
 std::vector<double> System::memory() const {
-    std::vector<double> m = {h_last_, contraction_, stale_factor_ ? 1.0 : 0.0};
+    std::vector<double> m = {h_last_, contraction_, static_cast<double>(iterations_last_), stale_factor_ ? 1.0 : 0.0};
     m.insert(m.end(), v_last_.begin(), v_last_.end());
     m.insert(m.end(), spin_last_.begin(), spin_last_.end());
     if (stale_factor_) return m;
@@ -307,9 +329,10 @@ void System::remember(const std::vector<double>& memory) {
     const double* m = memory.data();
     touch();
     const double h_last = m[0], contraction = m[1];
-    const bool stale = m[2] != 0;
-    std::copy(m + 3, m + 3 + v_last_.size(), v_last_.begin());
-    m += 3 + v_last_.size();
+    const int iterations_last = static_cast<int>(m[2]);
+    const bool stale = m[3] != 0;
+    std::copy(m + 4, m + 4 + v_last_.size(), v_last_.begin());
+    m += 4 + v_last_.size();
     std::copy(m, m + spin_last_.size(), spin_last_.begin());
     m += spin_last_.size();
     if (!stale) {
@@ -334,7 +357,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    h_last_ = h_last, contraction_ = contraction;
+    h_last_ = h_last, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {

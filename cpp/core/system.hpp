@@ -14,7 +14,9 @@ struct NewtonOptions {
     double tolerance = 1e-14;
     int max_iterations = 25;
     // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full Newton.
-    double keep_factor = 0.02;
+    double keep_factor = 0.1;
+    // A step that took more iterations than this lets the next one begin with a new factorisation.
+    static constexpr int many_iterations = 4;
 };
 
 struct Report {
@@ -48,7 +50,7 @@ class System {
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
     // After the state vectors were changed from outside.
-    void touch() { stale_begin_ = stale_factor_ = true, h_last_ = 0; }
+    void touch() { stale_begin_ = stale_factor_ = true, h_last_ = 0, contraction_ = 1, iterations_last_ = 0; }
 
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
@@ -70,7 +72,9 @@ class System {
     void update_vectors(const Step&);
     void evaluate_residual(const Context&);
     bool refactor(const Context&, const Step&);
-    double norm(int& worst) const;
+    int worst() const;
+    double iterate(const Step&);
+    Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();
     void book(const Context&, const double* v1);
 
@@ -82,9 +86,15 @@ class System {
     Blocks blocks_;
     Csr csr_;
     std::unique_ptr<LinearSolver> solver_;
-    std::vector<double> x1_, xg_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_, spin_last_;
+    struct Segment {
+        int begin, end, order;  // unknowns of equal order in a row
+    };
+    std::vector<Segment> segments_;
+    bool wants_rates_ = false;
+    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_, spin_last_;
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     double h_last_ = 0, contraction_ = 1;
+    int iterations_last_ = 0;
     bool stale_begin_ = true, stale_factor_ = true;
     Step factored_;
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made

@@ -36,6 +36,7 @@ class Term {
     virtual void set_positions(const std::int64_t* positions) = 0;
     virtual std::int64_t n_entries() const = 0;
     virtual void begin(const double* /*x0*/) {}
+    virtual bool wants_rates() const { return false; }
     virtual void residual(const Context&, double* r) = 0;
     virtual void tangent(const Context&, double* values) = 0;
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
@@ -71,6 +72,7 @@ class StrainTerm : public Term {
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override { return static_cast<std::int64_t>(slots_.size()) * view_.n; }
     void begin(const double* x0) override;
+    bool wants_rates() const override { return needs_rate(shape_.law); }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
@@ -98,6 +100,7 @@ class InertiaTerm : public Term {
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override;
+    bool wants_rates() const override { return view_.order == 1; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
@@ -127,6 +130,7 @@ class CallbackTerm : public Term {
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
+    bool wants_rates() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;

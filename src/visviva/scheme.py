@@ -66,7 +66,7 @@ class Midpoint(Scheme):
 
     def motion(self, h: float) -> Sequence[Sequence[float]]:
         second = (2 / h**2, -2 / h, 0.0, 0.0)
-        return ((1 / h, 0, 0, 0), second, (2 / h, -1, 0, 0), second, NONE)
+        return ((1 / h, 0, 0, 0), second, (2 / h, -1, 0, 0), NONE, NONE)
 
     def transport(self, h: float) -> Sequence[Sequence[float]]:
         return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)
@@ -101,7 +101,7 @@ class BackwardEuler(Scheme):
 
     def motion(self, h: float) -> Sequence[Sequence[float]]:
         second = (1 / h**2, -1 / h, 0.0, 0.0)
-        return ((1 / h, 0, 0, 0), second, (1 / h, 0, 0, 0), second, NONE)
+        return ((1 / h, 0, 0, 0), second, (1 / h, 0, 0, 0), NONE, NONE)
 
     def transport(self, h: float) -> Sequence[Sequence[float]]:
         return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)

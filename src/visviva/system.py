@@ -6,7 +6,8 @@ import weakref
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +19,9 @@ from visviva.errors import InputError, RunError
 from visviva.form import Form, Strain, Vector
 from visviva.model import Field, Model, inertia_terms, strain_terms
 from visviva.scheme import EnergyMomentum, Scheme, Static
+
+if TYPE_CHECKING:
+    from visviva.check import CheckReport
 
 Array = NDArray[np.float64]
 
@@ -41,9 +45,18 @@ class Newton:
 
     tolerance: float = 1e-14
     max_iterations: int = 25
-    keep_factor: float = 0.02
+    keep_factor: float = 0.1
     null_space: bool | None = None
     regularization: float = 1e-11
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A step whose equations are solved, with the prescribed functions it saw and the core's report."""
+
+    step: Any
+    signals: Array
+    report: Any
 
 
 class StepFailure(RunError):
@@ -96,6 +109,7 @@ class System:
         self.rejected = 0
         self.halvings = 0  # of the step length, after failures; decays with every success
         self.has_acceleration = False
+        self.report: CheckReport | None = None  # of the check before the first step
         self._name_components()
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
@@ -234,8 +248,13 @@ class System:
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; raises `StepFailure` and keeps the state if it does not converge."""
         scheme = EnergyMomentum() if scheme is None else scheme
-        step = scheme.step(self.time, h)
-        signals = self.signals(step)
+        attempt = self.attempt(scheme.step(self.time, h))
+        self.accept(attempt, scheme)
+        return attempt.report
+
+    def attempt(self, step: Any) -> Attempt:
+        """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
+        signals = self.signals(step).copy()
         try:
             report = self.core.solve(
                 step, signals, self.newton.tolerance, self.newton.max_iterations, self.newton.keep_factor
@@ -244,30 +263,66 @@ class System:
             self.core.discard()
             raise
         if not report.converged:
-            failure = StepFailure(self, self.time, h, report)
+            failure = StepFailure(self, self.time, step.h, report)
             self.core.discard()
             raise failure
+        return Attempt(step, signals, report)
+
+    def accept(self, attempt: Attempt, scheme: Scheme) -> None:
+        """Make the increment of an attempt the new state."""
+        project = scheme.projects_velocity
+        x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
         try:
-            self.core.accept(step, signals, True)
+            self.core.accept(attempt.step, attempt.signals, True)
         except BaseException:
             self.core.discard()
             raise
-        self.time = step.t1
-        return report
+        self.time = attempt.step.t1
+        self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
+        if project:
+            self._project_step(x0, dx, attempt.step.h)
+
+    def _project_step(self, x0: Array, dx: Array, h: float) -> None:
+        """Project the velocities of the accepted step and book it again with them."""
+        from visviva.consistency import project_step
+
+        project_step(self, x0, h, x0 + dx)
+        work = self.core.work.copy()
+        self.take_stock()
+        self.core.work[:] = work
 
     def take_stock(self) -> None:
         """Fill the core's sums with the present state."""
         step = Static().step(self.time, 0.0)
         self.core.take_stock(step, self.signals(step))
 
-    def tangent(self, step: Any) -> tuple[Array, sp.csr_matrix]:
-        """Residual by unknown and tangent over the free unknowns at the present trial state."""
+    @cached_property
+    def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:
+        """Rows and columns of the tangent's compressed rows, and the unknown of every row."""
         row, col, unknown = self.core.csr
+        return np.array(row, dtype=np.int64), np.array(col, dtype=np.int32), np.array(unknown, dtype=np.int64)
+
+    def residual(self, step: Any, signals: Array | None = None) -> Array:
+        """Residual by unknown at the present trial state."""
+        residual = np.zeros(len(self.x))
+        self.core.assemble(step, self.signals(step) if signals is None else signals, residual, None)
+        return residual
+
+    def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
+        """Residual by unknown and tangent over the free unknowns at the present trial state."""
+        row, col, unknown = self.pattern
         values = np.zeros(len(col))
         residual = np.zeros(len(self.x))
         self.core.assemble(step, self.signals(step), residual, values)
         n = len(unknown)
-        return residual, sp.csr_matrix((values, col, row), shape=(n, n))
+        return residual, sp.csr_array((values, col, row), shape=(n, n))
+
+    def check(self, repair: bool = True) -> CheckReport:
+        """Look the system over before its first step; see `visviva.check.check`."""
+        from visviva.check import check
+
+        self.report = check(self, repair=repair)
+        return self.report
 
 
 def characteristic_length(components: Sequence[Component]) -> float:

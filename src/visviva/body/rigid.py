@@ -142,11 +142,11 @@ class RigidBody(Attachable):
         v = np.concatenate([self.velocity, *(np.cross(w, d) for d in R.T)])
         scale = np.r_[np.full(3, model.length), np.ones(9)]
         self._field = model.field(self, "configuration", q, v, scale=scale)
-        self._multipliers = model.multipliers(self, "rigidity", 6, stage=0, block=self._field.block)
-        model.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
 
     def contribute(self, model: Model) -> None:
         d1, d2, d3 = self.directors
+        self._multipliers = model.multipliers(self, "rigidity", 6, stage=0, block=self._field.block)
+        model.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
         model.inertia(self, self._field.start, self.mass_matrix(), (True, False, False, False))
         unit = [0.5 * dot(d, d) - 0.5 for d in (d1, d2, d3)]
         model.constrain(self, self._multipliers, [*unit, dot(d1, d2), dot(d1, d3), dot(d2, d3)])
