@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.check import check
+from visviva.consistency import initial_acceleration
 from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
@@ -61,10 +63,13 @@ def march(system: System, *, until: float, step: float, scheme: Scheme | None = 
 
 
 def prepare(system: System, scheme: Scheme) -> None:
-    """Before the first step of a scheme: consistent accelerations where its history starts from them."""
-    if scheme.needs_acceleration and not system.has_acceleration:
-        from visviva.consistency import initial_acceleration
+    """Before the first step: a consistent state, and accelerations where the scheme's history starts from them.
 
+    The check is made once in a system's life; what it found stays in ``system.report``.
+    """
+    if system.report is None:
+        system.report = check(system, tangents=False)
+    if scheme.needs_acceleration and not system.has_acceleration:
         initial_acceleration(system)
 
 
@@ -103,8 +108,10 @@ def simulate(
 
 def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkeeper]:
     """A result that holds the present state, and the books opened with it."""
+    scheme = EnergyMomentum() if scheme is None else scheme
+    prepare(system, scheme)
     books = Bookkeeper(system.model.accounts)
-    result = Result(system, EnergyMomentum() if scheme is None else scheme, books.ledger)
+    result = Result(system, scheme, books.ledger)
     system.take_stock()
     books.book(system.time, system.core)
     keep(result)

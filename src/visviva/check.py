@@ -1,0 +1,283 @@
+"""What is looked at before the first step: freedoms, redundant and contradictory constraints, states, tangents."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.linalg as sla
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+from numpy.typing import NDArray
+
+from visviva.consistency import (
+    COMPLIANCE,
+    Correction,
+    Instant,
+    instant,
+    project_positions,
+    project_velocities,
+    worst,
+)
+from visviva.errors import InputError
+from visviva.scheme import EnergyMomentum
+
+if TYPE_CHECKING:
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+TANGENT_TOLERANCE = 1e-5
+"""A tangent that differs from differences by more than this, relative to its row and column, is reported."""
+
+
+@dataclass
+class Redundancy:
+    """A constraint that follows from others.
+
+    Attributes
+    ----------
+    component, constraint : str
+        Whose it is, and which of its constraints.
+    loop : list of str
+        Components that the dependence runs through.
+    """
+
+    component: str
+    constraint: str
+    loop: list[str]
+
+    def __str__(self) -> str:
+        others = [label for label in self.loop if label != self.component]
+        listed = ", ".join(others[:8]) + (f" and {len(others) - 8} more" if len(others) > 8 else "")
+        return f"{self.constraint} of {self.component} follows from {listed or 'its others'}"
+
+
+@dataclass
+class TangentError:
+    """The entry of the tangent that differs most from differences of the residual."""
+
+    error: float
+    row: str
+    column: str
+    entries: tuple[float, float]
+
+    def __str__(self) -> str:
+        if self.error <= TANGENT_TOLERANCE:
+            return f"agree with differences to {self.error:.1e}"
+        ours, theirs = self.entries
+        return f"WRONG: d({self.row}) / d({self.column}) is {ours:.6g}, differences give {theirs:.6g}"
+
+
+@dataclass
+class CheckReport:
+    """What `System.check` has found; print it.
+
+    Attributes
+    ----------
+    n_coordinates, n_constraints : int
+        Unknown coordinates n and constraints m.
+    degrees_of_freedom : int
+        ``n - rank G`` in the initial configuration.
+    redundant : list of Redundancy
+        Constraints that follow from others; such systems are solved, their reactions are not unique.
+    positions, velocities : Correction
+        How the initial state was made consistent.
+    tangent : TangentError or None
+        Worst entry of the tangent; None if it was not compared.
+    """
+
+    n_components: int
+    n_coordinates: int
+    n_constraints: int
+    degrees_of_freedom: int
+    redundant: list[Redundancy]
+    positions: Correction
+    velocities: Correction
+    tangent: TangentError | None = None
+    null_vectors: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+
+    @property
+    def counted_freedoms(self) -> int:
+        """Degrees of freedom by counting (Gruebler), blind to redundancy."""
+        return self.n_coordinates - self.n_constraints
+
+    def __str__(self) -> str:
+        n, m = self.n_coordinates, self.n_constraints
+        lines = [
+            f"check of {self.n_components} components",
+            f"  unknown coordinates n = {n}, constraints m = {m}, n - m = {self.counted_freedoms}",
+            f"  degrees of freedom in the initial configuration {self.degrees_of_freedom}, "
+            f"redundant constraints {len(self.redundant)}",
+            *(f"    {r}" for r in self.redundant[:12]),
+            f"  initial positions  {self.positions}",
+            f"  initial velocities {self.velocities}",
+        ]
+        if self.tangent is not None:
+            lines.append(f"  tangents {self.tangent}")
+        return "\n".join(lines)
+
+
+def check(system: System, *, repair: bool = True, tangents: bool = True) -> CheckReport:
+    """Look a system over before its first step.
+
+    Parameters
+    ----------
+    repair : bool
+        Project the initial positions and velocities onto the constraints; otherwise only tell what is violated.
+    tangents : bool
+        Compare tangents with differences (of a sample of columns in large systems).
+
+    Returns
+    -------
+    CheckReport
+        Degrees of freedom, redundant constraints by name, corrections of the initial state, worst tangent entry.
+
+    Raises
+    ------
+    InputError
+        If no configuration or no velocities satisfy the constraints, or if a massless coordinate is held by
+        nothing; the message names components and unknowns.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    >>> rod = vv.Distance(a=ground.point(), b=ball.point())
+    >>> vv.System([ground, ball, rod]).check().degrees_of_freedom
+    2
+    """
+    at = Instant(system)
+    refuse_unheld(system, at)
+    positions = project_positions(system, at) if repair else told(worst(at))
+    if positions.moved:
+        at = Instant(system)
+    at.factor()
+    null = at.redundancies()
+    velocities = project_velocities(system, at) if repair else told(rate_violation(system, at))
+    report = CheckReport(
+        n_components=len(system.components),
+        n_coordinates=system.n_coordinates,
+        n_constraints=system.n_constraints,
+        degrees_of_freedom=system.n_coordinates - system.n_constraints + null.shape[1],
+        redundant=redundancies(system, at, null),
+        positions=positions,
+        velocities=velocities,
+        null_vectors=null,
+    )
+    if tangents:
+        report.tangent = compare_tangent(system)
+    system.core.touch()
+    return report
+
+
+def told(violation: float) -> Correction:
+    """The report of a violation that was left as it is."""
+    return Correction(violation, violation, {})
+
+
+def rate_violation(system: System, at: Instant) -> float:
+    """Largest relative violation of the constraints' rates."""
+    v = system.v[at.coordinates]
+    drift = at.drift()
+    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
+    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+
+
+# --- redundancy -------------------------------------------------------------------------------------------------
+
+
+def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
+    """One constraint for each null vector: of the component that came last, without which the rest are independent."""
+    if null.shape[1] == 0:
+        return []
+    fields = {u: f for f in system.model.fields for u in f.unknowns if f.multiplier}
+    owners = [fields[int(u)] for u in at.multipliers]
+    candidates = np.array([k for k, f in enumerate(owners) if f.stage > 0], dtype=int)
+    place = {id(c): k for k, c in enumerate(system.components)}
+    weight = 1 + np.array([place[id(owners[k].component)] for k in candidates], dtype=float)
+    _, _, order = sla.qr(null[candidates].T * weight, mode="economic", pivoting=True)
+    found = []
+    for k in sorted(int(candidates[j]) for j in order[: null.shape[1]]):
+        mine = np.abs(null) @ np.abs(null[k])
+        loop = [
+            owners[j].component.label for j in np.flatnonzero(mine > 1e-6 * mine.max()) if owners[j].stage > 0
+        ]
+        f = owners[k]
+        which = f"{f.name}[{int(at.multipliers[k]) - f.start}]"
+        found.append(Redundancy(f.component.label, which, list(dict.fromkeys(loop))))
+    return found
+
+
+# --- coordinates that nothing holds -----------------------------------------------------------------------------
+
+
+def refuse_unheld(system: System, at: Instant) -> None:
+    """Refuse coordinates that neither inertia, nor a constraint, nor a stiffness or damping determines."""
+    massless = np.flatnonzero(np.asarray(abs(at.M).sum(axis=1)).ravel() == 0)
+    if len(massless) == 0:
+        return
+    A = system.tangent(EnergyMomentum().step(system.time, 1.0))[1][:, at._q[massless]]
+    A = sp.diags_array(1 / np.maximum(abs(A).max(axis=1).toarray().ravel(), 1e-300)) @ A
+    normal = (A.T @ A).tocsc()
+    lu = spl.splu(normal + COMPLIANCE * sp.eye_array(len(massless), format="csc"))
+    z = np.random.default_rng(0).standard_normal(len(massless))
+    for _ in range(3):
+        z = lu.solve(z / np.linalg.norm(z))
+    if np.linalg.norm(z) < 0.5 / COMPLIANCE:
+        return
+    loose = int(np.argmax(np.abs(z)))
+    component, unknown = system.describe(int(at.coordinates[massless[loose]]))
+    raise InputError(
+        f"{unknown} of {component} has no inertia and no constraint or stiffness holds it: the equations are "
+        "singular. Give its component mass, tie it by a joint, or leave it out"
+    )
+
+
+# --- tangents ---------------------------------------------------------------------------------------------------
+
+
+def compare_tangent(system: System, most: int = 150) -> TangentError:
+    """Compare the tangent of the default scheme with differences of its residual, away from the initial state."""
+    core, random = system.core, np.random.default_rng(1)
+    step = EnergyMomentum().step(system.time, 1.0)
+    unknown = system.pattern[2]
+    scale = np.concatenate([f.scale for f in system.model.fields])
+    core.dx[unknown] = 1e-3 * random.standard_normal(len(unknown)) * np.where(scale > 0, scale, 1.0)[unknown]
+    _, A = system.tangent(step)
+    columns = np.arange(len(unknown))
+    if len(columns) > most:
+        columns = np.sort(random.choice(columns, most, replace=False))
+    B = A.tocsc()[:, columns].toarray()
+    D = np.column_stack([column_by_differences(system, step, int(unknown[j])) for j in columns])[unknown]
+    core.dx[:] = 0.0
+    largest = abs(A).max(axis=1).toarray().ravel()
+    size = np.sqrt(np.maximum(largest[:, None] * largest[columns][None, :], 1e-300))
+    error = np.abs(B - D) / size
+    i, j = (int(k) for k in np.unravel_index(int(np.argmax(error)), error.shape))
+    row, column = (name(system, int(unknown[k])) for k in (i, columns[j]))
+    return TangentError(float(error[i, j]), row, column, (float(B[i, j]), float(D[i, j])))
+
+
+def column_by_differences(system: System, step: Any, unknown: int) -> Array:
+    """Central differences of the residual by one unknown."""
+    dx = system.core.dx
+    d = 1e-5 * max(1.0, abs(float(system.x[unknown])))
+    here = float(dx[unknown])
+    ends = []
+    for sign in (1.0, -1.0):
+        dx[unknown] = here + sign * d
+        ends.append(system.residual(step))
+    dx[unknown] = here
+    column: Array = (ends[0] - ends[1]) / (2 * d)
+    return column
+
+
+def name(system: System, unknown: int) -> str:
+    """An unknown in words."""
+    component, field_name = system.describe(unknown)
+    return f"{field_name} of {component}"
+
+
+__all__ = ["CheckReport", "Redundancy", "TangentError", "check", "compare_tangent", "instant"]
