@@ -120,11 +120,14 @@ def add_user_force(
     """Generalised forces ``force(t, e, de/dt)``, all (n_e,), conjugate to the strains or forms `of`."""
     f, n = guarded(owner.label, "force", force), len(of)
 
-    def stress(t: float, e: Any, rate: Any) -> Any:
-        value = np.asarray(f(t, e[:, 0], rate[:, 0]))
+    def one(t: float, e: Any, rate: Any) -> Any:
+        value = np.asarray(f(t, e, rate))
         if value.shape != (n,):
             raise RunError(f"{owner.label}: its force has shape {value.shape}, expected ({n},)")
-        return -value[:, None]
+        return -value
+
+    def stress(t: float, e: Any, rate: Any) -> Any:
+        return np.stack([one(t, a, b) for a, b in zip(e.T, rate.T, strict=True)], axis=1)
 
     label = f"{owner.label}, its force"
     model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label)))
