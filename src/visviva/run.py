@@ -62,6 +62,7 @@ def run(
     progress: bool = True,
     frames_per_second: float = 50.0,
     save_every: float = 5.0,
+    pictures: bool = True,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a study and leave everything in a directory.
@@ -84,6 +85,8 @@ def run(
         Most frames of the trajectory per second of simulated time.
     save_every : float
         Seconds of wall time between saves of the state.
+    pictures : bool
+        Draw ``energy.png`` and ``picture.png`` at the end.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -109,7 +112,7 @@ def run(
         recorder = Recorder.start(study, directory, cadence, dict(notes or {}))
     with recorder, deferred_interrupt() as interrupted:
         recorder.march(interrupted, progress, save_every)
-    recorder.finish()
+    recorder.finish(pictures)
     return recorder.result
 
 
@@ -252,13 +255,15 @@ class Recorder:
         self._cost = self._saved - start
 
     # --- the end ------------------------------------------------------------------------------------------------
-    def finish(self) -> None:
+    def finish(self, pictures: bool) -> None:
         """Write summary and pictures of a complete run."""
+        files, study = self.files, self.study
+        files.write_summary(summary(study, self.result, self.notes))
+        if not pictures:
+            return
         from visviva.output.picture import snapshot
         from visviva.output.plot import energy_plot
 
-        files, study = self.files, self.study
-        files.write_summary(summary(study, self.result, self.notes))
         energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
         if self.drawing.surfaces:
             snapshot(files.trajectory, files.picture, trails=trail_names(study, self.drawing))

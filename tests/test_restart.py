@@ -1,0 +1,238 @@
+"""A split run equals the whole run to the last bit, whatever ended its first part."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import visviva as vv
+from visviva.examples import crane, four_bar
+from visviva.output import Trajectory, load_state, read_table
+from visviva.restart import notes_of
+from visviva.run import run as run_study
+
+UNTIL = 0.6
+run = partial(run_study, pictures=False)
+Compose = Callable[[], vv.Study]
+
+
+def chain(scheme: vv.Scheme) -> vv.Study:
+    """Rods hanging between two walls, a loop through the ground, with a motor and a damper at its ends."""
+    ground, parts = vv.Ground(), []
+    rods = [
+        vv.RigidBody(mass=1 + k, inertia=(0.1, 0.02, 0.1), position=(k + 0.5, 0, 0), angular_velocity=(0, 0, 0))
+        for k in range(3)
+    ]
+    hinges = [vv.Revolute(a=ground, b=rods[0], at=(0, 0, 0), axis=(0, 1, 0), angle=True)]
+    hinges += [
+        vv.Revolute(a=a, b=b, at=(k + 1, 0, 0), axis=(0, 1, 0), angle=True)
+        for k, (a, b) in enumerate(zip(rods, rods[1:]))
+    ]
+    rope = vv.Distance(a=ground.point((4, 0, 2)), b=rods[-1].point((0.5, 0, 0)))
+    parts += [vv.JointDamper(joint=hinges[1], damping=0.3), vv.Motor(joint=hinges[0], motion=lambda t: 0.5 * t**3)]
+    system = vv.System([ground, *rods, *hinges, rope, *parts, vv.Gravity()])
+    probes = {"tip": rods[-1].point((0.5, 0, 0)).position, "torque": lambda s: vv.reaction(s, hinges[1])[1]}
+    return vv.Study(system, UNTIL, 0.01, scheme, probes=probes)
+
+
+def short(study: vv.Study) -> vv.Study:
+    study.until = UNTIL
+    return study
+
+
+STUDIES: dict[str, Compose] = {
+    "crane": lambda: short(crane.study()),
+    "four_bar": lambda: short(four_bar.study()),
+    "motor and damper": lambda: chain(vv.EnergyMomentum()),
+    "generalised alpha": lambda: chain(vv.GeneralizedAlpha(rho=0.8)),
+    "variational": lambda: chain(vv.VariationalMidpoint()),
+    "backward Euler": lambda: chain(vv.BackwardEuler()),
+}
+
+
+def pressing_ctrl_c(study: vv.Study, at: float) -> vv.Study:
+    """The study with a probe that presses Ctrl-C from some time on, once."""
+    probe, pressed = study.probes["rope_length"], []
+
+    def pressing(system: vv.System) -> float:
+        if system.time > at - 1e-9 and not pressed:
+            pressed.append(True)
+            os.kill(os.getpid(), signal.SIGINT)
+        return probe(system)
+
+    study.probes["rope_length"] = pressing
+    return study
+
+
+def assert_same(one: Path, other: Path) -> None:
+    """Both directories hold the same run, bit for bit."""
+    for table in ("ledger.csv", "probes.csv"):
+        assert (one / table).read_bytes() == (other / table).read_bytes(), table
+    a, b = load_state(one / "state.h5")[0], load_state(other / "state.h5")[0]
+    assert a.keys() == b.keys()
+    for name in a:
+        assert a[name].tobytes() == b[name].tobytes(), name
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_resumed_after_a_shorter_end_time(name: str, tmp_path: Path) -> None:
+    whole, split = STUDIES[name](), STUDIES[name]()
+    run(whole, tmp_path / "whole")
+    split.until = 0.25
+    run(split, tmp_path / "split")
+    again = STUDIES[name]()
+    result = run(again, tmp_path / "split", resume=True)
+    assert again.system.x.tobytes() == whole.system.x.tobytes()
+    assert again.system.v.tobytes() == whole.system.v.tobytes()
+    assert result.statistics.steps == 60
+    assert_same(tmp_path / "whole", tmp_path / "split")
+
+
+@pytest.mark.parametrize("name", ["crane", "generalised alpha"])
+def test_saving_at_every_step_changes_nothing(name: str, tmp_path: Path) -> None:
+    run(STUDIES[name](), tmp_path / "seldom")
+    run(STUDIES[name](), tmp_path / "often", save_every=0.0)
+    assert_same(tmp_path / "seldom", tmp_path / "often")
+
+
+def test_steps_after_failures_are_halved_alike(tmp_path: Path) -> None:
+    """The halved step length after a failed step is part of the state."""
+
+    def composed() -> vv.Study:
+        study = STUDIES["crane"]()
+        study.system.halvings = 4
+        return study
+
+    run(composed(), tmp_path / "whole")
+    with pytest.raises(KeyboardInterrupt):
+        run(pressing_ctrl_c(composed(), 0.002), tmp_path / "split")
+    run(STUDIES["crane"](), tmp_path / "split", resume=True)
+    times = read_table(tmp_path / "whole" / "ledger.csv")["time"]
+    assert np.diff(times).min() < 0.001
+    assert_same(tmp_path / "whole", tmp_path / "split")
+
+
+def test_history_of_terms_in_python(tmp_path: Path) -> None:
+    run(with_memory(), tmp_path / "whole")
+    split = with_memory()
+    split.until = 0.2
+    run(split, tmp_path / "split")
+    run(with_memory(), tmp_path / "split", resume=True)
+    assert_same(tmp_path / "whole", tmp_path / "split")
+
+
+class Creep(vv.term.Term):
+    """A spring to the origin whose free length creeps; tangent and force depend on the history."""
+
+    def __init__(self, unknowns: np.ndarray) -> None:
+        super().__init__()
+        self.unknowns, self.order = unknowns.reshape(1, 3), np.full(3, 2, dtype=np.int32)
+        self.history["slack"] = np.zeros((1, 3))
+
+    def residual(self, s):  # type: ignore[no-untyped-def]
+        return 40.0 * (1 + 5 * self.history["slack"] ** 2) * (s.x - self.history["slack"])
+
+    def accept(self, s) -> None:  # type: ignore[no-untyped-def]
+        self.history["slack"] += s.step.h * 0.5 * s.x1
+
+
+class Creeping(vv.component.Component):
+    ball = None
+
+    def contribute(self, model) -> None:  # type: ignore[no-untyped-def]
+        model.term(self, Creep(np.array(self.ball._field.unknowns, dtype=np.int32)))
+
+
+def with_memory() -> vv.Study:
+    ball = vv.PointMass(mass=1.0, position=(1, 0.2, 0), velocity=(0, 1, 0), name="ball")
+    spring = Creeping()
+    spring.ball = ball
+    return vv.Study(vv.System([ball, spring]), UNTIL, 0.01, probes={"ball": ball.point().position})
+
+
+def test_ctrl_c_saves_the_state_and_resumes(tmp_path: Path) -> None:
+    run(STUDIES["crane"](), tmp_path / "whole")
+    study = pressing_ctrl_c(STUDIES["crane"](), 0.2)
+    assert threading.current_thread() is threading.main_thread()
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path / "split")
+    assert study.system.time == pytest.approx(0.2)
+    assert load_state(tmp_path / "split" / "state.h5")[1]["time"] == study.system.time
+    run(STUDIES["crane"](), tmp_path / "split", resume=True)
+    assert_same(tmp_path / "whole", tmp_path / "split")
+
+
+def test_complete_run_resumed_stays_as_it_is(tmp_path: Path) -> None:
+    run(STUDIES["crane"](), tmp_path / "run")
+    before = load_state(tmp_path / "run" / "state.h5")
+    (tmp_path / "run" / "summary.json").unlink()
+    result = run(STUDIES["crane"](), tmp_path / "run", resume=True)
+    assert result.statistics.steps == 60
+    assert len(result.states) == 61
+    assert (tmp_path / "run" / "summary.json").exists()
+    assert before[1] == load_state(tmp_path / "run" / "state.h5")[1]
+
+
+def test_resume_refuses_another_system_step_or_scheme(tmp_path: Path) -> None:
+    run(STUDIES["crane"](), tmp_path / "run")
+    with pytest.raises(vv.InputError, match="another system"):
+        run(short(crane.study(omega=1.0)), tmp_path / "run", resume=True)
+    with pytest.raises(vv.InputError, match=r"step = 0\.01, not 0\.02"):
+        run(short(crane.study(step=0.02)), tmp_path / "run", resume=True)
+    study = STUDIES["crane"]()
+    study.scheme = vv.Midpoint()
+    with pytest.raises(vv.InputError, match="EnergyMomentum"):
+        run(study, tmp_path / "run", resume=True)
+    with pytest.raises(vv.InputError, match="holds no run"):
+        run(STUDIES["crane"](), tmp_path / "nothing", resume=True)
+
+
+SCRIPT = """
+import sys
+from visviva.examples import crane
+from visviva.run import run
+study = crane.study(until=3.0, step=0.005)
+run(study, sys.argv[1], resume=len(sys.argv) > 2, save_every=0.0, pictures=False)
+"""
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_kill_9_leaves_a_run_that_resumes(seed: int, tmp_path: Path) -> None:
+    """Killed at random moments twice, then resumed to the end: the same bits as the whole run."""
+    rng = np.random.default_rng(seed)
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    directory = tmp_path / "killed"
+    for attempt in ([], ["resume"]):
+        process = subprocess.Popen([sys.executable, str(script), str(directory), *attempt])
+        reference = directory / "state.h5"
+        deadline = time.monotonic() + 60
+        while not reference.exists() and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.005)
+        time.sleep(rng.uniform(0.0, 1.2))
+        process.kill()
+        process.wait()
+        assert notes_of(directory / "state.h5")["step"] == 0.005
+        for table in ("ledger.csv", "probes.csv"):
+            if (directory / table).exists():
+                read_table(directory / table)
+        if (directory / "trajectory.vtkhdf").exists():
+            with Trajectory(directory / "trajectory.vtkhdf") as trajectory:
+                assert len(trajectory.times) > 0
+    run(crane.study(until=3.0, step=0.005), directory, resume=True)
+    run(crane.study(until=3.0, step=0.005), tmp_path / "whole")
+    assert_same(tmp_path / "whole", directory)
+    with Trajectory(directory / "trajectory.vtkhdf") as a, Trajectory(
+        tmp_path / "whole" / "trajectory.vtkhdf"
+    ) as b:
+        assert a.times.tolist() == b.times.tolist()
+        assert all((p == q).all() for p, q in zip(a.points(-1 + len(a.times)), b.points(-1 + len(b.times))))
