@@ -114,7 +114,7 @@ class System:
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
             owner = getattr(c, "_system", lambda: None)()
-            if owner is not None:
+            if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference
                 raise InputError(f"{c.label} belongs to another system; copy.deepcopy the components before reuse")
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
         for c in self.components:
