@@ -74,11 +74,12 @@ static nb::tuple arrays_of(const LawArguments& a) {
                           own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n));
 }
 
-// Functions of the user often know the system that calls them. The Python side owns them, and only weak references
-// lie here, where the garbage collector could not see the cycle.
+// Functions of the user often know the system that calls them. The Python side owns them, and only weak
+// references lie here, where the garbage collector could not see the cycle.
 static nb::object alive(const nb::weakref& f) {
     nb::object g = f();
-    if (g.is_none()) throw std::runtime_error("a function of the user was called after its system was released");
+    if (g.is_none())
+        throw std::runtime_error("a function of the user was called after its system was released");
     return g;
 }
 
@@ -95,8 +96,8 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
         nb::gil_scoped_acquire gil;
         const std::size_t shape[3] = {n, nl, nl};
         alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
-          own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
-          view(a.energy, n, nb::none()), view(a.work, n, nb::none()));
+                 own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
+                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()));
     };
 }
 
@@ -113,16 +114,16 @@ static void bind_terms(nb::module_& m) {
                 const Doubles& quad_coef, const Ints& lin, const Doubles& lin_coef, const Ints& index,
                 const Doubles& weight, const Doubles& y_const, const Doubles& e_const, const Doubles& par,
                 const Ints& signal) {
-                 new (t) StrainTerm(shape_of(counts[0], counts[1], counts[2], counts[3], counts[4], forms, quad,
-                                             quad_coef, lin, lin_coef),
-                                    static_cast<int>(index.shape(1)), index.data(), weight.data(),
-                                    y_const.data(), e_const.data(), par.data(),
-                                    static_cast<int>(par.shape(0)), signal.data());
+                 new (t)
+                     StrainTerm(shape_of(counts[0], counts[1], counts[2], counts[3], counts[4], forms, quad,
+                                         quad_coef, lin, lin_coef),
+                                static_cast<int>(index.shape(1)), index.data(), weight.data(), y_const.data(),
+                                e_const.data(), par.data(), static_cast<int>(par.shape(0)), signal.data());
              })
         .def("set_callback", [](StrainTerm& t, nb::object f) { t.set_callback(law_callback(f)); });
     nb::class_<InertiaTerm, Term>(m, "InertiaTerm")
-        .def("__init__", [](InertiaTerm* t, int order, int n_nodes, int dim, const Ints& pair, const Doubles& mass,
-                            const Ints& index, const Ints& is_position) {
+        .def("__init__", [](InertiaTerm* t, int order, int n_nodes, int dim, const Ints& pair,
+                            const Doubles& mass, const Ints& index, const Ints& is_position) {
             new (t) InertiaTerm(order, n_nodes, dim, static_cast<int>(index.shape(1)), vector_of<int>(pair),
                                 mass.data(), index.data(), flags_of(is_position));
         });
@@ -179,33 +180,38 @@ static Blocks blocks_of(const Ints& block, const Ints& stage, const Ints& multip
     return b;
 }
 
-#define VISVIVA_STATE(name) \
-    .def_prop_ro(#name, [](nb::handle self) { \
-        auto& s = nb::cast<System&>(self); \
+#define VISVIVA_STATE(name)                                                \
+    .def_prop_ro(#name, [](nb::handle self) {                              \
+        auto& s = nb::cast<System&>(self);                                 \
         return view(s.name.data(), static_cast<std::size_t>(s.n()), self); \
     })
-#define VISVIVA_SUM(name) \
-    .def_prop_ro(#name, [](nb::handle self) { \
-        auto& s = nb::cast<System&>(self); \
+#define VISVIVA_SUM(name)                                          \
+    .def_prop_ro(#name, [](nb::handle self) {                      \
+        auto& s = nb::cast<System&>(self);                         \
         return view(s.sums.name.data(), s.sums.name.size(), self); \
     })
 
 static void bind_system(nb::module_& m) {
     nb::class_<System>(m, "System")
-        .def("__init__", [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
-            new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale));
-        })
+        .def("__init__",
+             [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
+                 new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale));
+             })
         .def("add", &System::add)
         .def("set_accounts", &System::set_accounts)
-        .def("set_blocks", [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier,
-                              const Ints& rigid) { s.set_blocks(blocks_of(block, stage, multiplier, rigid)); })
+        .def("set_blocks",
+             [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
+                 s.set_blocks(blocks_of(block, stage, multiplier, rigid));
+             })
         .def("finalize", &System::finalize)
-        .def("use_solver", [](System& s, bool null_space, double regularization) {
-            auto solver = null_space ? make_null_space() : make_sparse_lu();
-            solver->regularization = regularization;
-            s.set_solver(std::move(solver));
-        })
-        .def_prop_ro("solver", [](const System& s) { return std::string(s.solver() ? s.solver()->name() : ""); })
+        .def("use_solver",
+             [](System& s, bool null_space, double regularization) {
+                 auto solver = null_space ? make_null_space() : make_sparse_lu();
+                 solver->regularization = regularization;
+                 s.set_solver(std::move(solver));
+             })
+        .def_prop_ro("solver",
+                     [](const System& s) { return std::string(s.solver() ? s.solver()->name() : ""); })
         .def("solve",
              [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
                 double keep_factor) {
@@ -225,6 +231,8 @@ static void bind_system(nb::module_& m) {
                  nb::capsule owner(m, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
                  return nb::ndarray<nb::numpy, double, nb::ndim<1>>(m->data(), {m->size()}, owner);
              })
+        .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
+                                  bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
         .def("touch", &System::touch)
         .def("take_stock",
@@ -232,12 +240,14 @@ static void bind_system(nb::module_& m) {
                  nb::gil_scoped_release release;
                  s.take_stock(step, signals_of(signals));
              })
-        .def("assemble",
-             [](System& s, const Step& step, const Doubles& signals, Array residual, nb::object values) {
-                 double* k = values.is_none() ? nullptr : nb::cast<Array>(values).data();
-                 nb::gil_scoped_release release;
-                 s.assemble(step, signals_of(signals), residual.data(), k);
-             }, nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
+        .def(
+            "assemble",
+            [](System& s, const Step& step, const Doubles& signals, Array residual, nb::object values) {
+                double* k = values.is_none() ? nullptr : nb::cast<Array>(values).data();
+                nb::gil_scoped_release release;
+                s.assemble(step, signals_of(signals), residual.data(), k);
+            },
+            nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
         .def_prop_ro("csr",
                      [](const System& s) {
                          const Csr& c = s.csr();

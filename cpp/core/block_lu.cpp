@@ -1,6 +1,8 @@
 #include "block_lu.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <queue>
@@ -147,7 +149,7 @@ void BlockLU::lay_out(const std::vector<std::vector<int>>& coupled, const std::v
         }
         coupled_start_.push_back(static_cast<int>(coupled_.size()));
         const int r = static_cast<int>(rows_.size()) - rows;
-        pivots_.push_back({data, n, r, offset_[block], rows, 0, 0, block});
+        pivots_.push_back({data, n, r, offset_[block], rows, 0, 0, block, 0});
         data += static_cast<std::ptrdiff_t>(n) * (n + r);
         widest = std::max<std::ptrdiff_t>(widest, r);
     }
@@ -205,8 +207,50 @@ LuBlock BlockLU::block(int i, int j) {
 }
 
 bool BlockLU::factor(double regularization) {
+    gauges_.clear();
     singular_ = lu_kernels().factor(view(), regularization);
     return singular_ < 0;
+}
+
+void BlockLU::find_dependent(bool on) {
+    for (LuPivot& p : pivots_) {
+        const double* flag = multiplier_.data() + p.x;
+        p.dependent = on && std::any_of(flag, flag + p.n, [](double f) { return f != 0; }) ? -1 : 0;
+    }
+}
+
+int BlockLU::n_dependent() const {
+    int n = 0;
+    for (const LuPivot& p : pivots_) n += std::max(p.dependent, 0);
+    return n;
+}
+
+// The Schur complement of a block has lost rank where its rows follow from what is eliminated before. Its
+// smallest singular values are then replaced by the largest one, in units in which the elimination
+// contributions are one.
+void BlockLU::repair(LuPivot& pivot) {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    using Strided = Eigen::Map<Matrix, 0, Eigen::OuterStride<>>;
+    constexpr double lost = 1e-8;
+    const int n = pivot.n;
+    Strided block(upper_.data() + pivot.data, n, n, Eigen::OuterStride<>(n + pivot.r));
+    Eigen::VectorXd unit(n);
+    for (int i = 0; i < n; ++i) {
+        const double size = std::max(scale_[pivot.x + i], block.row(i).cwiseAbs().maxCoeff());
+        unit[i] = size > 0 ? std::sqrt(size) : 1.0;
+    }
+    const Matrix scaled = unit.cwiseInverse().asDiagonal() * block * unit.cwiseInverse().asDiagonal();
+    const Eigen::JacobiSVD<Matrix> svd(scaled, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const auto& s = svd.singularValues();
+    if (pivot.dependent < 0)
+        pivot.dependent =
+            static_cast<int>(std::count_if(s.begin(), s.end(), [&](double v) { return v < lost * s[0]; }));
+    for (int k = n - pivot.dependent; k < n; ++k) {
+        const Eigen::VectorXd row = (s[0] - s[k]) * unit.cwiseProduct(svd.matrixU().col(k));
+        const Eigen::VectorXd column = unit.cwiseProduct(svd.matrixV().col(k));
+        block += row * column.transpose();
+        gauges_.push_back({pivot.x, n, {row.begin(), row.end()}, {column.begin(), column.end()}});
+    }
 }
 
 void BlockLU::solve(double* x) const { lu_kernels().solve(view(), x); }
@@ -225,7 +269,12 @@ LuView BlockLU::view() const {
             writable(lower_),
             writable(scale_),
             writable(scratch_),
-            line_};
+            line_,
+            [](void* owner, int pivot) {
+                auto* self = static_cast<BlockLU*>(owner);
+                self->repair(self->pivots_[pivot]);
+            },
+            const_cast<BlockLU*>(this)};
 }
 
 int BlockLU::n() const { return offset_.empty() ? 0 : offset_.back(); }

@@ -38,6 +38,7 @@ struct LuPivot {
     int rows;                // first of its r entries in LuView::rows
     int target, target_end;  // in LuView::targets
     int block;               // the caller's number
+    int dependent;           // rows that follow from others; -1: to be found out
 };
 
 /// Everything the kernels touch, as plain data.
@@ -53,6 +54,14 @@ struct LuView {
     double* scale;    // per unknown: sum of the absolute elimination contributions to its diagonal entry
     double* scratch;  // 2 * lu_max_block lines of `line` numbers
     std::ptrdiff_t line;
+    void (*repair)(void* owner, int pivot);  // called before a pivot with dependent rows is factorised
+    void* owner;
+};
+
+/// What `BlockLU` did to a block with dependent rows: it added the outer product of `row` and `column`.
+struct LuGauge {
+    int x, n;  // first unknown and size of the block
+    std::vector<double> row, column;
 };
 
 /// Kernels compiled for one instruction set; `factor` returns -1 or the caller's number of a singular block.
@@ -102,6 +111,15 @@ class BlockLU {
     /// subtracted from the diagonal entry of each multiplier, which makes redundant constraints solvable.
     bool factor(double regularization);
 
+    /// Finds out in the next factorisation how many rows of each block with multipliers follow from the rest
+    /// of the matrix; later factorisations make that many rows independent. Without `on` none are.
+    void find_dependent(bool on);
+    int n_dependent() const;  ///< Dependent rows of all blocks.
+
+    /// What the last factorisation added to the matrix. The solution is then one of the singular system, if
+    /// the right-hand side lets the added part vanish.
+    const std::vector<LuGauge>& gauges() const { return gauges_; }
+
     /// Replaces the right-hand side by the solution; allowed after a successful `factor`.
     void solve(double* x) const;
 
@@ -113,6 +131,7 @@ class BlockLU {
 
   private:
     LuView view() const;
+    void repair(LuPivot& pivot);
     void lay_out(const std::vector<std::vector<int>>& coupled, const std::vector<int>& sizes);
     void connect(int pivot, const std::vector<std::vector<int>>& coupled, const std::vector<int>& sizes);
 
@@ -124,6 +143,7 @@ class BlockLU {
     std::vector<int> rows_;
     std::vector<double> multiplier_;
     std::vector<double> upper_, lower_, scale_, scratch_;
+    std::vector<LuGauge> gauges_;
     std::ptrdiff_t line_ = 0;
     int singular_ = -1;
 };

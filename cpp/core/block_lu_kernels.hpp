@@ -385,8 +385,10 @@ namespace visviva::VISVIVA_ISA {
 /// Factorises in place; returns -1, or the caller's number of the block that is singular.
 inline int lu_factor(const LuView& view, double regularization) {
     for (int i = 0; i < view.n; ++i) view.scale[i] = 0.0;
-    for (int k = 0; k < view.n_pivots; ++k)
+    for (int k = 0; k < view.n_pivots; ++k) {
+        if (view.pivots[k].dependent != 0) view.repair(view.owner, k);
         if (!block_lu::eliminate_any(view, view.pivots[k], regularization)) return view.pivots[k].block;
+    }
     return -1;
 }
 

@@ -46,6 +46,10 @@ class LinearSolver {
     virtual void solve(const double* r, const Place& place, double* d) = 0;
     // After a failed factorisation: one unknown of the singular part, or -1.
     virtual int singular_unknown() const { return -1; }
+    // Redundant constraints: `on`, the next factorisation finds out where they are, to be handled from then
+    // on.
+    virtual void find_redundant(bool /*on*/) {}
+    virtual int n_redundant() const { return 0; }
     virtual const char* name() const = 0;
     double regularization = 0;
 };

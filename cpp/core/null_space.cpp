@@ -1,7 +1,7 @@
-// The discrete null-space reduction of rigid bodies [2]: rows premultiplied by P(q_g)^T, increments P(q1) u with
-// P = {phi' = v, d_i' = w x d_i}, so that the 18 unknowns of a body (12 coordinates, 6 multipliers) become 6. The
-// directors move by d_i <- R d_i, which keeps them orthonormal. What remains is solved by block elimination.
-// The solution of a step is the one of the full system; only the way to it differs.
+// The discrete null-space reduction of rigid bodies [2]: rows premultiplied by P(q_g)^T, increments P(q1) u
+// with P = {phi' = v, d_i' = w x d_i}, so that the 18 unknowns of a body (12 coordinates, 6 multipliers)
+// become 6. The directors move by d_i <- R d_i, which keeps them orthonormal. What remains is solved by block
+// elimination. The solution of a step is the one of the full system; only the way to it differs.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -38,7 +38,8 @@ Directors gather(const RigidUnknowns& body, const Place& place) {
     return f;
 }
 
-// One Newton-Schulz sweep towards the nearest orthonormal frame: d <- d (I - (d^T d - I) / 2); returns the defect.
+// One Newton-Schulz sweep towards the nearest orthonormal frame: d <- d (I - (d^T d - I) / 2); returns the
+// defect.
 double orthonormalise(const Directors& f, double* change) {
     double e[3][3], largest = 0;
     for (int i = 0; i < 3; ++i)
@@ -90,11 +91,14 @@ class NullSpace : public LinearSolver {
         for (Group& g : groups_) g.target = lu_.block(g.i, g.j);
         right_.resize(lu_.n());
         plain_.clear(), reduced_.clear();
+        unknown_at_.assign(lu_.n(), 0);
+        is_multiplier_ = blocks.multiplier;
         for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
             if (rigid_of_[b] >= 0) reduced_.push_back({lu_.offset(b), rigid_of_[b]});
             for (int k = 0; rigid_of_[b] < 0 && k < size_[b]; ++k)
                 plain_.push_back({lu_.offset(b) + k, members_[b][k]});
         }
+        for (const auto& [at, unknown] : plain_) unknown_at_[at] = unknown;
     }
 
     void project(const double* x0, double* dx) override {
@@ -118,7 +122,8 @@ class NullSpace : public LinearSolver {
             big_.assign(static_cast<std::size_t>(rows) * cols, 0.0);
             double* a = rows * cols <= 144 ? f : big_.data();
             std::fill(a, a + rows * cols, 0.0);
-            for (int k = g.begin; k < g.end; ++k) a[entries_[k].i * cols + entries_[k].j] += values[entries_[k].at];
+            for (int k = g.begin; k < g.end; ++k)
+                a[entries_[k].i * cols + entries_[k].j] += values[entries_[k].at];
             add_block(g, a, place);
         }
         return lu_.factor(regularization);
@@ -128,10 +133,14 @@ class NullSpace : public LinearSolver {
         double* s = right_.data();
         for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
         for (const auto& [at, body] : reduced_) gather_force(rigid_[body], r, place, s + at);
+        for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
         lu_.solve(s);
         for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
         for (const auto& [at, body] : reduced_) expand(rigid_[body], s + at, r, place, d);
     }
+
+    void find_redundant(bool on) override { lu_.find_dependent(on); }
+    int n_redundant() const override { return lu_.n_dependent(); }
 
     int singular_unknown() const override {
         const int b = lu_.singular_block();
@@ -149,6 +158,17 @@ class NullSpace : public LinearSolver {
         int i, j;
         std::int64_t at;
     };
+
+    // Multipliers that have no effect go to zero: the gauge g.row g.column^T acts on them, not on their
+    // increment.
+    void apply(const LuGauge& g, const Place& place, double* s) const {
+        double effect = 0;
+        for (int k = 0; k < g.n; ++k) {
+            const int u = unknown_at_[g.x + k];
+            if (is_multiplier_[u]) effect += g.column[k] * place.x1[u];
+        }
+        for (int k = 0; k < g.n; ++k) s[g.x + k] -= effect * g.row[k];
+    }
 
     void number_unknowns(const Blocks& blocks) {
         const int n_blocks = static_cast<int>(blocks.stage.size());
@@ -237,7 +257,8 @@ class NullSpace : public LinearSolver {
     }
 
     // From the six reduced increments to the body's 18 unknowns.
-    static void expand(const RigidUnknowns& body, const double* s, const double* r, const Place& place, double* d) {
+    static void expand(const RigidUnknowns& body, const double* s, const double* r, const Place& place,
+                       double* d) {
         for (int c = 0; c < 3; ++c) d[body.q[c]] = s[c];
         Directors f = gather(body, place.x1);
         double change[9], fix[9], g[9];
@@ -264,7 +285,8 @@ class NullSpace : public LinearSolver {
     BlockLU lu_;
     std::vector<RigidUnknowns> rigid_;
     std::vector<int> block_, local_, size_, full_, rigid_of_;
-    std::vector<char> multiplier_;
+    std::vector<char> multiplier_, is_multiplier_;
+    std::vector<int> unknown_at_;
     std::vector<std::vector<int>> members_;
     std::vector<Group> groups_;
     std::vector<Entry> entries_;

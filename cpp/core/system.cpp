@@ -109,8 +109,8 @@ void System::angular_velocity(const RigidUnknowns& body, double* spin) const {
     }
 }
 
-// Directors turn by the Cayley rotation of the extrapolated angular velocity: what a steadily spinning body does
-// under the midpoint rule at any step length.
+// Directors turn by the Cayley rotation of the extrapolated angular velocity: what a steadily spinning body
+// does under the midpoint rule at any step length.
 void System::predict_rotations(double h) {
     for (std::size_t b = 0; b < blocks_.rigid.size(); ++b) {
         const RigidUnknowns& body = blocks_.rigid[b];
@@ -182,7 +182,8 @@ bool System::refactor(const Context& c, const Step& step) {
     for (const auto& term : terms_) term->tangent(c, values_.data());
     factored_ = step;
     factored_state_.clear();
-    for (const auto* u : {&x, &dx, &v, &a, &w}) factored_state_.insert(factored_state_.end(), u->begin(), u->end());
+    for (const auto* u : {&x, &dx, &v, &a, &w})
+        factored_state_.insert(factored_state_.end(), u->begin(), u->end());
     factored_signals_.clear();
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
         factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
@@ -241,8 +242,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
-        // What remains: Newton's quadratic convergence where the tangent is new in every iteration, otherwise the
-        // slowest contraction seen in this step (in the last step, before there is one).
+        // What remains: Newton's quadratic convergence where the tangent is new in every iteration, otherwise
+        // the slowest contraction seen in this step (in the last step, before there is one).
         const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : std::max(contraction_, 1e-3);
         if (k > 0) contraction_ = k == 1 ? rho : std::max(rho, contraction_);
         const double slowest = std::max(rho, contraction_);
@@ -262,7 +263,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
 }
 
 void System::clear_sums() {
-    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect}) std::fill(s->begin(), s->end(), 0.0);
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect})
+        std::fill(s->begin(), s->end(), 0.0);
 }
 
 void System::book(const Context& c, const double* v1) {
@@ -292,7 +294,8 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     if (ledger) book(context, v_next_.data());
     for (const auto& term : terms_) term->accept(context);
     std::copy(v.begin(), v.end(), v_last_.begin());
-    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b) angular_velocity(blocks_.rigid[b], &spin_last_[3 * b]);
+    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b)
+        angular_velocity(blocks_.rigid[b], &spin_last_[3 * b]);
     h_last_ = step.h;
     std::copy(v_next_.begin(), v_next_.end(), v.begin());
     std::copy(a_next_.begin(), a_next_.end(), a.begin());
@@ -312,12 +315,14 @@ void System::take_stock(const Step& step, const Signals& signals) {
 }
 
 std::vector<double> System::memory() const {
-    std::vector<double> m = {h_last_, contraction_, static_cast<double>(iterations_last_), stale_factor_ ? 1.0 : 0.0};
+    std::vector<double> m = {h_last_, contraction_, static_cast<double>(iterations_last_),
+                             stale_factor_ ? 1.0 : 0.0};
     m.insert(m.end(), v_last_.begin(), v_last_.end());
     m.insert(m.end(), spin_last_.begin(), spin_last_.end());
     if (stale_factor_) return m;
     const Step& s = factored_;
-    for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)}) m.push_back(value);
+    for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
+        m.push_back(value);
     m.insert(m.end(), &s.motion[0][0], &s.motion[0][0] + 20);
     m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
     m.insert(m.end(), factored_state_.begin(), factored_state_.end());
@@ -358,6 +363,16 @@ void System::remember(const std::vector<double>& memory) {
     }
     stale_begin_ = true;
     h_last_ = h_last, contraction_ = contraction, iterations_last_ = iterations_last;
+}
+
+int System::find_redundant(const Step& step, const Signals& signals, bool on) {
+    solver_->find_redundant(on);
+    stale_factor_ = true;
+    if (!on) return 0;
+    std::vector<double> residual(n_);
+    assemble(step, signals, residual.data(), nullptr);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {

@@ -55,6 +55,10 @@ class System {
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
+    // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how many
+    // it found (0 from solvers that cannot). Without `on` it forgets them.
+    int find_redundant(const Step& step, const Signals& signals, bool on);
+
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }

@@ -15,6 +15,7 @@ from visviva.consistency import (
     COMPLIANCE,
     Correction,
     Instant,
+    descend,
     instant,
     project_positions,
     project_velocities,
@@ -155,6 +156,8 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
         at = Instant(system)
     at.factor()
     null = at.redundancies()
+    if null.shape[1] > 0:
+        settle(system, at)
     velocities = project_velocities(system, at) if repair else told(rate_violation(system, at))
     report = CheckReport(
         n_components=len(system.components),
@@ -208,6 +211,26 @@ def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
         which = f"{f.name}[{int(at.multipliers[k]) - f.start}]"
         found.append(Redundancy(f.component.label, which, list(dict.fromkeys(loop))))
     return found
+
+
+def settle(system: System, at: Instant) -> None:
+    """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as well.
+
+    In a singular configuration (bars in one line) constraints depend on each other for an instant only and have to
+    be kept; where they depend on each other all along, the solver leaves the multipliers out that have no effect.
+    """
+    x, random = system.x.copy(), np.random.default_rng(2)
+    way, _ = at.solve(at.M @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
+    system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
+    system.x[at.multipliers] = 0.0
+    if descend(system, damped=False) <= 1e-11:
+        near = Instant(system)
+        near.factor()
+        step = instant(system.time, leading=1.0)
+        lasting = near.redundancies().shape[1]
+        if system.core.find_redundant(step, system.signals(step), True) != lasting:
+            system.core.find_redundant(step, system.signals(step), False)
+    system.x[:] = x
 
 
 # --- coordinates that nothing holds -----------------------------------------------------------------------------
@@ -279,5 +302,3 @@ def name(system: System, unknown: int) -> str:
     component, field_name = system.describe(unknown)
     return f"{field_name} of {component}"
 
-
-__all__ = ["CheckReport", "Redundancy", "TangentError", "check", "compare_tangent", "instant"]
