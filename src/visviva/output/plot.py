@@ -36,7 +36,7 @@ def energy_plot(
     png: str | Path,
     *,
     energies: Sequence[str] | None = None,
-    error: str = "closing_error",
+    error: str = "imbalance",
     probes: str | Path | Columns | None = None,
     shown: Sequence[str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -51,10 +51,10 @@ def energy_plot(
     png
         File to write.
     energies
-        Columns for the upper panel, in J; if not given, those called ``kinetic``, ``potential…`` and
-        ``total``. The last one called ``total`` is drawn as the sum, in ink.
+        Columns for the upper panel, in J; if not given, ``kinetic``, all whose names begin with
+        ``potential``, and ``total``, which is drawn as the sum of the others.
     error
-        Column with the error of the balance since the start, in J; the panel shows its magnitude over
+        Column with the closing error of the balance since the start, in J; the panel shows its magnitude over
         the largest magnitude of the plotted energies. Left out where there is no such column.
     probes
         A ``probes.csv`` or columns for further panels.
