@@ -1,1 +1,1 @@
-"""Four tiny instances of what the concepts must carry besides rigid bodies: solid, heat, fluid, immersed solid."""
+"""Tiny instances of what the concepts carry besides rigid bodies: solid, heat, fluid, immersed solid."""

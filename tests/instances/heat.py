@@ -1,4 +1,4 @@
-"""Heat conduction in a bar: transport (order 1) with exchange at one end and a fixed temperature at the other."""
+"""Heat conduction in a bar: transport (order 1) with exchange at one end."""
 
 from __future__ import annotations
 
@@ -64,12 +64,9 @@ class Bar(Component):
     temperatures: Any = (1.0, 3.0, -1.0, 0.5, 2.0)
     exchange: Number = 0.7
     outside: Number = 0.2
-    cold_end: bool = False
 
     def declare(self, model: Model) -> None:
-        n = len(self.temperatures)
-        held = (np.arange(n) == n - 1) & self.cold_end
-        self.heat = model.field(self, "temperature", self.temperatures, order=1, fixed=held)
+        self.heat = model.field(self, "temperature", self.temperatures, order=1)
 
     def contribute(self, model: Model) -> None:
         nodes = np.arange(self.heat.start, self.heat.start + self.heat.size, dtype=np.int32)

@@ -1,7 +1,7 @@
 """A solid tetrahedron that moves with the velocities of a background brick: the immersed idea.
 
-The unknowns are background velocities (order 1). The solid has none: its nodes are the term's history and move by
-``x1 = x0 + h I v``, with the interpolation ``I`` taken where the nodes are at the start of the step.
+The unknowns are background velocities (order 1). The solid has none: its nodes are the term's history and
+move by ``x1 = x0 + h I v``, with the interpolation ``I`` taken where the nodes are at the start of the step.
 """
 
 from __future__ import annotations

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CORNERS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
+    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+    dtype=float,
 )
 
 
@@ -34,13 +35,19 @@ def gauss(n: int, dimension: int) -> tuple[Array, Array]:
     """Points (n^d, d) and weights (n^d,) on the cube from -1 to 1."""
     x, w = np.polynomial.legendre.leggauss(n)
     points = np.stack(np.meshgrid(*[x] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
-    weights = np.stack(np.meshgrid(*[w] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension).prod(axis=1)
+    weights = (
+        np.stack(np.meshgrid(*[w] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension).prod(axis=1)
+    )
     return points, weights
 
 
 def neo_hooke(C: Array) -> Array:
-    """Energy ``(tr C - 3 - 2 ln J)/2 + (ln J)^2/2`` of ``C`` as (C11, C22, C33, C12, C23, C31), mu = lambda = 1."""
-    det = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5]) + C[5] * (C[3] * C[4] - C[1] * C[5])
+    """``(tr C - 3 - 2 ln J)/2 + (ln J)^2/2`` of (C11, C22, C33, C12, C23, C31); both Lame constants are 1."""
+    det = (
+        C[0] * (C[1] * C[2] - C[4] ** 2)
+        - C[3] * (C[3] * C[2] - C[4] * C[5])
+        + C[5] * (C[3] * C[4] - C[1] * C[5])
+    )
     log_j = 0.5 * np.log(det)
     energy: Array = 0.5 * (C[0] + C[1] + C[2] - 3 - 2 * log_j) + 0.5 * log_j**2
     return energy

@@ -1,0 +1,112 @@
+"""Nothing depends on where the observer stands: turned and shifted systems move turned and shifted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from catalogue import Components, body, pair, turned
+from instances.solid import Brick
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+R = turned(7)
+SHIFT = np.array([0.4, -1.1, 0.7])
+
+
+def pendulum(rotation: Array, shift: Array) -> Components:
+    """Two bodies on a hinge with angle, spring and damper, on a ball joint to the ground, with gravity."""
+
+    def placed(seed: int, position: Array) -> vv.RigidBody:
+        b = body(seed)
+        return vv.RigidBody(
+            mass=b.mass,
+            inertia=b.inertia,
+            centre=b.centre,
+            position=rotation @ position + shift,
+            rotation=rotation @ b.rotation,
+            velocity=rotation @ np.cross(b.angular_velocity, position),
+            angular_velocity=rotation @ b.angular_velocity,
+        )
+
+    ground, one, two = vv.Ground(), placed(1, np.array([0.5, 0, 0])), placed(1, np.array([1.5, 0, 0]))
+    hang = vv.Spherical(a=ground, b=one, at=shift)
+    place, axis, first = rotation @ [1.0, 0, 0] + shift, rotation @ [0.1, 1.0, 0], rotation @ [1.0, 0, 0]
+    hinge = vv.Revolute(a=one, b=two, at=place, axis=axis, first=first)
+    on = [vv.JointSpring(joint=hinge, stiffness=3.0), vv.JointDamper(joint=hinge, damping=0.2)]
+    spring = vv.Spring(a=ground.point(rotation @ [2.0, 1.0, 1.0] + shift), b=two.point(), stiffness=5.0)
+    gravity = vv.Gravity(acceleration=rotation @ [0, 0, -9.81])
+    return [ground, one, two, hang, hinge, *on, spring, gravity]
+
+
+def positions(components: Components, steps: int, scheme: vv.Scheme) -> Array:
+    """Origins of the bodies and the hinge's angle after some steps."""
+    system = vv.System(components, vv.Newton(tolerance=1e-16))
+    vv.simulate(system, until=steps * 0.02, step=0.02, scheme=scheme)
+    bodies = [c for c in components if isinstance(c, vv.RigidBody)]
+    return np.array([system.value(b.point().position) for b in bodies])
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.GeneralizedAlpha(0.8)], ids=str)
+def test_motion_is_objective(scheme: vv.Scheme) -> None:
+    here = positions(pendulum(np.eye(3), np.zeros(3)), 50, scheme)
+    there = positions(pendulum(R, SHIFT), 50, scheme)
+    assert np.abs(here @ R.T + SHIFT - there).max() < 1e-11
+
+
+def energy(system: vv.System) -> float:
+    system.take_stock()
+    return float(system.core.energy.sum())
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: [Brick(speed=0.0)],
+        lambda: pair(vv.Revolute, lambda j: vv.JointSpring(joint=j, stiffness=9.0)),
+        lambda: [
+            a := body(1),
+            b := body(2),
+            vv.Spring(a=a.point(), b=b.point((0.1, 0.9, 0)), stiffness=30.0),
+        ],
+    ],
+    ids=["brick", "torsion spring", "spring"],
+)
+def test_energy_is_frame_indifferent(build: Callable[[], Components]) -> None:
+    """Rigid motions of a deformed state cost nothing."""
+    system = vv.System(build())
+    vectors = system.order == 2
+    angles = [f for f in system.model.fields if f.name in ("angle", "stroke")]
+    for f in angles:
+        vectors[f.start : f.start + f.size] = False
+    rng = np.random.default_rng(3)
+    x, v = system.x, system.v
+    x[vectors] += 0.1 * rng.standard_normal(int(vectors.sum()))
+    for f in angles:
+        x[f.start] += 0.3
+    v[:] = 0.0
+    system.touch()
+    before = energy(system)
+    x[vectors] = (x[vectors].reshape(-1, 3) @ R.T).ravel()
+    system.touch()
+    assert before > 0
+    assert energy(system) == pytest.approx(before, rel=1e-13)
+
+
+def test_constraints_are_frame_indifferent() -> None:
+    """A rigid motion of two free bodies with a joint violates no constraint."""
+    for joint in (vv.Spherical, vv.Revolute, vv.Prismatic, vv.Cylindrical, vv.Planar, vv.Universal, vv.Rigid):
+        system = vv.System(pair(joint), vv.Newton(tolerance=1e-16))
+        vv.simulate(system, until=0.2, step=0.02)
+        vectors = system.order == 2
+        x = system.x[vectors].reshape(-1, 3) @ R.T
+        position = np.zeros(len(x), dtype=bool)
+        position[[0, 4]] = True
+        system.x[vectors] = (x + np.where(position[:, None], SHIFT, 0.0)).ravel()
+        system.touch()
+        system.take_stock()
+        assert system.core.defect[::2].max() < 1e-14, joint.__name__
