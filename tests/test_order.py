@@ -80,7 +80,9 @@ def slope(coarse: Array, fine: Array, exact: Array) -> float:
     return float(np.log2(np.abs(coarse - exact).max() / np.abs(fine - exact).max()))
 
 
-@pytest.mark.parametrize(("make", "until"), [(top, 0.25), (hinge, 0.25), (bar, 0.1)], ids=["top", "hinge", "bar"])
+@pytest.mark.parametrize(
+    ("make", "until"), [(top, 0.25), (hinge, 0.25), (bar, 0.1)], ids=["top", "hinge", "bar"]
+)
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_declared_order(scheme: vv.Scheme, make: Callable[[], vv.System], until: float) -> None:
     coarse, fine = (end_state(make, scheme, n, until) for n in STEPS)
