@@ -56,7 +56,7 @@ def tangent_error(system, scheme=None, h=0.01):
     return worst / scale
 
 
-# --- functions of time --------------------------------------------------------------------------------------------
+# --- functions of time --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_time_function_that_cannot_be_evaluated_says_when():
         vv.TimeFunction("1/t")(0)
 
 
-# --- forces -------------------------------------------------------------------------------------------------------
+# --- forces -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
@@ -162,12 +162,14 @@ def test_follower_force_is_a_rocket_on_a_circle():
         v = result.rates[-1][:3]
         errors.append(np.linalg.norm(v - thrust / (2.0 * w) * np.array([np.sin(w), 1 - np.cos(w), 0])))
         assert result.conservation()["energy"] < 1e-12
-        assert np.ptp(result.ledger["angular_z"] - 0) < 0.5 * thrust  # lever of the centre about the origin only
+        assert (
+            np.ptp(result.ledger["angular_z"] - 0) < 0.5 * thrust
+        )  # lever of the centre about the origin only
     assert errors[1] < 1e-3
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
 
 
-# --- torques ------------------------------------------------------------------------------------------------------
+# --- torques ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
@@ -219,7 +221,7 @@ def test_torque_pair_conserves_angular_momentum(carried):
     assert np.abs(result.ledger["work_torque"]).max() > 0.1
 
 
-# --- springs and dampers ------------------------------------------------------------------------------------------
+# --- springs and dampers ------------------------------------------------------------------------------------
 
 # Reference and errors of the table: explicit solution of order 8 to 1e-13, schemes by an independent program.
 END = np.array([0.09991917576658, 1.07765681031737, 0.0])
@@ -281,7 +283,9 @@ def test_damped_oscillator_against_its_closed_form(law):
 
 def test_damper_between_free_bodies_conserves_momentum_and_loses_energy():
     a, b = tumbling("a", (1, 0, 0), (1, 2, 3)), tumbling("b", (-1, 0.5, 0), (-2, 0, 1))
-    damper = vv.Damper(a=a, b=b, at_a=(0.5, 0, 0), at_b=(-0.5, 0.5, 0.1), force=lambda l, rate: rate * abs(rate))
+    damper = vv.Damper(
+        a=a, b=b, at_a=(0.5, 0, 0), at_b=(-0.5, 0.5, 0.1), force=lambda l, rate: rate * abs(rate)
+    )
     result = run([a, b, damper])
     drift = result.conservation()
     assert max(v for k, v in drift.items() if "momentum" in k or "angular" in k) < 1e-12
@@ -289,13 +293,18 @@ def test_damper_between_free_bodies_conserves_momentum_and_loses_energy():
     assert result.ledger["total"][-1] < result.ledger["total"][0] - 0.1
 
 
-# --- bushings -----------------------------------------------------------------------------------------------------
+# --- bushings -----------------------------------------------------------------------------------------------
 
 
 def bushing(a, b, **more):
     return vv.Bushing(
-        a=a, b=b, at=(0.3, 0.2, 0.1), axis=(1, 1, 0), stiffness=(100, 200, 300),
-        rotational_stiffness=(20, 30, 40), **more,
+        a=a,
+        b=b,
+        at=(0.3, 0.2, 0.1),
+        axis=(1, 1, 0),
+        stiffness=(100, 200, 300),
+        rotational_stiffness=(20, 30, 40),
+        **more,
     )
 
 
@@ -347,7 +356,7 @@ def test_torsion_spring_and_damper_on_a_joint_are_an_oscillator():
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
 
 
-# --- tangents and refusals ----------------------------------------------------------------------------------------
+# --- tangents and refusals ----------------------------------------------------------------------------------
 
 
 def pair_of_bodies():
@@ -355,7 +364,9 @@ def pair_of_bodies():
 
 
 LOADS = {
-    "force function": lambda a, b: vv.Force(on=a, at=(1, 0.2, 0), force=lambda t, x, v: -x * x * 5e3 - v * 100),
+    "force function": lambda a, b: vv.Force(
+        on=a, at=(1, 0.2, 0), force=lambda t, x, v: -x * x * 5e3 - v * 100
+    ),
     "follower force": lambda a, b: vv.FollowerForce(on=a, at=(1, 0.2, 0), force=(2e4, 1e4, 3e4)),
     "torque": lambda a, b: vv.Torque(on=a, torque=(2e4, 3e4, -1e4)),
     "follower torque": lambda a, b: vv.FollowerTorque(on=a, torque=(2e4, 3e4, -1e4)),

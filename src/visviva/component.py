@@ -14,6 +14,8 @@ from visviva.form import Vector
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.scheme import Scheme
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 
@@ -41,6 +43,9 @@ class Component:
 
     def contribute(self, model: Model) -> None:
         """Add the terms."""
+
+    def start(self, system: System, scheme: Scheme) -> None:
+        """Before the first step of a run with a scheme."""
 
     def weights(self) -> list[tuple[float, Vector]]:
         """Masses with the points they hang on: what uniform gravity acts upon."""

@@ -1,4 +1,4 @@
-"""Measures: what user components and servo constraints look at, each a few quadratic functions of the unknowns."""
+"""Measures: what user components and servo constraints look at, quadratic functions of the unknowns."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Custom(Measure):
 
 
 def measure_of(label: str, what: Any) -> Measure:
-    """A measure from itself, a joint (its coordinate), a component or point (its coordinates), or a function."""
+    """A measure from itself, a joint (its coordinate), a component or point (its three), or a function."""
     if isinstance(what, Measure):
         return what
     if isinstance(what, Joint):
@@ -123,7 +123,9 @@ def measure_of(label: str, what: Any) -> Measure:
 def measures_of(label: str, of: Sequence[Any]) -> list[Measure]:
     """One measure for each entry; at least one."""
     if not isinstance(of, list | tuple) or not of:
-        raise InputError(f"{label} needs a list of measures: points, joints, or e.g. vv.SquaredDistance(a=..., b=...)")
+        raise InputError(
+            f"{label} needs a list of measures: points, joints, or e.g. vv.SquaredDistance(a=..., b=...)"
+        )
     return [measure_of(label, what) for what in of]
 
 

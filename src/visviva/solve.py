@@ -69,6 +69,8 @@ def prepare(system: System, scheme: Scheme) -> None:
     """
     if system.report is None:
         system.report = check(system, tangents=False)
+    for component in system.components:
+        component.start(system, scheme)
     if scheme.needs_acceleration and not system.has_acceleration:
         initial_acceleration(system)
 

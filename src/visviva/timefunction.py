@@ -1,4 +1,4 @@
-"""Functions of time: numbers, expressions such as ``"2*sin(3*t)"``, tables and Python functions as one type."""
+"""Functions of time: numbers, expressions such as ``"2*sin(3*t)"``, tables, Python functions as one type."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import cmath
 import math
 import operator
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
@@ -31,7 +32,7 @@ NAMES = {"pi": math.pi}
 
 def _power(a: complex, b: complex) -> complex:
     whole = b.imag == 0 and b.real == round(b.real) and abs(b.real) < 100
-    return a ** (int(b.real) if whole else b)  # type: ignore[no-any-return]
+    return a ** (int(b.real) if whole else b)
 
 
 def _least(*values: complex) -> complex:
@@ -73,10 +74,10 @@ class TimeFunction:
     Parameters
     ----------
     source : float, str, list of [t, value], callable or TimeFunction
-        A constant; an expression in ``t`` of numbers, ``+ - * / **``, ``pi`` and sin, cos, tan, exp, log, sqrt,
-        sinh, cosh, tanh, asin, acos, atan, abs, min, max, ``step(x)`` (0 for x < 0, else 1) and
-        ``smoothstep(x)`` (0 to 1 over 0 < x < 1, twice continuously differentiable); a table, linear between its
-        points and constant outside; or a Python function of t.
+        A constant; an expression in ``t`` of numbers, ``+ - * / **``, ``pi`` and sin, cos, tan, exp, log,
+        sqrt, sinh, cosh, tanh, asin, acos, atan, abs, min, max, ``step(x)`` (0 for x < 0, else 1) and
+        ``smoothstep(x)`` (0 to 1 over 0 < x < 1, twice continuously differentiable); a table, linear between
+        its points and constant outside; or a Python function of t.
 
     Raises
     ------
@@ -120,12 +121,12 @@ class TimeFunction:
     def __hash__(self) -> int:
         return hash(repr(self.source))
 
-    # --- a Python function: rate by differences of fourth order ---------------------------------------------------
+    # --- a Python function: rate by differences of fourth order ---------------------------------------------
     def _difference(self, t: float) -> float:
         d, f = 2e-4 * max(1.0, abs(t)), self._value
         return float((8 * (f(t + d) - f(t - d)) - (f(t + 2 * d) - f(t - 2 * d))) / (12 * d))
 
-    # --- an expression: rate by a complex step, exact to round-off ------------------------------------------------
+    # --- an expression: rate by a complex step, exact to round-off ------------------------------------------
     def _evaluate(self, t: float) -> float:
         value = self._at(t)
         if abs(value.imag) > 1e-12 * abs(value.real):
@@ -141,7 +142,7 @@ class TimeFunction:
         except (ArithmeticError, ValueError) as error:
             raise InputError(f"{self.source!r} cannot be evaluated at t = {t.real:g}: {error}") from None
 
-    # --- a table --------------------------------------------------------------------------------------------------
+    # --- a table --------------------------------------------------------------------------------------------
     def _piece(self, t: float) -> tuple[float, float, float]:
         """Start, value and slope of the piece that ends at or contains `t`."""
         table: Any = self.source
@@ -185,7 +186,7 @@ def _table(source: Any) -> list[list[float]]:
         raise InputError(f"a table of a function of time has rows [t, value], not {source!r}") from None
     if not rows or not all(math.isfinite(x) for row in rows for x in row):
         raise InputError(f"a table of a function of time needs finite numbers, not {rows}")
-    for (t0, _), (t1, _) in zip(rows, rows[1:], strict=False):
+    for (t0, _), (t1, _) in pairwise(rows):
         if t1 <= t0:
             raise InputError(f"the times of a table must increase, but {t1:g} follows {t0:g}")
     return rows
@@ -221,7 +222,9 @@ def _build(node: ast.AST, text: str) -> Evaluator:
             return _call(name, args, text)
     used = ast.unparse(node)
     known = ", ".join(["t", *NAMES, *FUNCTIONS])
-    raise InputError(f"{used!r} in {text!r} is not understood; an expression may use numbers, + - * / **, {known}")
+    raise InputError(
+        f"{used!r} in {text!r} is not understood; an expression may use numbers, + - * / **, {known}"
+    )
 
 
 def _call(name: str, args: list[ast.expr], text: str) -> Evaluator:

@@ -1,9 +1,9 @@
 """Components of the user in Python: a force, an energy, a constraint, or a whole term.
 
 Each looks at measures: points (three coordinates each), joints (their coordinate), `SquaredDistance`,
-`DirectorProduct`, `Offset`, `Position`, or a function without arguments that returns forms and strains. Measures are
-at most quadratic in the unknowns, so the energy-momentum scheme conserves energy exactly for any function of them,
-and momentum and angular momentum where the measures do not change under rigid motions.
+`DirectorProduct`, `Offset`, `Position`, or a function without arguments that returns forms and strains.
+Measures are at most quadratic in the unknowns, so the energy-momentum scheme conserves energy exactly for any
+function of them, and momentum and angular momentum where the measures do not change under rigid motions.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class _OnMeasures(Component):
 class GeneralizedForce(_OnMeasures):
     """Force given as a function of time and state: ``force(t, e, rate)``, all but t of shape (n_e,).
 
-    `e` and `rate` are the measures and their rates at the evaluation point of the scheme; the result does work on
-    them: for points it is the force, for an angle the torque. Its work is booked as "user force".
+    `e` and `rate` are the measures and their rates at the evaluation point of the scheme; the result does
+    work on them: for points it is the force, for an angle the torque. Its work is booked as "user force".
 
     Examples
     --------
@@ -65,8 +65,8 @@ class GeneralizedForce(_OnMeasures):
 class Potential(_OnMeasures):
     """Potential given by its energy only: ``energy(e)`` maps measures (n_e, 1) to energies (1,).
 
-    Stress, tangent and discrete gradient follow by the complex step (differences where the function refuses complex
-    numbers).
+    Stress, tangent and discrete gradient follow by the complex step (differences where the function refuses
+    complex numbers).
 
     Examples
     --------
@@ -120,20 +120,20 @@ class Constraint(_OnMeasures):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class UserTerm(Component):
-    """A whole `Term`: its residual over a step, with or without tangent, on all coordinates of the components `on`.
+    """A whole `Term`: its residual over a step, with or without tangent, on all coordinates of components.
 
     Parameters
     ----------
     term : Term
-        Its `unknowns` (1, n_local) and `order` (n_local,) are set to the coordinates of `on`, in that order; for other
-        stencils or own fields write a `Component` with `declare` and `contribute`.
+        Its `unknowns` (1, n_local) and `order` (n_local,) are set to the coordinates of `on`, in that order;
+        for other stencils or own fields write a `Component` with `declare` and `contribute`.
     on : list of components
         Whose coordinates the term sees.
 
     Notes
     -----
-    A whole term sees rates and second rates at the evaluation point and both ends of the step, so it can hold any
-    discrete derivative. The system is solved by its sparse solver then.
+    A whole term sees rates and second rates at the evaluation point and both ends of the step, so it can hold
+    any discrete derivative. The system is solved by its sparse solver then.
 
     Examples
     --------
@@ -161,5 +161,3 @@ class UserTerm(Component):
             if type(self.term).__dict__.get(what) is not None:
                 setattr(self.term, what, guarded(self.label, what, getattr(self.term, what)))
         model.term(self, self.term)
-
-

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 class Bushing(Component):
     """Linear springs and dampers in three directions and about three axes of a frame on `a`.
 
-    Strains are ``d_i . p`` with the directors of `a` and the vector ``p`` from `a` to `b`, and the rotation measures
-    ``(d_k^a . d_j^b - d_j^a . d_k^b) / 2``, the sine of the angle for a rotation about one axis. Each has its own
-    energy ``stiffness/2 (e - e_initial)^2`` and is quadratic in the unknowns, so energy and momenta are conserved
-    exactly at any deformation. As a sine, a rotation measure has its largest torque at 90 degrees: a bushing is for
-    moderate angles.
+    Strains are ``d_i . p`` with the directors of `a` and the vector ``p`` from `a` to `b`, and the rotation
+    measures ``(d_k^a . d_j^b - d_j^a . d_k^b) / 2``, the sine of the angle for a rotation about one axis.
+    Each has its own energy ``stiffness/2 (e - e_initial)^2`` and is quadratic in the unknowns, so energy and
+    momenta are conserved exactly at any deformation. As a sine, a rotation measure has its largest torque at
+    90 degrees: a bushing is for moderate angles.
 
     Parameters
     ----------

@@ -45,7 +45,8 @@ class OnJoint(Component):
 class Motor(OnJoint):
     """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force.
 
-    `motion` is whatever `TimeFunction` takes: a number, an expression such as ``"2*pi*t"``, a table, a function.
+    `motion` is whatever `TimeFunction` takes: a number, an expression such as ``"2*pi*t"``, a table, a
+    function.
     """
 
     motion: OfTime

@@ -32,14 +32,14 @@ class Force(Component):
     at : array (3,)
         Where on the component, in the initial configuration; its own origin if not given.
     force : array (3,) or callable
-        Force in space; or ``f(t, x, v) -> (3,)`` of time, position (3,) and velocity (3,) of the point, taken at
-        the evaluation point of the scheme (the middle of the step for energy-momentum).
+        Force in space; or ``f(t, x, v) -> (3,)`` of time, position (3,) and velocity (3,) of the point, taken
+        at the evaluation point of the scheme (the middle of the step for energy-momentum).
     times : number, expression, table or callable
         Factor as a function of time, see `TimeFunction`.
 
     Notes
     -----
-    The scheme's conservation is untouched: the ledger books ``force . dx`` as work "force" and closes to round-off.
+    The ledger books ``force . dx`` as work "force", so the balance closes to round-off.
     A function costs about 10 microseconds per call and needs no derivatives.
 
     Examples
@@ -145,5 +145,3 @@ def guarded(label: str, what: str, function: Callable[..., Any]) -> Callable[...
             raise RunError(f"{label}: its {what} raised {type(error).__name__}: {error}") from error
 
     return call
-
-

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.component import Component, settings

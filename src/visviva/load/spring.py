@@ -70,7 +70,9 @@ class Spring(Component):
             if getattr(self, what) < 0:
                 raise InputError(f"{self.label}: {what} {getattr(self, what):g} is negative")
         if self.energy is not None and (self.stiffness or self.free_length is not None):
-            raise InputError(f"{self.label}: energy replaces stiffness and free_length; give one or the other")
+            raise InputError(
+                f"{self.label}: energy replaces stiffness and free_length; give one or the other"
+            )
         if not (self.stiffness or self.damping or self.energy or self.force):
             raise InputError(f"{self.label} does nothing; give it a stiffness, damping, energy or force")
 

@@ -1,8 +1,8 @@
 """Torques on bodies and frames, dead and follower, and pairs between two bodies.
 
 A torque ``m`` acts on the three directors by forces ``f_i = t x d_i`` with ``(tr(D) I - D) t = m``,
-``D = sum d_i d_i^T`` at the evaluation point, so that ``sum d_i x f_i = m`` exactly also where the directors of the
-middle of a step are not orthonormal: angular momentum changes by ``h m`` to round-off.
+``D = sum d_i d_i^T`` at the evaluation point, so that ``sum d_i x f_i = m`` exactly also where the directors
+of the middle of a step are not orthonormal: angular momentum changes by ``h m`` to round-off.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Torque(Component):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class FollowerTorque(Component):
-    """Torque with constant components (3,) in the directors of the frame it acts on, times a function of time."""
+    """Torque with constant components (3,) in the directors of what it acts on, times a function of time."""
 
     on: Any
     torque: Vector3
