@@ -1,5 +1,6 @@
 """visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
 
+from visviva.adaptive import Adaptive
 from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
@@ -26,6 +27,7 @@ from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
+from visviva.modes import Modes, modes
 from visviva.scheme import (
     BackwardEuler,
     EnergyMomentum,
@@ -38,6 +40,7 @@ from visviva.scheme import (
 from visviva.reaction import reaction
 from visviva.result import Result
 from visviva.solve import march, simulate
+from visviva.statics import equilibrium
 from visviva.study import Study
 from visviva.system import Newton, StepFailure, System
 from visviva.term import Term

@@ -6,9 +6,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.linalg as sla
-import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
 from visviva.consistency import (
@@ -193,6 +190,9 @@ def rate_violation(system: System, at: Instant) -> float:
 
 def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
     """One constraint for each null vector: of the component that came last, without which the rest are independent."""
+
+    import scipy.linalg as sla
+
     if null.shape[1] == 0:
         return []
     fields = {u: f for f in system.model.fields for u in f.unknowns if f.multiplier}
@@ -238,6 +238,10 @@ def settle(system: System, at: Instant) -> None:
 
 def refuse_unheld(system: System, at: Instant) -> None:
     """Refuse coordinates that neither inertia, nor a constraint, nor a stiffness or damping determines."""
+
+    import scipy.sparse as sp
+    import scipy.sparse.linalg as spl
+
     massless = np.flatnonzero(np.asarray(abs(at.M).sum(axis=1)).ravel() == 0)
     if len(massless) == 0:
         return
@@ -301,4 +305,3 @@ def name(system: System, unknown: int) -> str:
     """An unknown in words."""
     component, field_name = system.describe(unknown)
     return f"{field_name} of {component}"
-

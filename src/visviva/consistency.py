@@ -17,14 +17,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.errors import InputError
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -149,6 +149,10 @@ class Instant:
     # --- solution -----------------------------------------------------------------------------------------------
     def factor(self, compliance: float = COMPLIANCE) -> None:
         """Factor the scaled equations with a little mass where there is none and a little compliance."""
+
+        import scipy.sparse as sp
+        import scipy.sparse.linalg as spl
+
         n, m = len(self.coordinates), len(self.multipliers)
         self._exact = sp.block_array([[self.M, self.G.T], [self.G, sp.csr_array((m, m))]], format="csr")
         light = np.where(abs(self.M).sum(axis=1) == 0, 1e-3 * typical(self.M.diagonal()), 0.0)
@@ -175,6 +179,9 @@ class Instant:
 
     def redundancies(self) -> Array:
         """Basis (m, r) of the multipliers that have no effect, by inverse iteration with a random block."""
+
+        import scipy.sparse as sp
+
         n, m = len(self.coordinates), len(self.multipliers)
         random, k = np.random.default_rng(0), min(4, m)
 
@@ -203,6 +210,9 @@ def typical(values: Array) -> float:
 
 def equilibration(K: sp.csr_array) -> Array:
     """Factors that scale rows and columns of a symmetric matrix to largest entries near one."""
+
+    import scipy.sparse as sp
+
     s = np.ones(K.shape[0])
     K = abs(K).tocsr()
     for _ in range(3):

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.check import check
-from visviva.consistency import initial_acceleration
+from visviva.adaptive import Adaptive, adaptive_steps
 from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
@@ -24,11 +23,18 @@ HALVINGS = 6
 """A step that fails is tried again with half its length this many times before the run gives up."""
 
 
-def march(system: System, *, until: float, step: float, scheme: Scheme | None = None) -> Iterator[Any]:
+def march(
+    system: System,
+    *,
+    until: float,
+    step: float,
+    scheme: Scheme | None = None,
+    adaptive: Adaptive | None = None,
+) -> Iterator[Any]:
     """Take steps of length `step` up to time `until`, yielding the core's report after each accepted one.
 
     A step that does not converge is halved up to six times; then `StepFailure` is raised and the system keeps
-    the last accepted state.
+    the last accepted state. With `adaptive` the steps follow the motion, `step` is the first.
 
     Examples
     --------
@@ -45,6 +51,9 @@ def march(system: System, *, until: float, step: float, scheme: Scheme | None = 
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme)
+    if adaptive is not None:
+        yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
+        return
     while until - system.time > 1e-9 * step:
         h = min(step / 2**system.halvings, until - system.time)
         if abs(until - system.time - h) < 1e-9 * step:
@@ -68,10 +77,14 @@ def prepare(system: System, scheme: Scheme) -> None:
     The check is made once in a system's life; what it found stays in ``system.report``.
     """
     if system.report is None:
+        from visviva.check import check
+
         system.report = check(system, tangents=False)
     for component in system.components:
         component.start(system, scheme)
     if scheme.needs_acceleration and not system.has_acceleration:
+        from visviva.consistency import initial_acceleration
+
         initial_acceleration(system)
 
 
@@ -83,6 +96,7 @@ def simulate(
     scheme: Scheme | None = None,
     every: int = 1,
     observe: Callable[[System], None] | None = None,
+    adaptive: Adaptive | None = None,
 ) -> Result:
     """Run a system to time `until` and return states, ledger and statistics.
 
@@ -98,9 +112,11 @@ def simulate(
         Keep the states of every so many steps.
     observe : callable
         Called with the system after each accepted step.
+    adaptive : Adaptive
+        Choose step sizes by the error; `step` is the first.
     """
     result, books = begin(system, scheme)
-    for _ in advance(result, books, until=until, step=step):
+    for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
         if result.statistics.steps % every == 0:
             keep(result)
         if observe is not None:
@@ -120,11 +136,13 @@ def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkee
     return result, books
 
 
-def advance(result: Result, books: Bookkeeper, *, until: float, step: float) -> Iterator[Array]:
+def advance(
+    result: Result, books: Bookkeeper, *, until: float, step: float, adaptive: Adaptive | None = None
+) -> Iterator[Array]:
     """March on with the books kept; yields the ledger's row after each accepted step."""
     system, s = result.system, result.statistics
     start, rejected = time.perf_counter() - s.seconds, system.rejected - s.rejected
-    for report in march(system, until=until, step=step, scheme=result.scheme):
+    for report in march(system, until=until, step=step, scheme=result.scheme, adaptive=adaptive):
         s.steps += 1
         s.iterations += report.iterations
         s.factorizations += report.factorizations

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from visviva import _core
@@ -21,6 +20,8 @@ from visviva.model import Field, Model, inertia_terms, strain_terms
 from visviva.scheme import EnergyMomentum, Scheme, Static
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
     from visviva.check import CheckReport
 
 Array = NDArray[np.float64]
@@ -310,6 +311,8 @@ class System:
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""
+        import scipy.sparse as sp
+
         row, col, unknown = self.pattern
         values = np.zeros(len(col))
         residual = np.zeros(len(self.x))

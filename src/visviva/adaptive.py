@@ -1,0 +1,118 @@
+"""Step sizes that follow the motion: small where it bends, large where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError
+from visviva.system import StepFailure
+
+if TYPE_CHECKING:
+    from visviva.scheme import Scheme
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Adaptive:
+    """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
+
+    The increment of a step is compared with the explicit two-step formula of second order, which differs from the
+    scheme's own error by a known factor (Milne's device); a PI controller chooses the next step.
+
+    Parameters
+    ----------
+    tolerance : float
+        Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for directors).
+    min_step, max_step : float
+        Bounds; without them 1e-6 and 100 times the given step.
+    easy : int
+        The step grows only after solutions that took at most this many iterations.
+    """
+
+    tolerance: float = 1e-5
+    min_step: float | None = None
+    max_step: float | None = None
+    easy: int = 8
+
+    def __post_init__(self) -> None:
+        for what in ("tolerance", "min_step", "max_step"):
+            value = getattr(self, what)
+            if value is not None and not (value > 0 and np.isfinite(value)):
+                raise InputError(f"{what} = {value} is not a positive number")
+
+    def bounds(self, step: float) -> tuple[float, float]:
+        """Shortest and longest step."""
+        low = 1e-6 * step if self.min_step is None else self.min_step
+        high = 100 * step if self.max_step is None else self.max_step
+        if low > high:
+            raise InputError(f"min_step = {low} is longer than max_step = {high}")
+        return low, high
+
+
+@dataclass
+class _Estimate:
+    """The velocities before the last step, and that step's length."""
+
+    inverse_scale: Array
+    rates: Array | None = None
+    length: float = 0.0
+
+    def error(self, increment: Array, rates: Array, h: float, tolerance: float) -> float:
+        """Estimated error of a step as a multiple of `tolerance`."""
+        bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
+        if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
+            return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
+        before = 0.5 * h / self.length * (rates - self.rates) * self.inverse_scale
+        milne = 3 * (1 + self.length / h)
+        return float(np.abs(h * (bend - before)).max() / milne / tolerance)
+
+
+def adaptive_steps(
+    system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive
+) -> Iterator[Any]:
+    """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports."""
+    low, high = rule.bounds(step)
+    scale = np.concatenate([f.scale for f in system.model.fields])
+    moves = (scale > 0) & (system.order > 0)
+    estimate = _Estimate(np.where(moves, 1 / np.where(moves, scale, 1.0), 0.0))
+    h, last = float(np.clip(step, low, high)), 1.0
+    while until - system.time > 1e-12 * max(abs(until), step):
+        left = until - system.time
+        taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
+        try:
+            attempt = system.attempt(scheme.step(system.time, taken))
+        except StepFailure:
+            system.rejected += 1
+            if taken <= low:
+                raise
+            h = max(0.5 * taken, low)
+            continue
+        rates = system.v.copy()
+        error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), 1e-6)
+        if error > 1 and taken > low:
+            system.core.discard()
+            system.rejected += 1
+            h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
+            continue
+        system.accept(attempt, scheme)
+        estimate.rates, estimate.length = rates, taken
+        h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
+        h, last = float(np.clip(h, low, high)), error
+        yield attempt.report
+
+
+def next_step(taken: float, planned: float, error: float, last: float, easy: bool) -> float:
+    """PI control for an error of third order; small changes are not worth a new factorisation."""
+    factor = 0.9 * error ** (-0.7 / 3) * last ** (0.4 / 3)
+    factor = min(max(factor, 0.3), 2.0 if easy else 1.0)
+    if 0.9 <= factor <= 1.2:
+        factor = 1.0
+    proposed = taken * factor
+    return max(proposed, planned) if taken < planned and factor >= 1.0 else proposed

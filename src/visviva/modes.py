@@ -1,0 +1,208 @@
+"""Eigenmodes of small vibrations about an equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.consistency import COMPLIANCE, REDUNDANT, Instant, accelerations, equilibration, instant, typical
+from visviva.errors import InputError
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.component import Component
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+DENSE = 600
+"""Up to this many coordinates all modes are computed at once."""
+ZERO = 1e-11
+"""Squares of frequencies smaller than this part of the largest are round-off."""
+
+
+@dataclass
+class Modes:
+    """Modes in order of their squared frequencies; print it for a table.
+
+    Attributes
+    ----------
+    squared : array (k,)
+        Squares of the angular frequencies; negative where the equilibrium is unstable, zero for free motion.
+    shapes : array (k, unknowns)
+        Directions in the unknowns of the system, of unit modal mass.
+    """
+
+    system: System
+    squared: Array
+    shapes: Array
+
+    @property
+    def angular(self) -> NDArray[Any]:
+        """Angular frequencies (k,) in rad per time; complex if any is imaginary (unstable)."""
+        return np.emath.sqrt(self.squared)  # type: ignore[no-any-return]
+
+    @property
+    def frequencies(self) -> NDArray[Any]:
+        """Frequencies (k,) in cycles per time; complex if any is imaginary (unstable)."""
+        cycles: NDArray[Any] = self.angular / (2 * np.pi)
+        return cycles
+
+    @property
+    def stable(self) -> bool:
+        """Whether no mode grows."""
+        return bool(np.all(self.squared >= 0))
+
+    def shape(self, component: Component, name: str) -> Array:
+        """Shapes (k, size) in one field of a component."""
+        f = self.system.field(component, name)
+        part: Array = self.shapes[:, f.start : f.start + f.size]
+        return part
+
+    def leader(self, k: int) -> str:
+        """The component that moves most in mode `k`, relative to the scales of its unknowns."""
+        scale = np.concatenate([f.scale for f in self.system.model.fields])
+        moves = np.abs(self.shapes[k]) / np.where(scale > 0, scale, np.inf)
+        return self.system.describe(int(np.argmax(moves)))[0]
+
+    def __str__(self) -> str:
+        lines = [" mode   frequency [1/T]   angular [rad/T]   moves most"]
+        for k, squared in enumerate(self.squared):
+            w = float(np.sqrt(abs(squared)))
+            if squared < 0:
+                text = f"      unstable, grows like exp({w:.6g} t)"
+            else:
+                text = f"{w / (2 * np.pi):18.9g}{w:18.9g}"
+            lines.append(f"{k + 1:5d}{text}   {self.leader(k)}")
+        return "\n".join(lines)
+
+
+def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
+    """Undamped eigenmodes of small vibrations about the present configuration, which must be an equilibrium.
+
+    ``K z = omega^2 M z`` with ``G z = 0``; `K` contains the geometric stiffness of the reactions. Dampers are left
+    out, velocities are taken as zero.
+
+    Parameters
+    ----------
+    n : int
+        How many: those of lowest square (in large systems: of squares nearest to zero).
+    tolerance : float
+        Largest unbalanced force, relative to the largest force.
+
+    Returns
+    -------
+    Modes
+        Squares of the frequencies (negative: unstable) and shapes.
+
+    Raises
+    ------
+    InputError
+        If the configuration is no equilibrium, forces have no potential, or something moves without mass.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
+    >>> rod = vv.Distance(a=ground.point(), b=ball.point())
+    >>> system = vv.System([ground, ball, rod, vv.Gravity(acceleration=(0, 0, -4))])
+    >>> vv.modes(system).angular.round(9).tolist()
+    [2.0, 2.0]
+    """
+    if n < 1:
+        raise InputError(f"n = {n} modes asked for; ask for at least one")
+    at = Instant(system)
+    at.factor()
+    balance(system, at, tolerance)
+    K = system.tangent(instant(system.time, theta=1.0))[1][at._q][:, at._q].tocsr()
+    lack = abs(K - K.T).max() if K.nnz else 0.0
+    if lack > 1e-7 * abs(K).max():
+        raise InputError(
+            f"the stiffness is not symmetric (by {lack:.2g}): follower forces or other loads without potential act; "
+            "modes are defined for conservative systems"
+        )
+    K = 0.5 * (K + K.T)
+    solve = dense_modes if len(at.coordinates) <= DENSE else sparse_modes
+    squared, z = solve(at, K, n)
+    shapes = np.zeros((len(squared), len(system.x)))
+    shapes[:, at.coordinates] = z.T
+    return Modes(system, squared, shapes)
+
+
+def balance(system: System, at: Instant, tolerance: float) -> None:
+    """Give the multipliers their static values, or refuse a configuration that is no equilibrium."""
+    a, multipliers = accelerations(system, at, still=True)
+    pull, carried = at.M @ a, at.G.T @ multipliers
+    largest = float(np.abs(carried).max(initial=0.0) + np.abs(pull).max(initial=0.0))
+    if len(pull) and np.abs(pull).max() > tolerance * largest and largest > 1e-12 * typical(at.M.diagonal()):
+        k = int(np.argmax(np.abs(pull)))
+        component, unknown = system.describe(int(at.coordinates[k]))
+        raise InputError(
+            f"the present configuration is no equilibrium: a force of {pull[k]:.3g} acts on {unknown} of {component}; "
+            "call equilibrium(system) first"
+        )
+    system.x[at.multipliers] = multipliers
+    system.touch()
+
+
+def dense_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
+    """All modes in a basis of the constraints' null space, the lowest `n` returned."""
+
+    import scipy.linalg as sla
+
+    q = len(at.coordinates)
+    Z = at._s[:q, None] * free_directions(at)
+    M, stiffness = Z.T @ (at.M @ Z), Z.T @ (K @ Z)
+    if Z.shape[1] == 0:
+        return np.zeros(0), np.zeros((q, 0))
+    light, direction = np.linalg.eigh(M)
+    if light[0] < 1e-13 * light[-1]:
+        system = at.system
+        k = int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale))
+        component, unknown = system.describe(int(at.coordinates[k]))
+        raise InputError(
+            f"{unknown} of {component} moves without mass, its frequency is infinite; give it mass"
+        )
+    squared, y = sla.eigh(stiffness, M)
+    squared[np.abs(squared) < ZERO * np.abs(squared).max()] = 0.0
+    return squared[:n], Z @ y[:, :n]
+
+
+def free_directions(at: Instant) -> Array:
+    """Orthonormal directions (n, freedoms) that the scaled constraints allow."""
+
+    import scipy.sparse as sp
+
+    q = len(at.coordinates)
+    G = (sp.diags_array(at._s[q:]) @ at.G @ sp.diags_array(at._s[:q])).toarray()
+    if len(G) == 0:
+        return np.eye(q)
+    _, length, V = np.linalg.svd(G)
+    return V[int(np.sum(length > REDUNDANT)) :].T.copy()
+
+
+def sparse_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
+    """Modes of squares nearest to zero, by inverse iteration with a small shift below zero."""
+
+    import scipy.sparse as sp
+    import scipy.sparse.linalg as spl
+
+    q, m = len(at.coordinates), len(at.multipliers)
+    n = min(n, q - m - 1) if q - m > 1 else 1
+    largest = typical(abs(K.diagonal())) / typical(at.M.diagonal())
+    shift = -1e-4 * largest
+    A = sp.block_array([[K - shift * at.M, at.G.T], [at.G, sp.csr_array((m, m))]], format="csr")
+    s = equilibration(A)
+    S = sp.diags_array(s)
+    lu = spl.splu((S @ A @ S - sp.diags_array(np.r_[np.zeros(q), np.full(m, COMPLIANCE)])).tocsc())
+    B = sp.block_diag([at.M, sp.csr_array((m, m))], format="csr")
+    inverse = spl.LinearOperator(A.shape, matvec=lambda r: s * lu.solve(s * np.ravel(r)), dtype=float)
+    start = inverse @ (B @ np.random.default_rng(0).standard_normal(q + m))
+    squared, z = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
+    squared[np.abs(squared) < ZERO * largest] = 0.0
+    order = np.argsort(squared)
+    return squared[order], z[:q, order]

@@ -1,0 +1,150 @@
+"""Static equilibrium: where a system comes to rest under its loads, with the reactions there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.consistency import Instant, instant
+from visviva.errors import InputError, RunError
+from visviva.ledger import Bookkeeper
+from visviva.result import Result
+from visviva.scheme import NONE, Static
+from visviva.solve import begin, keep
+from visviva.system import StepFailure, System
+
+Array = NDArray[np.float64]
+
+AT_REST = 1e-13
+"""A system whose largest move, relative to its size, is smaller than this is at rest."""
+LONGEST = 1e5
+"""Ratio of the last to the first duration of the relaxation."""
+
+
+@dataclass(frozen=True)
+class Relaxation(Static):
+    """One step downhill: ``M (x1 - x0) / duration^2 + f(x1) + G^T lambda = 0``, statics as `duration` grows.
+
+    Mass keeps every step well posed, also where nothing else holds a body, and leads to stable equilibria.
+    """
+
+    duration: float = 1.0
+
+    def motion(self, h: float) -> Sequence[Sequence[float]]:
+        """Table of a field of order 2."""
+        return (NONE, (1 / self.duration**2, 0.0, 0.0, 0.0), NONE, NONE, NONE)
+
+
+def equilibrium(system: System, *, until: float | None = None, steps: int = 1, most: int = 400) -> Result:
+    """Bring a system to rest under its loads.
+
+    Velocities are set to zero. Starting from its present configuration the system goes downhill in energy until it
+    rests; a system that starts in an unstable equilibrium stays there.
+
+    Parameters
+    ----------
+    system : System
+        Is in equilibrium afterwards, its multipliers are the static ones.
+    until, steps : float, int
+        Loads and prescribed motions that depend on time are followed to this time in so many steps; without `until`
+        they keep their present values.
+    most : int
+        Give up after this many steps downhill under one load.
+
+    Returns
+    -------
+    Result
+        Configuration of each load step, and the ledger of all steps downhill.
+
+    Raises
+    ------
+    RunError
+        If the system does not come to rest: something is free to move under its loads.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0, position=(0, 0, -1))
+    >>> spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
+    >>> system = vv.System([ground, ball, spring, vv.Gravity(acceleration=(0, 0, -10))])
+    >>> result = vv.equilibrium(system)
+    >>> round(float(system.x[2]), 12)
+    -1.2
+    """
+    if steps < 1:
+        raise InputError(f"steps = {steps} must be at least 1")
+    if until is not None and not until > system.time:
+        raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+    for history in (system.v, system.core.a, system.core.w):
+        history[:] = 0.0
+    system.touch()
+    result, books = begin(system, Static())
+    system.v[:] = 0.0
+    start = system.time
+    for k in range(steps):
+        if until is not None:
+            system.time = start + k * (until - start) / steps
+        h = 0.0 if until is None else start + (k + 1) * (until - start) / steps - system.time
+        relax(system, result, books, h, most)
+        keep(result)
+    system.touch()
+    system.has_acceleration = False
+    return result
+
+
+def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int) -> None:
+    """Go downhill under the loads of time ``system.time + h`` until nothing moves."""
+    scale = np.concatenate([f.scale for f in system.model.fields])
+    inverse = np.where((scale > 0) & (system.order > 0), 1 / np.where(scale > 0, scale, 1.0), 0.0)
+    first = duration = natural_time(system, inverse)
+    failures = 0
+    for _ in range(most):
+        scheme = Relaxation(duration)
+        try:
+            attempt = system.attempt(scheme.step(system.time, h))
+        except StepFailure:
+            failures += 1
+            system.rejected += 1
+            if failures > 20:
+                raise
+            duration /= 4
+            continue
+        moves = np.abs(system.core.dx) * inverse
+        size, mover = float(moves.max()), int(np.argmax(moves))
+        system.accept(attempt, scheme)
+        h = 0.0
+        record(result, books, attempt.report)
+        if size <= AT_REST and duration >= min(first * 30, LONGEST * first):
+            return
+        if attempt.report.iterations <= 8:
+            duration = min(2 * duration, LONGEST * first)
+    component, unknown = system.describe(mover)
+    raise RunError(
+        f"no equilibrium found: {unknown} of {component} still moves by {size:.1e} of its scale. Something may be "
+        "free to move under the loads; hold it, or raise `most`"
+    )
+
+
+def record(result: Result, books: Bookkeeper, report: object) -> None:
+    """Enter a step downhill into statistics and ledger."""
+    s = result.statistics
+    s.steps += 1
+    s.iterations += getattr(report, "iterations", 0)
+    s.factorizations += getattr(report, "factorizations", 0)
+    books.book(result.system.time, result.system.core)
+
+
+def natural_time(system: System, inverse: Array) -> float:
+    """In which forces, unopposed by constraints, would move their masses by about a third of the system's size."""
+    at = Instant(system)
+    saved = system.x[at.multipliers].copy()
+    system.x[at.multipliers] = 0.0
+    force = np.abs(system.residual(instant(system.time, theta=1.0))[at.coordinates])
+    system.x[at.multipliers] = saved
+    mass = at.M.diagonal()
+    pull = np.where(mass > 0, force / np.where(mass > 0, mass, 1.0), 0.0) * inverse[at.coordinates]
+    strongest = float(pull.max(initial=0.0))
+    return float(np.sqrt(0.1 / strongest)) if strongest > 0 else 1.0
