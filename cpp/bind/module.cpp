@@ -104,6 +104,7 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
 static void bind_terms(nb::module_& m) {
     nb::class_<Term>(m, "Term")
         .def_rw("name", &Term::name)
+        .def_rw("is_rigidity", &Term::is_rigidity)
         .def("book", [](Term& t, const Ints& account, const Ints& component) {
             t.account = vector_of<int>(account);
             t.component = vector_of<int>(component);

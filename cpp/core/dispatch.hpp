@@ -3,6 +3,7 @@
 #pragma once
 #include "block_lu.hpp"
 #include "inertia.hpp"
+#include "rigid.hpp"
 #include "strain.hpp"
 
 namespace visviva {
@@ -21,6 +22,8 @@ struct Kernels {
     void (*inertia_ledger)(const InertiaView&, const double* x, const double* v, const InertiaLedger&);
     double (*vector_update)(int n, const double* d, const double* weight, const double* x, double* dx, double* x1);
     void (*vector_affine)(int n, double factor, const double* x, const double* base, double* y);
+    void (*rigid_force)(const RigidView&, const double* r, const Place&, double* s);
+    void (*rigid_expand)(const RigidView&, const double* s, const double* r, const Place&, double* d);
     LuKernels lu;
 };
 

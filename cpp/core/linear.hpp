@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "rigid.hpp"
+
 namespace visviva {
 
 // Compressed rows over the free unknowns. `unknown[eq]` is the number of equation eq in the state vectors.
@@ -29,12 +31,6 @@ struct Blocks {
     std::vector<RigidUnknowns> rigid;
 };
 
-// The trial configuration x1 and where constraint gradients are taken, x0 + theta_g (x1 - x0); by unknown.
-struct Place {
-    const double *x0, *x1;
-    double theta_g;
-};
-
 class LinearSolver {
   public:
     virtual ~LinearSolver() = default;
@@ -50,6 +46,8 @@ class LinearSolver {
     // on.
     virtual void find_redundant(bool /*on*/) {}
     virtual int n_redundant() const { return 0; }
+    // Whether it keeps rigid bodies rigid by itself: r then comes without their orthonormality constraints.
+    virtual bool keeps_rigidity() const { return false; }
     virtual const char* name() const = 0;
     double regularization = 0;
 };

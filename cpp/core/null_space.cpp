@@ -7,6 +7,7 @@
 #include <map>
 
 #include "block_lu.hpp"
+#include "dispatch.hpp"
 #include "linear.hpp"
 
 namespace visviva {
@@ -56,27 +57,6 @@ double orthonormalise(const Directors& f, double* change) {
     return largest;
 }
 
-// Cayley rotation about w: R d - d.
-void rotate(const Directors& f, const double* w, double* change) {
-    const double c = 1 / (1 + 0.25 * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]));
-    for (int k = 0; k < 3; ++k) {
-        double once[3] = {0, 0, 0}, twice[3] = {0, 0, 0};
-        cross_add(w, f.d + 3 * k, once);
-        cross_add(w, once, twice);
-        for (int i = 0; i < 3; ++i) change[3 * k + i] = c * (once[i] + 0.5 * twice[i]);
-    }
-}
-
-// Dual basis of the directors (columns of D^-T).
-void dual(const Directors& f, double* g) {
-    for (int k = 0; k < 9; ++k) g[k] = 0;
-    cross_add(f.d + 3, f.d + 6, g);
-    cross_add(f.d + 6, f.d, g + 3);
-    cross_add(f.d, f.d + 3, g + 6);
-    const double volume = f.d[0] * g[0] + f.d[1] * g[1] + f.d[2] * g[2];
-    for (int k = 0; k < 9; ++k) g[k] /= volume;
-}
-
 class NullSpace : public LinearSolver {
   public:
     void analyze(const Csr& pattern, const Blocks& blocks) override {
@@ -90,11 +70,11 @@ class NullSpace : public LinearSolver {
         lu_.analyze(size_, blocks.stage, pairs, multiplier_);
         for (Group& g : groups_) g.target = lu_.block(g.i, g.j);
         right_.resize(lu_.n());
-        plain_.clear(), reduced_.clear();
+        lay_out_bodies();
+        plain_.clear();
         unknown_at_.assign(lu_.n(), 0);
         is_multiplier_ = blocks.multiplier;
         for (int b = 0; b < static_cast<int>(size_.size()); ++b) {
-            if (rigid_of_[b] >= 0) reduced_.push_back({lu_.offset(b), rigid_of_[b]});
             for (int k = 0; rigid_of_[b] < 0 && k < size_[b]; ++k)
                 plain_.push_back({lu_.offset(b) + k, members_[b][k]});
         }
@@ -132,11 +112,11 @@ class NullSpace : public LinearSolver {
     void solve(const double* r, const Place& place, double* d) override {
         double* s = right_.data();
         for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
-        for (const auto& [at, body] : reduced_) gather_force(rigid_[body], r, place, s + at);
+        kernels().rigid_force(view_, r, place, s);
         for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
         lu_.solve(s);
         for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
-        for (const auto& [at, body] : reduced_) expand(rigid_[body], s + at, r, place, d);
+        kernels().rigid_expand(view_, s, r, place, d);
     }
 
     void find_redundant(bool on) override { lu_.find_dependent(on); }
@@ -147,6 +127,7 @@ class NullSpace : public LinearSolver {
         return b < 0 ? -1 : members_[b].front();
     }
 
+    bool keeps_rigidity() const override { return true; }
     const char* name() const override { return "block LU of the null-space reduced system"; }
 
   private:
@@ -249,36 +230,18 @@ class NullSpace : public LinearSolver {
         }
     }
 
-    // P^T (-r) of a body: force and torque.
-    static void gather_force(const RigidUnknowns& body, const double* r, const Place& place, double* s) {
-        for (int c = 0; c < 3; ++c) s[c] = -r[body.q[c]], s[3 + c] = 0;
-        const Directors f = gather(body, place), force = gather(body, r);
-        for (int k = 0; k < 3; ++k) cross_add(force.d + 3 * k, f.d + 3 * k, s + 3);
-    }
-
-    // From the six reduced increments to the body's 18 unknowns.
-    static void expand(const RigidUnknowns& body, const double* s, const double* r, const Place& place,
-                       double* d) {
-        for (int c = 0; c < 3; ++c) d[body.q[c]] = s[c];
-        Directors f = gather(body, place.x1);
-        double change[9], fix[9], g[9];
-        rotate(f, s + 3, change);
-        for (int k = 0; k < 9; ++k) f.d[k] += change[k];
-        orthonormalise(f, fix);
-        for (int k = 0; k < 9; ++k) d[body.q[3 + k]] = change[k] + fix[k];
-        // the multipliers of orthonormality balance what is left of the director forces
-        dual(gather(body, place), g);
-        const Directors force = gather(body, r);
-        double m[3][3];
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) {
-                m[i][j] = 0;
-                for (int c = 0; c < 3; ++c) m[i][j] -= force.d[3 * i + c] * g[3 * j + c];
-            }
-        for (int i = 0; i < 3; ++i) d[body.multiplier[i]] = m[i][i];
-        d[body.multiplier[3]] = 0.5 * (m[0][1] + m[1][0]);
-        d[body.multiplier[4]] = 0.5 * (m[0][2] + m[2][0]);
-        d[body.multiplier[5]] = 0.5 * (m[1][2] + m[2][1]);
+    // The bodies in the layout of the kernels; the last one fills the padding.
+    void lay_out_bodies() {
+        const int n = static_cast<int>(rigid_.size()), stride = (n + 7) / 8 * 8;
+        q_.assign(static_cast<std::size_t>(12) * stride, 0), lambda_.assign(static_cast<std::size_t>(6) * stride, 0);
+        at_.assign(stride, 0);
+        for (int e = 0; e < stride && n > 0; ++e) {
+            const RigidUnknowns& body = rigid_[std::min(e, n - 1)];
+            for (int k = 0; k < 12; ++k) q_[static_cast<std::size_t>(k) * stride + e] = body.q[k];
+            for (int k = 0; k < 6; ++k) lambda_[static_cast<std::size_t>(k) * stride + e] = body.multiplier[k];
+            at_[e] = lu_.offset(block_[body.q[0]]);
+        }
+        view_ = {n, stride, q_.data(), lambda_.data(), at_.data()};
     }
 
     const Csr* csr_ = nullptr;
@@ -290,7 +253,9 @@ class NullSpace : public LinearSolver {
     std::vector<std::vector<int>> members_;
     std::vector<Group> groups_;
     std::vector<Entry> entries_;
-    std::vector<std::pair<int, int>> plain_, reduced_;  // place in the right-hand side, unknown or body
+    std::vector<std::pair<int, int>> plain_;  // place in the right-hand side, unknown
+    RigidView view_;
+    std::vector<int> q_, lambda_, at_;
     std::vector<double> right_, big_, wide_;
 };
 

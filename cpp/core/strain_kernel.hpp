@@ -251,7 +251,7 @@ void strain_tangent(const StrainView& v, const Step& step, const Vectors& x, con
             }
             add(a, v, slot, base, n, values);
         }
-        if (!s.n_m) continue;
+        if (!v.n_columns) continue;
         for (int k = 0; k < v.n_columns; ++k) {
             const Border& c = v.columns[k];
             add(vload(v.weight + c.k * v.stride + base) * law_derivative(s, w.Jt, c.e, c.m, true) *

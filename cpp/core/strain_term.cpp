@@ -186,6 +186,13 @@ void StrainTerm::tangent(const Context& c, double* values) {
     kernels().strain_tangent(view_, c.step, c.vectors, c.signals, values);
 }
 
+void StrainTerm::inner_tangent(const Context& c, double* values) {
+    StrainView inner = view_;
+    inner.n_columns = inner.n_rows = 0;
+    call_back(c, true);
+    kernels().strain_tangent(inner, c.step, c.vectors, c.signals, values);
+}
+
 void StrainTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     call_back(c, false);
     const int stride = view_.stride;

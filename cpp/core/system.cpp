@@ -172,14 +172,20 @@ double System::iterate(const Step& step) {
     return size;
 }
 
-void System::evaluate_residual(const Context& c) {
+void System::evaluate_residual(const Context& c, bool all) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& term : terms_) term->residual(c, r_.data());
+    for (const auto& term : terms_)
+        if (all || !term->is_rigidity) term->residual(c, r_.data());
 }
+
+// Whether a scheme goes back to more than the rates.
+static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transport[0][2] != 0; }
 
 bool System::refactor(const Context& c, const Step& step) {
     std::fill(values_.begin(), values_.end(), 0.0);
-    for (const auto& term : terms_) term->tangent(c, values_.data());
+    const bool inner = solver_->keeps_rigidity();
+    for (const auto& term : terms_)
+        inner && term->is_rigidity ? term->inner_tangent(c, values_.data()) : term->tangent(c, values_.data());
     factored_ = step;
     factored_state_.clear();
     for (const auto* u : {&x, &dx, &v, &a, &w})
@@ -230,7 +236,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     };
     update_vectors(step);
     for (int k = 0; k < options.max_iterations; ++k) {
-        evaluate_residual(context);
+        evaluate_residual(context, !solver_->keeps_rigidity());
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
@@ -348,7 +354,9 @@ void System::remember(const std::vector<double>& memory) {
         std::copy(m + 27, m + 47, &s.transport[0][0]);
         m += 47;
         const std::vector<double> now[5] = {x, dx, v, a, w};
-        for (auto* u : {&x, &dx, &v, &a, &w}) {
+        std::vector<std::vector<double>*> kept = {&x, &dx, &v};
+        if (uses_history(s)) kept.insert(kept.end(), {&a, &w});
+        for (auto* u : kept) {
             std::copy(m, m + u->size(), u->begin());
             m += u->size();
         }
@@ -382,7 +390,7 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
-    evaluate_residual(context);
+    evaluate_residual(context, true);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;
     std::fill(values_.begin(), values_.end(), 0.0);

@@ -14,7 +14,7 @@ struct NewtonOptions {
     double tolerance = 1e-14;
     int max_iterations = 25;
     // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full Newton.
-    double keep_factor = 0.1;
+    double keep_factor = 0.3;
     // A step that took more iterations than this lets the next one begin with a new factorisation.
     static constexpr int many_iterations = 4;
 };
@@ -74,7 +74,7 @@ class System {
     void predict_rotations(double h);
     void angular_velocity(const RigidUnknowns& body, double* w) const;
     void update_vectors(const Step&);
-    void evaluate_residual(const Context&);
+    void evaluate_residual(const Context&, bool all);
     bool refactor(const Context&, const Step&);
     int worst() const;
     double iterate(const Step&);

@@ -39,10 +39,13 @@ class Term {
     virtual bool wants_rates() const { return false; }
     virtual void residual(const Context&, double* r) = 0;
     virtual void tangent(const Context&, double* values) = 0;
+    // The tangent without rows and columns of multipliers.
+    virtual void inner_tangent(const Context& c, double* values) { tangent(c, values); }
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
     virtual void accept(const Context&) {}
 
     std::string name;               // for messages
+    bool is_rigidity = false;       // orthonormality of rigid bodies, which a solver may keep by itself
     std::vector<int> account;       // per element: where its energy and work are booked
     std::vector<int> component;     // per element: whose momentum and defect it is
 };
@@ -75,6 +78,7 @@ class StrainTerm : public Term {
     bool wants_rates() const override { return needs_rate(shape_.law); }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
+    void inner_tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
 
   private:

@@ -106,13 +106,16 @@ class Model:
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
+    _numbers: dict[int, int] = field(default_factory=dict)
+    _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
 
     def index(self, component: Component) -> int:
         """Number of a component."""
-        for k, c in enumerate(self.components):
-            if c is component:
-                return k
-        raise InputError(f"{component.label} is used by another component but is not part of the system; add it")
+        if len(self._numbers) != len(self.components):
+            self._numbers = {id(c): k for k, c in enumerate(self.components)}
+        if id(component) not in self._numbers:
+            raise InputError(f"{component.label} is used by another component but is not part of the system; add it")
+        return self._numbers[id(component)]
 
     # --- unknowns -----------------------------------------------------------------------------------------------
     def field(
@@ -155,12 +158,11 @@ class Model:
     # --- books --------------------------------------------------------------------------------------------------
     def account(self, component: Component, kind: str, category: str) -> int:
         """Number of the account of a component, a kind and a category, opened on first use."""
-        owner = self.index(component)
-        for k, a in enumerate(self.accounts):
-            if (a.component, a.kind, a.category) == (owner, kind, category):
-                return k
-        self.accounts.append(Account(owner, kind, category))
-        return len(self.accounts) - 1
+        key = self.index(component), kind, category
+        if key not in self._opened:
+            self._opened[key] = len(self.accounts)
+            self.accounts.append(Account(*key))
+        return self._opened[key]
 
     def signal(self, function: Any) -> int:
         """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none."""
@@ -297,11 +299,12 @@ def _columns(rows: Sequence[Sequence[float]], dtype: type = np.float64) -> NDArr
 def strain_terms(model: Model) -> list[_core.Term]:
     """Batches of equal stencils, in order of first appearance."""
     groups: dict[tuple[Any, ...], list[tuple[Stencil, Element]]] = defaultdict(list)
+    rigidity = {unknown for body in model.rigid for unknown in body[12:]}
     for element in model.elements:
         s = stencil(element)
-        groups[s.key].append((s, element))
+        groups[not rigidity.isdisjoint(element.multipliers), s.key].append((s, element))
     terms: list[_core.Term] = []
-    for members in groups.values():
+    for (is_rigidity, _), members in groups.items():
         stencils, elements = zip(*members, strict=True)
         shape = stencils[0].entries
         n = len(stencils)
@@ -321,6 +324,7 @@ def strain_terms(model: Model) -> list[_core.Term]:
         )
         if elements[0].law.callback is not None:
             term.set_callback(elements[0].law.callback)
+        term.is_rigidity = is_rigidity
         term.name = model.components[elements[0].component].label
         book(term, [e.account for e in elements], [e.component for e in elements], n)
         terms.append(term)

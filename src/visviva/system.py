@@ -46,7 +46,7 @@ class Newton:
 
     tolerance: float = 1e-14
     max_iterations: int = 25
-    keep_factor: float = 0.1
+    keep_factor: float = 0.3
     null_space: bool | None = None
     regularization: float = 1e-11
 
@@ -311,6 +311,7 @@ class System:
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""
+
         import scipy.sparse as sp
 
         row, col, unknown = self.pattern
