@@ -1,9 +1,9 @@
 """Energies and constraints given as functions of the user: stresses, tangents and discrete gradients follow.
 
-A function takes strains (n_e, n), one column per element, and returns one value per column; it is called with any
-number of columns, so what differs between elements has to come in as a strain (a constant form will do). First
-derivatives come from the complex step (exact to round-off) where the function allows complex arguments, else from
-central differences; second derivatives from central differences of the first.
+A function takes strains (n_e, n), one column per element, and returns one value per column; it is called with
+any number of columns, so what differs between elements has to come in as a strain (a constant form will do).
+First derivatives come from the complex step (exact to round-off) where the function allows complex arguments,
+else from central differences; second derivatives from central differences of the first.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Function:
                 try:
                     a, b = self._complex_gradient(near), self._difference_gradient(near)
                 except (TypeError, ValueError, AttributeError, RunError):
-                    a, b = np.zeros(1), np.full(1, np.inf)
+                    a, b = np.zeros(1), np.ones(1)
                 scale = np.abs(b).max()
                 self._takes_complex = bool(np.abs(a - b).max() <= 1e-4 * scale)
         return self._takes_complex
