@@ -37,7 +37,7 @@ from visviva.scheme import (
     Static,
     VariationalMidpoint,
 )
-from visviva.reaction import reaction
+from visviva.reaction import ReactionForce, ReactionTorque, reaction
 from visviva.result import Result
 from visviva.solve import march, simulate
 from visviva.statics import equilibrium

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
+from pydantic import ValidationError
 
 from visviva.errors import InputError, VisvivaError
 
@@ -79,7 +80,8 @@ def check(model: Model, /, *, settings: Settings = []) -> int:  # noqa: B006
     from visviva.gallery import assignments
 
     source = compose(model, assignments(settings), {})
-    introduce(source)
+    print(source.study.title or source.name)
+    print(source.study.system.check())
     return 0
 
 
@@ -210,10 +212,16 @@ def refuse_earlier_run(directory: Path) -> None:
 
 def introduce(source: Source) -> None:
     """Title and size of a system."""
+    from visviva.solve import prepare
+
     system = source.study.system
-    n, m = system.n_coordinates, system.n_constraints
+    prepare(system, source.study.scheme)
+    report = system.report
+    assert report is not None
+    n, m, f = report.n_coordinates, report.n_constraints, report.degrees_of_freedom
+    redundant = f", {len(report.redundant)} constraints are redundant" if report.redundant else ""
     print(source.study.title or source.name)
-    print(f"unknown coordinates n = {n}, constraints m = {m}, {n - m} degrees of freedom", flush=True)
+    print(f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}", flush=True)
 
 
 def report_check(source: Source, result: Result) -> bool:
@@ -250,6 +258,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except InputError as error:
         say(str(error))
+        return BAD_INPUT
+    except ValidationError as error:
+        from visviva.scene.read import told
+
+        where, message = told(error)
+        say(f"{error.title}: {''.join(f'{part}: ' for part in where)}{message}")
         return BAD_INPUT
     except VisvivaError as error:
         say(str(error))

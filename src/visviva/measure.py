@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
@@ -15,11 +16,19 @@ from visviva.joint.base import Joint
 from visviva.load.where import frame_of, point_of
 from visviva.values import Vector3
 
+if TYPE_CHECKING:
+    from visviva.system import System
+
 Director = Literal[1, 2, 3]
 
 
 class Measure:
-    """Base: something with `strains`, numbers that are at most quadratic in the unknowns."""
+    """Base: something with `strains`, numbers that are at most quadratic in the unknowns; also a probe."""
+
+    def __call__(self, system: System) -> Any:
+        """Present value, a number or an array (n,)."""
+        values = [system.value(e) for e in self.strains()]
+        return values[0] if len(values) == 1 else np.array(values)
 
     def strains(self) -> list[Strain]:
         """The strains, available once the components have been put into a system."""

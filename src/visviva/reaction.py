@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.joint.base import Joint
 
 if TYPE_CHECKING:
     from visviva.component import Component
-    from visviva.joint.base import Joint
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -39,6 +42,32 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
         assert other is not None
         return -other[0], -other[1]
     return own
+
+
+class Reaction:
+    """Base of probes that record what joints transmit."""
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ReactionForce(Reaction):
+    """Probe: force (3,) that a joint exerts on its partner `b`."""
+
+    joint: Joint
+
+    def __call__(self, system: System) -> Array:
+        """Present value."""
+        return reaction(system, self.joint)[0]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ReactionTorque(Reaction):
+    """Probe: torque (3,) that a joint exerts on its partner `b`, about the joint's point on b."""
+
+    joint: Joint
+
+    def __call__(self, system: System) -> Array:
+        """Present value."""
+        return reaction(system, self.joint)[1]
 
 
 def _wrench(system: System, component: Component, force: dict[int, float], about: Array) -> Any:

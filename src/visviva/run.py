@@ -23,7 +23,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
-from visviva.solve import advance, begin, keep
+from visviva.solve import advance, begin, keep, prepare
 from visviva.study import Study, measure
 
 Array = NDArray[np.float64]
@@ -143,6 +143,7 @@ class Recorder:
         cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]
     ) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
+        prepare(study.system, study.scheme)
         result, books = begin(study.system, study.scheme)
         columns = probe_columns(study)
         recorder = cls(study, RunDirectory.create(directory), result, books)
@@ -169,6 +170,7 @@ class Recorder:
                     f"{files.path}: was run with {name} = {kept[name]}, not {wanted}; resume with the same "
                     f"{name} or start anew in another directory"
                 )
+        prepare(study.system, study.scheme)  # as before the first step of the run, which settles the solver
         result, books = begin(study.system, study.scheme)
         restart.load(files.state, files.ledger, result, books)
         recorder = cls(study, files, result, books)
@@ -300,7 +302,8 @@ def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str,
         "scheme": str(result.scheme),
         "unknowns": len(system.x),
         **numbers,
-        "degrees_of_freedom": system.n_coordinates - system.n_constraints,
+        "degrees_of_freedom": system.report and system.report.degrees_of_freedom,
+        "redundant_constraints": system.report and len(system.report.redundant),
         "end_time": system.time,
         "solver": system.core.solver,
         "newton": asdict(system.newton),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.component import Component
+from visviva.component import Attachable, Component
 from visviva.errors import InputError, RunError
 from visviva.form import Form, Strain, Vector
 from visviva.model import Field, Model, inertia_terms, strain_terms
@@ -118,7 +118,7 @@ class System:
             if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference
                 raise InputError(f"{c.label} belongs to another system; copy.deepcopy the components before reuse")
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
-        for c in self.components:
+        for c in sorted(self.components, key=lambda c: not isinstance(c, Attachable)):  # joints attach to bodies
             c.declare(self.model)
         for c in self.components:
             c.contribute(self.model)

@@ -1,0 +1,84 @@
+"""What a scene file can say: the public constructors of visviva, found by looking, not by registration."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from pathlib import Path
+from typing import Any, TypeVar
+
+import visviva
+from visviva.body.shape import Shape
+from visviva.component import Component
+from visviva.measure import Measure
+from visviva.reaction import Reaction
+from visviva.scheme import Scheme
+
+T = TypeVar("T")
+
+TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails")
+RUN = ("until", "step", "scheme")
+ATTACHMENTS: dict[str, tuple[str, ...]] = {
+    "point": ("X",),
+    "point_at": ("x",),
+    "frame": ("X", "axes"),
+    "frame_at": ("x", "axis", "first"),
+}
+"""Methods of components that give points and frames, with their arguments."""
+
+
+def public(base: type[T]) -> dict[str, type[T]]:
+    """Public classes of visviva derived from `base`, by name.
+
+    Examples
+    --------
+    >>> "RigidBody" in public(Component), "Component" in public(Component)
+    (True, False)
+    """
+    found = vars(visviva).items()
+    return {n: c for n, c in found if isinstance(c, type) and issubclass(c, base) and c is not base}
+
+
+def components() -> dict[str, type[Component]]:
+    """What can stand in a system."""
+    return public(Component)
+
+
+def values() -> dict[str, type[Any]]:
+    """What can stand as an argument: shapes and measures."""
+    return {**public(Shape), **public(Measure)}  # type: ignore[type-abstract]
+
+
+def probes() -> dict[str, type[Any]]:
+    """What can be recorded: measures and reactions."""
+    return {**public(Measure), **public(Reaction)}
+
+
+def schemes() -> dict[str, type[Scheme]]:
+    """Time integration schemes."""
+    return public(Scheme)
+
+
+def arguments(cls: type[Any]) -> dict[str, Any]:
+    """Arguments of a constructor with their types, without the name, which is the key in a file."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    names = [f.name for f in dataclasses.fields(cls) if f.init]
+    return {n: hints[n] for n in names if not (n == "name" and issubclass(cls, Component))}
+
+
+def leaves(hint: Any) -> list[Any]:
+    """The types that a union or list is made of; annotated types stay whole."""
+    if typing.get_origin(hint) in (typing.Union, types.UnionType, list, tuple):
+        return [leaf for part in typing.get_args(hint) for leaf in leaves(part)]
+    return [hint]
+
+
+def is_reference(hint: Any) -> bool:
+    """Whether an argument of this type is a component, a point, a frame or a measure."""
+    return any(leaf is Any or (isinstance(leaf, type) and issubclass(leaf, Component)) for leaf in leaves(hint))
+
+
+def is_path(hint: Any) -> bool:
+    """Whether an argument of this type is a file."""
+    return Path in leaves(hint)
