@@ -23,13 +23,14 @@ Array = NDArray[np.float64]
 class Adaptive:
     """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
 
-    The increment of a step is compared with the explicit two-step formula of second order, which differs from the
-    scheme's own error by a known factor (Milne's device); a PI controller chooses the next step.
+    The increment of a step is compared with the explicit two-step formula of second order, which differs from
+    the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step.
 
     Parameters
     ----------
     tolerance : float
-        Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for directors).
+        Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for
+        directors).
     min_step, max_step : float
         Bounds; without them 1e-6 and 100 times the given step.
     easy : int
@@ -114,5 +115,5 @@ def next_step(taken: float, planned: float, error: float, last: float, easy: boo
     factor = min(max(factor, 0.3), 2.0 if easy else 1.0)
     if 0.9 <= factor <= 1.2:
         factor = 1.0
-    proposed = taken * factor
+    proposed: float = taken * factor
     return max(proposed, planned) if taken < planned and factor >= 1.0 else proposed

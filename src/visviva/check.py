@@ -1,4 +1,4 @@
-"""What is looked at before the first step: freedoms, redundant and contradictory constraints, states, tangents."""
+"""What is looked at before the first step: freedoms, redundant constraints, initial state, tangents."""
 
 from __future__ import annotations
 
@@ -123,14 +123,14 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     Parameters
     ----------
     repair : bool
-        Project the initial positions and velocities onto the constraints; otherwise only tell what is violated.
+        Project the initial state onto the constraints; otherwise only tell what is violated.
     tangents : bool
         Compare tangents with differences (of a sample of columns in large systems).
 
     Returns
     -------
     CheckReport
-        Degrees of freedom, redundant constraints by name, corrections of the initial state, worst tangent entry.
+        Degrees of freedom, redundant constraints by name, corrections of the state, worst tangent entry.
 
     Raises
     ------
@@ -185,11 +185,11 @@ def rate_violation(system: System, at: Instant) -> float:
     return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
 
 
-# --- redundancy -------------------------------------------------------------------------------------------------
+# --- redundancy ---------------------------------------------------------------------------------------------
 
 
 def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
-    """One constraint for each null vector: of the component that came last, without which the rest are independent."""
+    """One constraint for each null vector, of late components, without which the rest is independent."""
 
     import scipy.linalg as sla
 
@@ -214,10 +214,12 @@ def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
 
 
 def settle(system: System, at: Instant) -> None:
-    """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as well.
+    """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as
+    well.
 
-    In a singular configuration (bars in one line) constraints depend on each other for an instant only and have to
-    be kept; where they depend on each other all along, the solver leaves the multipliers out that have no effect.
+    In a singular configuration (bars in one line) constraints depend on each other for an instant only and
+    have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
+    have no effect.
     """
     x, random = system.x.copy(), np.random.default_rng(2)
     way, _ = at.solve(at.M @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
@@ -233,7 +235,7 @@ def settle(system: System, at: Instant) -> None:
     system.x[:] = x
 
 
-# --- coordinates that nothing holds -----------------------------------------------------------------------------
+# --- coordinates that nothing holds -------------------------------------------------------------------------
 
 
 def refuse_unheld(system: System, at: Instant) -> None:
@@ -262,11 +264,11 @@ def refuse_unheld(system: System, at: Instant) -> None:
     )
 
 
-# --- tangents ---------------------------------------------------------------------------------------------------
+# --- tangents -----------------------------------------------------------------------------------------------
 
 
 def compare_tangent(system: System, most: int = 150) -> TangentError:
-    """Compare the tangent of the default scheme with differences of its residual, away from the initial state."""
+    """Compare the default scheme's tangent with differences of its residual, off the initial state."""
     core, random = system.core, np.random.default_rng(1)
     step = EnergyMomentum().step(system.time, 1.0)
     unknown = system.pattern[2]

@@ -1,13 +1,13 @@
 """Consistent states: positions and velocities on the constraints, accelerations and multipliers of a state.
 
-Everything rests on the linear equations of one instant, with the constant mass `M` and the gradients `G` of the
-constraints ``Phi(q, t) = 0``::
+Everything rests on the linear equations of one instant, with the constant mass `M` and the gradients `G` of
+the constraints ``Phi(q, t) = 0``::
 
     M a + G^T mu = f,      G a = g
 
-whose matrix the core's tangent holds for a step of no length. Redundant constraints make it singular; then a small
-compliance of the scaled constraints is factored instead, and refinement with the exact matrix leaves the solution
-of least multipliers.
+whose matrix the core's tangent holds for a step of no length. Redundant constraints make it singular; then a
+small compliance of the scaled constraints is factored instead, and refinement with the exact matrix leaves
+the solution of least multipliers.
 """
 
 from __future__ import annotations
@@ -91,9 +91,9 @@ class Instant:
     def _tangent(self, **step: Any) -> sp.csr_array:
         return self.system.tangent(instant(self.system.time, **step))[1]
 
-    # --- constraints --------------------------------------------------------------------------------------------
+    # --- constraints ----------------------------------------------------------------------------------------
     def violation(self, later: float = 0.0, ahead: Array | None = None) -> Array:
-        """Values (m,) of the constraints, with the clock `later` and prescribed functions changed by `ahead`."""
+        """Values (m,) of the constraints, the clock `later`, prescribed functions changed by `ahead`."""
         step = instant(self.system.time + later)
         signals = self.system.signals(instant(self.system.time)).copy()
         if ahead is not None:
@@ -146,7 +146,7 @@ class Instant:
             total = total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 1e-4)
         return total
 
-    # --- solution -----------------------------------------------------------------------------------------------
+    # --- solution -------------------------------------------------------------------------------------------
     def factor(self, compliance: float = COMPLIANCE) -> None:
         """Factor the scaled equations with a little mass where there is none and a little compliance."""
 
@@ -197,7 +197,8 @@ class Instant:
             _, length, V = np.linalg.svd(G.T @ X, full_matrices=False)
             null = length < REDUNDANT
             if null.sum() < k or k == m:
-                return self._s[n:, None] * (X @ V.T[:, null])
+                basis: Array = self._s[n:, None] * (X @ V.T[:, null])
+                return basis
             k = min(2 * k, m)
         return np.zeros((0, 0))
 
@@ -228,7 +229,7 @@ def difference(f: Callable[[float], Array], d: float) -> Array:
     return (8 * (f(d) - f(-d)) - (f(2 * d) - f(-2 * d))) / (12 * d)
 
 
-# --- positions and velocities -----------------------------------------------------------------------------------
+# --- positions and velocities -------------------------------------------------------------------------------
 
 
 @dataclass
@@ -349,13 +350,14 @@ def contradiction(system: System) -> str:
             named.append(f"{unknown} of {component} by {at.violation()[k]:.3g}")
     return (
         f"no configuration satisfies all constraints: violated remain {', '.join(named)} at the nearest "
-        "configuration found. Correct the places, axes or lengths of these joints or of the bodies they join, or "
-        "start closer to a configuration that fits"
+        "configuration found. Correct the places, axes or lengths of these joints or of bodies they join, "
+        "or start closer to a configuration that fits"
     )
 
 
 def project_velocities(system: System, at: Instant | None = None) -> Correction:
-    """Make the velocities satisfy the constraints' time derivatives, changed as little as possible in kinetic energy.
+    """Make the velocities satisfy the constraints' time derivatives, changed as little as possible in kinetic
+    energy.
 
     Raises
     ------
@@ -381,8 +383,8 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
         component, unknown = system.describe(int(at.multipliers[k]))
         system.v[at.coordinates] = v
         raise InputError(
-            f"no velocities satisfy all constraints in the initial configuration: {unknown} of {component} stays "
-            f"violated at the rate {rest[k]:.3g}. Check prescribed motions against what the joints allow"
+            f"no velocities satisfy all constraints in the initial state: {unknown} of {component} "
+            f"stays violated at the rate {rest[k]:.3g}. Check prescribed motions against what the joints allow"
         )
     system.touch()
     full = np.zeros(len(system.x))
@@ -390,7 +392,7 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
     return Correction(before, after, moved(system, full))
 
 
-# --- accelerations ----------------------------------------------------------------------------------------------
+# --- accelerations ------------------------------------------------------------------------------------------
 
 
 def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
@@ -406,7 +408,8 @@ def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Arr
 def initial_acceleration(system: System, at: Instant | None = None) -> None:
     """Fill the history of schemes that start from accelerations, and the multipliers, consistently.
 
-    Solves ``M a + f(q, v) + G^T lambda = 0`` with ``G a = -(G' v) v - ...``, parts prescribed in time included.
+    Solves ``M a + f(q, v) + G^T lambda = 0`` with ``G a = -(G' v) v - ...``, parts prescribed in time
+    included.
     """
     if at is None:
         at = Instant(system)

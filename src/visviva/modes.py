@@ -44,7 +44,7 @@ class Modes:
     @property
     def angular(self) -> NDArray[Any]:
         """Angular frequencies (k,) in rad per time; complex if any is imaginary (unstable)."""
-        return np.emath.sqrt(self.squared)  # type: ignore[no-any-return]
+        return np.emath.sqrt(self.squared)
 
     @property
     def frequencies(self) -> NDArray[Any]:
@@ -84,8 +84,8 @@ class Modes:
 def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     """Undamped eigenmodes of small vibrations about the present configuration, which must be an equilibrium.
 
-    ``K z = omega^2 M z`` with ``G z = 0``; `K` contains the geometric stiffness of the reactions. Dampers are left
-    out, velocities are taken as zero.
+    ``K z = omega^2 M z`` with ``G z = 0``; `K` contains the geometric stiffness of the reactions. Dampers are
+    left out, velocities are taken as zero.
 
     Parameters
     ----------
@@ -122,8 +122,8 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     lack = abs(K - K.T).max() if K.nnz else 0.0
     if lack > 1e-7 * abs(K).max():
         raise InputError(
-            f"the stiffness is not symmetric (by {lack:.2g}): follower forces or other loads without potential act; "
-            "modes are defined for conservative systems"
+            f"the stiffness is not symmetric (by {lack:.2g}): follower or other loads without potential "
+            "act; modes are defined for conservative systems"
         )
     K = 0.5 * (K + K.T)
     solve = dense_modes if len(at.coordinates) <= DENSE else sparse_modes
@@ -142,8 +142,8 @@ def balance(system: System, at: Instant, tolerance: float) -> None:
         k = int(np.argmax(np.abs(pull)))
         component, unknown = system.describe(int(at.coordinates[k]))
         raise InputError(
-            f"the present configuration is no equilibrium: a force of {pull[k]:.3g} acts on {unknown} of {component}; "
-            "call equilibrium(system) first"
+            f"the present configuration is no equilibrium: a force of {pull[k]:.3g} acts on {unknown} of "
+            f"{component}; call equilibrium(system) first"
         )
     system.x[at.multipliers] = multipliers
     system.touch()

@@ -72,7 +72,7 @@ def march(
 
 
 def prepare(system: System, scheme: Scheme) -> None:
-    """Before the first step: a consistent state, and accelerations where the scheme's history starts from them.
+    """Before the first step: a consistent state, and accelerations where the scheme starts from them.
 
     The check is made once in a system's life; what it found stays in ``system.report``.
     """

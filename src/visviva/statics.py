@@ -41,16 +41,16 @@ class Relaxation(Static):
 def equilibrium(system: System, *, until: float | None = None, steps: int = 1, most: int = 400) -> Result:
     """Bring a system to rest under its loads.
 
-    Velocities are set to zero. Starting from its present configuration the system goes downhill in energy until it
-    rests; a system that starts in an unstable equilibrium stays there.
+    Velocities are set to zero. Starting from its present configuration the system goes downhill in energy
+    until it rests; a system that starts in an unstable equilibrium stays there.
 
     Parameters
     ----------
     system : System
         Is in equilibrium afterwards, its multipliers are the static ones.
     until, steps : float, int
-        Loads and prescribed motions that depend on time are followed to this time in so many steps; without `until`
-        they keep their present values.
+        Loads and prescribed motions that depend on time are followed to this time in so many steps; without
+        `until` they keep their present values.
     most : int
         Give up after this many steps downhill under one load.
 
@@ -123,8 +123,8 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
             duration = min(2 * duration, LONGEST * first)
     component, unknown = system.describe(mover)
     raise RunError(
-        f"no equilibrium found: {unknown} of {component} still moves by {size:.1e} of its scale. Something may be "
-        "free to move under the loads; hold it, or raise `most`"
+        f"no equilibrium found: {unknown} of {component} still moves by {size:.1e} of its scale. Something "
+        "may be free to move under the loads; hold it, or raise `most`"
     )
 
 
@@ -138,7 +138,7 @@ def record(result: Result, books: Bookkeeper, report: object) -> None:
 
 
 def natural_time(system: System, inverse: Array) -> float:
-    """In which forces, unopposed by constraints, would move their masses by about a third of the system's size."""
+    """In which forces, without constraints, would move their masses by a tenth of the system's size."""
     at = Instant(system)
     saved = system.x[at.multipliers].copy()
     system.x[at.multipliers] = 0.0
