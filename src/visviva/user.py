@@ -63,8 +63,9 @@ class GeneralizedForce(_OnMeasures):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Potential(_OnMeasures):
-    """Potential given by its energy only: ``energy(e)`` maps measures (n_e, 1) to energies (1,).
+    """Potential given by its energy only: ``energy(e)`` maps measures (n_e, n) to energies (n,).
 
+    The function works elementwise on n states at once (``e[0]`` is the first measure in all of them).
     Stress, tangent and discrete gradient follow by the complex step (differences where the function refuses
     complex numbers).
 
@@ -89,7 +90,7 @@ class Potential(_OnMeasures):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Constraint(_OnMeasures):
-    """Constraints given by their function only: ``function(e) = 0``, measures (n_e, 1) to `n` values (n, 1).
+    """Constraints given by their function only: ``function(e) = 0``, measures (n_e, k) of k states to `n` values (n, k).
 
     The initial state must satisfy them; gradients follow as for `Potential`.
 

@@ -40,7 +40,8 @@ class Force(Component):
     Notes
     -----
     The ledger books ``force . dx`` as work "force", so the balance closes to round-off.
-    A function costs about 10 microseconds per call and needs no derivatives.
+    A function needs no derivatives; it is called once per iteration, for about 30 microseconds each, which
+    ``benchmarks/user_price.py`` measures.
 
     Examples
     --------
@@ -120,14 +121,14 @@ def add_user_force(
     """Generalised forces ``force(t, e, de/dt)``, all (n_e,), conjugate to the strains or forms `of`."""
     f, n = guarded(owner.label, "force", force), len(of)
 
-    def one(t: float, e: Any, rate: Any) -> Any:
-        value = np.asarray(f(t, e, rate))
-        if value.shape != (n,):
-            raise RunError(f"{owner.label}: its force has shape {value.shape}, expected ({n},)")
-        return -value
-
     def stress(t: float, e: Any, rate: Any) -> Any:
-        return np.stack([one(t, a, b) for a, b in zip(e.T, rate.T, strict=True)], axis=1)
+        S = np.empty_like(e)
+        for k in range(e.shape[1]):
+            value = np.asarray(f(t, e[:, k], rate[:, k]))
+            if value.shape != (n,):
+                raise RunError(f"{owner.label}: its force has shape {value.shape}, expected ({n},)")
+            S[:, k] = -value
+        return S
 
     label = f"{owner.label}, its force"
     model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label)))
