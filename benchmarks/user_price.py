@@ -2,7 +2,7 @@
 
     python benchmarks/user_price.py [steps]
 
-One ball on a spring; every variant is the same spring, given in another way. Processor time, best of five runs.
+One ball on a spring; every variant is the same spring, given in another way. Processor time, best of five.
 """
 
 from __future__ import annotations

@@ -90,9 +90,10 @@ class Potential(_OnMeasures):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Constraint(_OnMeasures):
-    """Constraints given by their function only: ``function(e) = 0``, measures (n_e, k) of k states to `n` values (n, k).
+    """Constraints given by their function only: ``function(e) = 0``.
 
-    The initial state must satisfy them; gradients follow as for `Potential`.
+    The function maps measures (n_e, k) of k states at once to `n` values (n, k). The initial state must
+    satisfy it; gradients follow as for `Potential`.
 
     Examples
     --------
