@@ -153,7 +153,22 @@ class Joint(Component):
             lam = float(x[self._multipliers.start + k])
             for u, g in e.gradient(x).items():
                 force[u] = force.get(u, 0.0) - lam * g
+        for name, field in self._coordinates.items():  # massless: what acts on them, the bodies feel
+            passed = force.pop(field.start, 0.0)
+            for u, g in self._slope(name, x).items():
+                force[u] = force.get(u, 0.0) + passed * g
         return force
+
+    def _slope(self, coordinate: str, x: Array) -> dict[int, float]:
+        """Derivatives of a coordinate by the unknowns of the bodies."""
+        if coordinate == "stroke":
+            return stroke_strain(*self.sides).gradient(x)
+        cosine, sine = angle_strains(*self.sides)
+        c, s = cosine.value(x), sine.value(x)
+        slope = {u: c * g / (c * c + s * s) for u, g in sine.gradient(x).items()}
+        for u, g in cosine.gradient(x).items():
+            slope[u] = slope.get(u, 0.0) - s * g / (c * c + s * s)
+        return slope
 
 
 def angle_strains(A: Side, B: Side) -> tuple[Strain, Strain]:
