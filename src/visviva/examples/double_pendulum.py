@@ -1,0 +1,34 @@
+"""Double pendulum: two point masses on massless bars, both horizontal at rest; chaotic, compare up to 5 s only."""
+
+from __future__ import annotations
+
+import visviva as vv
+
+
+def study(
+    mass: float = 1.0, length: float = 1.0, gravity: float = 9.81, until: float = 5.0, step: float = 0.005
+) -> vv.Study:
+    """Two equal bobs on equal bars along +x, gravity along -y."""
+    ground = vv.Ground()
+    inner = vv.PointMass(mass=mass, position=(length, 0, 0), name="inner")
+    outer = vv.PointMass(mass=mass, position=(2 * length, 0, 0), name="outer")
+    bars = [
+        vv.Distance(a=ground.point(), b=inner.point(), name="inner bar"),
+        vv.Distance(a=inner.point(), b=outer.point(), name="outer bar"),
+    ]
+    system = vv.System([ground, inner, outer, *bars, vv.Gravity(acceleration=(0, -gravity, 0))])
+    pivot, p, q = (c.point().position for c in (ground, inner, outer))
+    return vv.Study(
+        system,
+        until,
+        step,
+        probes={"inner": p, "outer": q, "inner_bar_force": lambda s: vv.reaction(s, bars[0])[0]},
+        trails=("outer",),
+        ropes=[(pivot, p), (p, q)],
+        title="Double pendulum",
+    )
+
+
+def check(result: vv.Result) -> None:
+    """Energy and the lengths of the bars."""
+    result.assert_conserved("energy", "constraints")

@@ -1,0 +1,41 @@
+"""Simple pendulum of the IFToMM benchmark library (A01): a point mass on a massless bar, released horizontally.
+
+The exact motion is an elliptic function: the period from `angle` 90 degrees is 2.36784194757623745 s.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import visviva as vv
+
+
+def study(
+    mass: float = 1.0,
+    length: float = 1.0,
+    gravity: float = 9.81,
+    angle: float = 90.0,
+    until: float = 10.0,
+    step: float = 0.01,
+) -> vv.Study:
+    """Released from rest at `angle` degrees from the downward vertical, towards -x; gravity along -y."""
+    phi = np.radians(angle)
+    ground = vv.Ground()
+    bob = vv.PointMass(mass=mass, position=(-length * np.sin(phi), -length * np.cos(phi), 0), name="bob")
+    bar = vv.Distance(a=ground.point(), b=bob.point(), length=length, name="bar")
+    system = vv.System([ground, bob, bar, vv.Gravity(acceleration=(0, -gravity, 0))])
+    place = bob.point().position
+    probes = {
+        "bob": place,
+        "bar_force": lambda s: vv.reaction(s, bar)[0],
+        "tension": lambda s: np.linalg.norm(vv.reaction(s, bar)[0]),
+    }
+    pivot = ground.point().position
+    title = "Simple pendulum (IFToMM A01)"
+    return vv.Study(system, until, step, probes=probes, trails=("bob",), ropes=[(pivot, place)], title=title)
+
+
+def check(result: vv.Result) -> None:
+    """Energy, and the angular momentum that vanishes in the plane of motion."""
+    result.assert_conserved("energy", "constraints")
+    assert abs(result.states[-1][2]) < 1e-12

@@ -1,0 +1,41 @@
+"""A body on a vertical screw without friction: it falls and turns, angle'' = -m g h / (J + m h^2), h = pitch / 2 pi."""
+
+from __future__ import annotations
+
+import visviva as vv
+
+
+def study(
+    mass: float = 2.0,
+    inertia: float = 0.05,
+    pitch: float = 0.3,
+    rate: float = 0.0,
+    gravity: float = 9.81,
+    until: float = 1.0,
+    step: float = 0.01,
+) -> vv.Study:
+    """Nut of `mass` and axial `inertia`, turning with `rate` at the start; gravity along -z."""
+    ground = vv.Ground()
+    nut = vv.RigidBody(
+        mass=mass,
+        inertia=(inertia, inertia, inertia),
+        shape=vv.Box(size=(0.5, 0.2, 0.1)),
+        velocity=(0, 0, pitch / 6.283185307179586 * rate),
+        angular_velocity=(0, 0, rate),
+        name="nut",
+    )
+    thread = vv.Screw(a=ground, b=nut, at=(0, 0, 0), axis=(0, 0, 1), pitch=pitch, name="thread")
+    system = vv.System([ground, nut, thread, vv.Gravity(acceleration=(0, 0, -gravity))])
+    probes = {
+        "angle": thread.coordinate(),
+        "nut": nut.point().position,
+        "tip": nut.point((0.25, 0, 0)).position,
+        "force": lambda s: vv.reaction(s, thread)[0],
+        "torque": lambda s: vv.reaction(s, thread)[1],
+    }
+    return vv.Study(system, until, step, probes=probes, trails=("tip",), title="Screw")
+
+
+def check(result: vv.Result) -> None:
+    """Energy and the thread."""
+    result.assert_conserved("energy", "constraints")

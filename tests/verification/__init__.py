@@ -1,0 +1,1 @@
+"""Mechanisms against independent references: convergence orders, conserved quantities, reactions."""
