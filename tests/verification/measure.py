@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,10 +45,10 @@ def orders(errors: ArrayLike) -> Array:
 
 
 def extrapolated(values: Sequence[Array]) -> Array:
-    """Richardson's extrapolation in even powers of the step, from steps halved each time (the last is finest)."""
+    """Richardson's extrapolation in even powers of the step, from steps halved each time, finest last."""
     row, factor = list(values), 4.0
     while len(row) > 1:
-        row = [b + (b - a) / (factor - 1.0) for a, b in zip(row, row[1:], strict=False)]
+        row = [b + (b - a) / (factor - 1.0) for a, b in pairwise(row)]
         factor *= 4.0
     return row[0]
 
@@ -79,8 +80,8 @@ def follow(study: vv.Study, names: Sequence[str], times: ArrayLike) -> tuple[Arr
 def reaction_at(result: vv.Result, joint: vv.joint.base.Joint, k: int) -> tuple[Array, Array]:
     """Force and torque of a joint on its partner b at the k-th of all kept states, second order in the step.
 
-    Multipliers belong to the middle of a step and alternate about their mean by an amount of first order, so those
-    of the steps before and after are averaged, at the configuration between.
+    Multipliers belong to the middle of a step and alternate about their mean by an amount of first order, so
+    those of the steps before and after are averaged, at the configuration between.
     """
     system, now = result.system, result.system.x.copy()
     between = result.states[k].copy()

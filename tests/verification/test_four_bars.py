@@ -1,4 +1,4 @@
-"""Four-bars: crank-rocker and N parallel loops (IFToMM A02), with redundant constraints and singular positions."""
+"""Four-bars: crank-rocker and N parallel loops (IFToMM A02): redundant constraints, singular positions."""
 
 from __future__ import annotations
 

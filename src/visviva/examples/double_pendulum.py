@@ -1,4 +1,4 @@
-"""Double pendulum: two point masses on massless bars, both horizontal at rest; chaotic, compare up to 5 s only."""
+"""Double pendulum: two point masses on massless bars, both horizontal at rest; chaotic after 5 s."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Crank-rocker: crank 0.5, coupler 1.8, rocker 1.5, ground 2 (slender rods of 1 kg); the crank goes round.
 
-All four hinges are revolute joints in space, so that three of the twenty constraints of the loop are redundant.
+All four hinges are revolute joints in space, so that three of their twenty constraints are redundant.
 """
 
 from __future__ import annotations

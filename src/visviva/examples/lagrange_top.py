@@ -1,7 +1,7 @@
 """Lagrange's top: a cone on its tip, spinning so that it precesses steadily, or started without precession.
 
-Steady precession with 10 rad/s at 60 degrees needs the spin 135.6 rad/s; without initial precession the same top falls
-and rises periodically, with cusps in the path of its axis.
+Steady precession with 10 rad/s at 60 degrees needs the spin 135.6 rad/s; without initial precession the same
+top falls and rises periodically, with cusps in the path of its axis.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def study(
     until: float = 1.2,
     step: float = 0.001,
 ) -> vv.Study:
-    """Cone of radius 0.05, height 0.1, density 2700, tilted by `nutation` degrees; precession 0 gives cusps."""
+    """Cone (radius 0.05, height 0.1, density 2700) tilted by `nutation` degrees; precession 0: cusps."""
     c, s = np.cos(np.radians(nutation)), np.sin(np.radians(nutation))
     tilt = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
     ground = vv.Ground()

@@ -1,7 +1,7 @@
 """N-four-bar mechanism of the IFToMM benchmark library (A02): parallel cranks joined by rods.
 
-Twice per turn all rods lie on one line: there the mechanism has more freedoms and other branches meet. A faithful
-solution stays on the parallelogram branch, where the exact motion is an elliptic function.
+Twice per turn all rods lie on one line: there the mechanism has more freedoms and other branches meet. A
+faithful solution stays on the parallelogram branch, where the exact motion is an elliptic function.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Simple pendulum of the IFToMM benchmark library (A01): a point mass on a massless bar, released horizontally.
+"""Simple pendulum of the IFToMM benchmark library (A01): a point mass on a massless bar, starting at rest.
 
 The exact motion is an elliptic function: the period from `angle` 90 degrees is 2.36784194757623745 s.
 """

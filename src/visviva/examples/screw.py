@@ -1,6 +1,11 @@
-"""A body on a vertical screw without friction: it falls and turns, angle'' = -m g h / (J + m h^2), h = pitch / 2 pi."""
+"""A body on a vertical screw without friction falls and turns.
+
+The angular acceleration is -m g h / (J + m h^2) with h = pitch / 2 pi.
+"""
 
 from __future__ import annotations
+
+import numpy as np
 
 import visviva as vv
 
@@ -20,7 +25,7 @@ def study(
         mass=mass,
         inertia=(inertia, inertia, inertia),
         shape=vv.Box(size=(0.5, 0.2, 0.1)),
-        velocity=(0, 0, pitch / 6.283185307179586 * rate),
+        velocity=(0, 0, pitch / (2 * np.pi) * rate),
         angular_velocity=(0, 0, rate),
         name="nut",
     )

@@ -1,4 +1,4 @@
-"""Three rods on ball joints, 30 degrees below the horizontal, spinning about their axes (total energy 25.74 J)."""
+"""Three rods on ball joints, 30 degrees below the horizontal, spinning about their axes (25.74 J in all)."""
 
 from __future__ import annotations
 
