@@ -24,6 +24,10 @@ struct Directors {
     double d[9];  // d1, d2, d3
 };
 
+double along(const Directors& f, int k, const double* t) {
+    return f.d[3 * k] * t[0] + f.d[3 * k + 1] * t[1] + f.d[3 * k + 2] * t[2];
+}
+
 Directors gather(const RigidUnknowns& body, const double* x) {
     Directors f;
     for (int k = 0; k < 9; ++k) f.d[k] = x[body.q[3 + k]];
@@ -197,10 +201,10 @@ class NullSpace : public LinearSolver {
         double left[6 * 12];
         int n = rows;
         if (rigid_of_[g.i] >= 0) {
-            const Directors f = gather(rigid_[rigid_of_[g.i]], place);
+            const RigidUnknowns& body = rigid_[rigid_of_[g.i]];
             if (cols > 12) wide_.assign(static_cast<std::size_t>(6) * cols, 0.0);
             double* l = cols > 12 ? wide_.data() : left;
-            reduce_rows(a, cols, f, l);
+            reduce_rows(a, cols, gather(body, place), gather(body, place.x1), l);
             a = l, n = 6;
         }
         const LuBlock& target = g.target;
@@ -214,11 +218,12 @@ class NullSpace : public LinearSolver {
             double t[3] = {0, 0, 0};
             for (int k = 0; k < 3; ++k) cross_add(f.d + 3 * k, a + i * cols + 3 + 3 * k, t);
             for (int c = 0; c < 3; ++c) target(i, c) += a[i * cols + c];
-            for (int c = 0; c < 3; ++c) target(i, 3 + c) += t[c];
+            for (int c = 0; c < 3; ++c) target(i, 3 + c) += along(f, c, t);
         }
     }
 
-    static void reduce_rows(const double* a, int cols, const Directors& f, double* l) {
+    // Rows of forces to force and torque; the torque by its components along the directors f1.
+    static void reduce_rows(const double* a, int cols, const Directors& f, const Directors& f1, double* l) {
         for (int j = 0; j < cols; ++j) {
             double t[3] = {0, 0, 0};
             for (int k = 0; k < 3; ++k) {
@@ -226,7 +231,7 @@ class NullSpace : public LinearSolver {
                                          a[(5 + 3 * k) * cols + j]};
                 cross_add(f.d + 3 * k, force, t);
             }
-            for (int c = 0; c < 3; ++c) l[c * cols + j] = a[c * cols + j], l[(3 + c) * cols + j] = t[c];
+            for (int c = 0; c < 3; ++c) l[c * cols + j] = a[c * cols + j], l[(3 + c) * cols + j] = along(f1, c, t);
         }
     }
 

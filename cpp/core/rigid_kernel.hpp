@@ -16,6 +16,8 @@ VISVIVA_INLINE void cross_add(const V* a, const V* b, V* c) {
     c[2] += a[0] * b[1] - a[1] * b[0];
 }
 
+VISVIVA_INLINE V dot(const V* a, const V* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 VISVIVA_INLINE void clear(V* a, int n) {
     for (int k = 0; k < n; ++k) a[k] = broadcast(0.0);
 }
@@ -38,16 +40,18 @@ VISVIVA_INLINE void put(V a, const int* index, int offset, int n, double* x) {
     for (int l = 0; l < n; ++l) x[index[l] + offset] = a[l];
 }
 
-// s = P(q_g)^T (-r)
+// s = P(q_g)^T (-r), the torque by its components along the directors: there the inertia of a body stays the same
+// while it turns, and a factorisation lasts.
 void rigid_force(const RigidView& v, const double* r, const Place& p, double* s) {
     for (int base = 0; base < v.n; base += W) {
-        const Frame f = frame_between(gather_frame(v, p.x1, base), v, p, base), force = gather_frame(v, r, base);
+        const Frame f1 = gather_frame(v, p.x1, base), f = frame_between(f1, v, p, base);
+        const Frame force = gather_frame(v, r, base);
         V torque[3];
         clear(torque, 3);
         for (int k = 0; k < 3; ++k) cross_add(force.d + 3 * k, f.d + 3 * k, torque);
         for (int c = 0; c < 3; ++c) {
             put(-gather(r, v.q + c * v.stride + base), v.at + base, c, count(v, base), s);
-            put(torque[c], v.at + base, 3 + c, count(v, base), s);
+            put(dot(f1.d + 3 * c, torque), v.at + base, 3 + c, count(v, base), s);
         }
     }
 }
@@ -101,7 +105,9 @@ void rigid_expand(const RigidView& v, const double* s, const double* r, const Pl
         V u[6], change[9], lambda[6];
         for (int c = 0; c < 6; ++c) u[c] = gather(s + c, v.at + base);
         const Frame f1 = gather_frame(v, p.x1, base);
-        rotate(f1, u + 3, change);
+        V turn[3];
+        for (int c = 0; c < 3; ++c) turn[c] = u[3] * f1.d[c] + u[4] * f1.d[3 + c] + u[5] * f1.d[6 + c];
+        rotate(f1, turn, change);
         for (int c = 0; c < 3; ++c) put(u[c], v.q + c * v.stride + base, 0, n, d);
         for (int k = 0; k < 9; ++k) put(change[k], v.q + (3 + k) * v.stride + base, 0, n, d);
         rigidity(frame_between(f1, v, p, base), gather_frame(v, r, base), lambda);

@@ -12,7 +12,7 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
     for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
-                    &v_last_, &v_next_, &a_next_, &w_next_})
+ &v_next_, &a_next_, &w_next_})
         u->assign(n_ + 1, 0.0);
     for (int i = 0; i < n_; ++i)
         if (segments_.empty() || segments_.back().order != order_[i])
@@ -31,7 +31,8 @@ void System::set_accounts(int n_accounts, int n_components) {
 
 void System::finalize() {
     wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
-    spin_last_.assign(3 * blocks_.rigid.size(), 0.0);
+    predictor_.resize(n_, blocks_.rigid);
+    n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
     csr_.equation.assign(n_, -1);
     for (int i = 0; i < n_; ++i)
         if (!fixed_[i]) {
@@ -83,57 +84,22 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
 
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 
-// Explicit extrapolation of the motion; multipliers start from their last values.
+// The start of the iteration: motion extrapolated, multipliers from their last values, prescribed unknowns as set.
 void System::predict(const Step& step) {
-    const double h = step.h, curvature = h_last_ > 0 && step.motion[0][0] != 0 ? 0.5 * h * h / h_last_ : 0;
-    const bool moves = step.motion[0][0] != 0, flows = step.transport[0][0] != 0;
-    for (const Segment& s : segments_)
-        for (int i = s.begin; i < s.end; ++i) {
-            if (fixed_[i]) continue;  // what was prescribed stays
-            const bool goes = s.order == 2 ? moves : s.order == 1 && flows;
-            dx[i] = goes ? h * v[i] + (s.order == 2 ? curvature * (v[i] - v_last_[i]) : 0) : 0;
-        }
-    if (moves) predict_rotations(h);
+    const std::vector<double> prescribed = n_fixed_ ? dx : std::vector<double>();
+    for (const Segment& s : segments_) {
+        const bool goes = s.order == 2 ? step.motion[0][0] != 0 : s.order == 1 && step.transport[0][0] != 0;
+        if (goes)
+            predictor_.predict(s.begin, s.end, step.h, v.data(), dx.data());
+        else if (s.order == 0)
+            predictor_.predict_multipliers(s.begin, s.end, step.h, dx.data());
+        else
+            std::fill(dx.begin() + s.begin, dx.begin() + s.end, 0.0);
+    }
+    if (step.motion[0][0] != 0) predictor_.predict_rotations(step.h, x.data(), v.data(), dx.data());
+    for (int i = 0; n_fixed_ && i < n_; ++i)
+        if (fixed_[i]) dx[i] = prescribed[i];
     set_base_rates(step);
-}
-
-// Angular velocity (d_i x d_i') / 2 of a body from its directors' velocities.
-void System::angular_velocity(const RigidUnknowns& body, double* spin) const {
-    spin[0] = spin[1] = spin[2] = 0;
-    for (int k = 0; k < 3; ++k) {
-        const int* q = body.q + 3 + 3 * k;
-        for (int c = 0; c < 3; ++c) {
-            const int i = q[(c + 1) % 3], j = q[(c + 2) % 3];
-            spin[c] += 0.5 * (x[i] * v[j] - x[j] * v[i]);
-        }
-    }
-}
-
-// Directors turn by the Cayley rotation of the extrapolated angular velocity: what a steadily spinning body
-// does under the midpoint rule at any step length.
-void System::predict_rotations(double h) {
-    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b) {
-        const RigidUnknowns& body = blocks_.rigid[b];
-        double spin[3];
-        angular_velocity(body, spin);
-        for (int c = 0; c < 3; ++c) {
-            const double last = spin_last_[3 * b + c];
-            spin[c] = h * (spin[c] + (h_last_ > 0 ? 0.5 * h / h_last_ * (spin[c] - last) : 0));
-        }
-        const double f = 1 / (1 + 0.25 * (spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]));
-        auto cross = [&](const double* a, double* r) {
-            for (int c = 0; c < 3; ++c)
-                r[c] = spin[(c + 1) % 3] * a[(c + 2) % 3] - spin[(c + 2) % 3] * a[(c + 1) % 3];
-        };
-        for (int k = 0; k < 3; ++k) {
-            const int* q = body.q + 3 + 3 * k;
-            double d[3] = {x[q[0]], x[q[1]], x[q[2]]}, once[3], twice[3];
-            cross(d, once);
-            cross(once, twice);
-            for (int c = 0; c < 3; ++c)
-                if (!fixed_[q[c]]) dx[q[c]] = f * (once[c] + 0.5 * twice[c]);
-        }
-    }
 }
 
 void System::set_base_rates(const Step& step) {
@@ -196,6 +162,15 @@ bool System::refactor(const Context& c, const Step& step) {
     return solver_->factor(values_.data(), place(step));
 }
 
+// How far the predicted step goes, relative to the unknowns' scales; 1 where nothing is predicted.
+double System::extent() const {
+    double largest = 0;
+    for (const Segment& s : segments_)
+        for (int i = s.begin; s.order > 0 && i < s.end; ++i)
+            largest = std::max(largest, std::abs(dx[i]) * inverse_scale_[i]);
+    return largest > 0 ? largest : 1;
+}
+
 int System::worst() const {
     double largest = 0;
     int worst = -1;
@@ -226,8 +201,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const bool full = options.keep_factor <= 0;
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
-    bool fresh = false;
-    double last = 0;
+    int fresh = options.max_iterations;  // iteration that made the tangent, if this step did
+    double last = 0, rho_last = 1;
+    noise_ *= 0.9;
     auto fail = [&](const std::string& reason, int unknown) {
         report.reason = reason;
         report.worst_unknown = unknown;
@@ -235,13 +211,15 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         return report;
     };
     update_vectors(step);
+    // Velocities are increments by the step length: errors are judged against the increment of the whole step.
+    const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
         evaluate_residual(context, !solver_->keeps_rigidity());
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
             if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
-            stale_factor_ = false, fresh = true;
+            stale_factor_ = false, fresh = k;
         }
         solver_->solve(r_.data(), place(step), d_.data());
         const double size = iterate(step);
@@ -256,14 +234,17 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         const double error = (full || (refresh && k > 0)) ? rho * rho * size
                              : slowest < 1                ? slowest / (1 - slowest) * size
                                                           : size;
-        const bool stagnates = k > 0 && fresh && size < 1e-10 && rho > 0.3;  // rounding, not convergence
-        if (size <= options.tolerance || error <= options.tolerance || stagnates) {
+        // Contraction that stops all at once, or with the tangent just made, has met rounding; how large that is
+        // is remembered for the next steps.
+        const bool stops = k > 0 && rho > 0.3 && (fresh < k ? size < 1e-10 : size < 1e-12 && rho_last < 0.1);
+        if (stops && size < 1e-12) noise_ = size;
+        if (stops || std::min(size, error) <= std::max(tolerance, 1.5 * noise_)) {
             report.converged = true;
-            iterations_last_ = fresh ? 0 : report.iterations;
+            iterations_last_ = fresh <= k ? 0 : report.iterations;
             return report;
         }
         refresh = full || (k > 0 && rho > options.keep_factor);
-        last = size;
+        last = size, rho_last = rho;
     }
     return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
 }
@@ -299,10 +280,7 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     // Functions from outside may throw in here; the accepted state is still the old one then.
     if (ledger) book(context, v_next_.data());
     for (const auto& term : terms_) term->accept(context);
-    std::copy(v.begin(), v.end(), v_last_.begin());
-    for (std::size_t b = 0; b < blocks_.rigid.size(); ++b)
-        angular_velocity(blocks_.rigid[b], &spin_last_[3 * b]);
-    h_last_ = step.h;
+    predictor_.record(x.data(), dx.data(), step.h);
     std::copy(v_next_.begin(), v_next_.end(), v.begin());
     std::copy(a_next_.begin(), a_next_.end(), a.begin());
     std::copy(w_next_.begin(), w_next_.end(), w.begin());
@@ -321,10 +299,9 @@ void System::take_stock(const Step& step, const Signals& signals) {
 }
 
 std::vector<double> System::memory() const {
-    std::vector<double> m = {h_last_, contraction_, static_cast<double>(iterations_last_),
+    std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
-    m.insert(m.end(), v_last_.begin(), v_last_.end());
-    m.insert(m.end(), spin_last_.begin(), spin_last_.end());
+    predictor_.write(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
@@ -339,13 +316,11 @@ std::vector<double> System::memory() const {
 void System::remember(const std::vector<double>& memory) {
     const double* m = memory.data();
     touch();
-    const double h_last = m[0], contraction = m[1];
+    const double contraction = m[0];
+    const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
-    std::copy(m + 4, m + 4 + v_last_.size(), v_last_.begin());
-    m += 4 + v_last_.size();
-    std::copy(m, m + spin_last_.size(), spin_last_.begin());
-    m += spin_last_.size();
+    m = predictor_.read(m + 4);
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -370,7 +345,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    h_last_ = h_last, contraction_ = contraction, iterations_last_ = iterations_last;
+    noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {

@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "linear.hpp"
+#include "predictor.hpp"
 #include "term.hpp"
 
 namespace visviva {
 
 struct NewtonOptions {
-    // Largest estimated error of an accepted iterate, relative to each unknown's own scale.
-    double tolerance = 1e-14;
+    // Largest estimated error of an accepted iterate, relative to each unknown's own scale and to the step's extent.
+    double tolerance = 1e-13;
     int max_iterations = 25;
     // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full Newton.
     double keep_factor = 0.3;
@@ -50,7 +51,7 @@ class System {
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
     // After the state vectors were changed from outside.
-    void touch() { stale_begin_ = stale_factor_ = true, h_last_ = 0, contraction_ = 1, iterations_last_ = 0; }
+    void touch() { stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0, predictor_.forget(); }
 
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
@@ -71,12 +72,11 @@ class System {
   private:
     void predict(const Step&);
     void set_base_rates(const Step&);
-    void predict_rotations(double h);
-    void angular_velocity(const RigidUnknowns& body, double* w) const;
     void update_vectors(const Step&);
     void evaluate_residual(const Context&, bool all);
     bool refactor(const Context&, const Step&);
     int worst() const;
+    double extent() const;
     double iterate(const Step&);
     Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();
@@ -95,10 +95,11 @@ class System {
     };
     std::vector<Segment> segments_;
     bool wants_rates_ = false;
-    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, v_last_, spin_last_;
+    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
-    double h_last_ = 0, contraction_ = 1;
-    int iterations_last_ = 0;
+    double contraction_ = 1, noise_ = 0;
+    int iterations_last_ = 0, n_fixed_ = 0;
+    Predictor predictor_;
     bool stale_begin_ = true, stale_factor_ = true;
     Step factored_;
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made

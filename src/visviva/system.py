@@ -34,7 +34,8 @@ class Newton:
     Parameters
     ----------
     tolerance : float
-        Largest estimated error of an accepted iterate, relative to each unknown's own scale.
+        Largest estimated error of an accepted iterate, relative to each unknown's own scale and to how far the step
+        goes.
     max_iterations : int
         After this many the step has failed.
     keep_factor : float
@@ -44,7 +45,7 @@ class Newton:
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     """
 
-    tolerance: float = 1e-14
+    tolerance: float = 1e-13
     max_iterations: int = 25
     keep_factor: float = 0.3
     null_space: bool | None = None
