@@ -16,6 +16,7 @@ from visviva.values import Number
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.system import System
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -54,6 +55,13 @@ class Motor(OnJoint):
     def contribute(self, model: Model) -> None:
         self._multipliers = model.multipliers(self, "reaction", 1, stage=2)
         model.constrain(self, self._multipliers, [self.form], targets=[self.motion])
+
+    def effort(self, system: System) -> float:
+        """Torque (on an angle) or force (on a stroke) that the motor exerts, positive along the coordinate.
+
+        With the midpoint schemes it belongs to the middle of the last step.
+        """
+        return -float(system.x[self._multipliers.start])
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
