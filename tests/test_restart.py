@@ -10,10 +10,12 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+
 import visviva as vv
 from visviva.examples import crane, four_bar
 from visviva.output import Trajectory, load_state, read_table
@@ -29,16 +31,21 @@ def chain(scheme: vv.Scheme) -> vv.Study:
     """Rods hanging between two walls, a loop through the ground, with a motor and a damper at its ends."""
     ground, parts = vv.Ground(), []
     rods = [
-        vv.RigidBody(mass=1 + k, inertia=(0.1, 0.02, 0.1), position=(k + 0.5, 0, 0), angular_velocity=(0, 0, 0))
+        vv.RigidBody(
+            mass=1 + k, inertia=(0.1, 0.02, 0.1), position=(k + 0.5, 0, 0), angular_velocity=(0, 0, 0)
+        )
         for k in range(3)
     ]
     hinges = [vv.Revolute(a=ground, b=rods[0], at=(0, 0, 0), axis=(0, 1, 0), angle=True)]
     hinges += [
         vv.Revolute(a=a, b=b, at=(k + 1, 0, 0), axis=(0, 1, 0), angle=True)
-        for k, (a, b) in enumerate(zip(rods, rods[1:]))
+        for k, (a, b) in enumerate(pairwise(rods))
     ]
     rope = vv.Distance(a=ground.point((4, 0, 2)), b=rods[-1].point((0.5, 0, 0)))
-    parts += [vv.JointDamper(joint=hinges[1], damping=0.3), vv.Motor(joint=hinges[0], motion=lambda t: 0.5 * t**3)]
+    parts += [
+        vv.JointDamper(joint=hinges[1], damping=0.3),
+        vv.Motor(joint=hinges[0], motion=lambda t: 0.5 * t**3),
+    ]
     system = vv.System([ground, *rods, *hinges, rope, *parts, vv.Gravity()])
     probes = {"tip": rods[-1].point((0.5, 0, 0)).position, "torque": lambda s: vv.reaction(s, hinges[1])[1]}
     return vv.Study(system, UNTIL, 0.01, scheme, probes=probes)
@@ -231,8 +238,10 @@ def test_kill_9_leaves_a_run_that_resumes(seed: int, tmp_path: Path) -> None:
     run(crane.study(until=3.0, step=0.005), directory, resume=True)
     run(crane.study(until=3.0, step=0.005), tmp_path / "whole")
     assert_same(tmp_path / "whole", directory)
-    with Trajectory(directory / "trajectory.vtkhdf") as a, Trajectory(
-        tmp_path / "whole" / "trajectory.vtkhdf"
-    ) as b:
+    with (
+        Trajectory(directory / "trajectory.vtkhdf") as a,
+        Trajectory(tmp_path / "whole" / "trajectory.vtkhdf") as b,
+    ):
         assert a.times.tolist() == b.times.tolist()
-        assert all((p == q).all() for p, q in zip(a.points(-1 + len(a.times)), b.points(-1 + len(b.times))))
+        last = len(a.times) - 1
+        assert all((p == q).all() for p, q in zip(a.points(last), b.points(last), strict=True))

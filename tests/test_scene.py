@@ -1,4 +1,4 @@
-"""Scene files: round trips, the same bits as Python, refusals by file, line, key and nearest name, JSON Schema."""
+"""Scene files: round trips, the same bits as Python, refusals by file, line and key, JSON Schema."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-import visviva as vv
 import yaml
+
+import visviva as vv
 from visviva.examples import crane
 from visviva.scene import read_scene, scene_schema, write_scene
 from visviva.scene.language import components
@@ -28,7 +29,11 @@ def mechanism() -> vv.System:
     """Many kinds of components, arguments and references."""
     ground = vv.Ground()
     arm = vv.RigidBody(
-        shape=vv.Box(size=(1, 0.1, 0.2)), density=300.0, position=(0.5, 0, 0), angular_velocity=(0, 0, 0.1), name="arm"
+        shape=vv.Box(size=(1, 0.1, 0.2)),
+        density=300.0,
+        position=(0.5, 0, 0),
+        angular_velocity=(0, 0, 0.1),
+        name="arm",
     )
     sled = vv.RigidBody(
         mass=2.0, inertia=[[1, 0.1, 0], [0.1, 1.2, 0], [0, 0, 0.9]], centre=(0.1, 0, 0), position=(2, 0, 0)
@@ -95,7 +100,7 @@ def test_python_functions_and_own_classes_are_refused(tmp_path: Path) -> None:
     ):
         with pytest.raises(vv.InputError, match=message):
             write_scene(system, tmp_path / "no.yaml")
-    with pytest.raises(vv.InputError, match="probe 'rope_length' is a form or a function|probe 'crane_angle'"):
+    with pytest.raises(vv.InputError, match=r"probe 'crane_angle' is a form or a function"):
         write_scene(crane.study(), tmp_path / "no.yaml")
     assert not (tmp_path / "no.yaml").exists()
 
@@ -121,26 +126,54 @@ BAD: dict[str, tuple[list[str], Any, str]] = {
     # name: key path, value, message
     "unknown section": (["sytem"], {}, r"scene\.yaml:\d+: sytem: unknown key; did you mean 'system'\?"),
     "unknown class": (["system", "girder"], {"RigidBdy": {}}, r"RigidBdy: there is no class.*'RigidBody'"),
-    "unknown argument": (["system", "girder", "RigidBody", "mas"], 3, r"girder\.RigidBody\.mas: unknown key.*'mass'"),
+    "unknown argument": (
+        ["system", "girder", "RigidBody", "mas"],
+        3,
+        r"girder\.RigidBody\.mas: unknown key.*'mass'",
+    ),
     "missing argument": (["system", "girder"], {"PointMass": {}}, r"girder\.PointMass: needs the key 'mass'"),
-    "wrong length": (["system", "girder", "RigidBody", "position"], [1, 2], r"position: expected a list of 3 numbers"),
+    "wrong length": (
+        ["system", "girder", "RigidBody", "position"],
+        [1, 2],
+        r"position: expected a list of 3 numbers",
+    ),
     "not a number": (["system", "girder", "RigidBody", "mass"], "heavy", r"mass: .*valid number.*'heavy'"),
     "nan": (["system", "girder", "RigidBody", "mass"], float("nan"), r"RigidBody\.mass: .*finite number"),
-    "nan in a list": (["system", "girder", "RigidBody", "velocity"], [0, float("nan"), 0], r"velocity: .*finite"),
+    "nan in a list": (
+        ["system", "girder", "RigidBody", "velocity"],
+        [0, float("nan"), 0],
+        r"velocity: .*finite",
+    ),
     "infinite": (["system", "hinge", "Revolute", "at"], [0, float("inf"), 0], r"at: .*finite"),
-    "dangling": (["system", "hinge", "Revolute", "b"], "girdr", r"hinge\.Revolute\.b: there is no component.*'girder'"),
+    "dangling": (
+        ["system", "hinge", "Revolute", "b"],
+        "girdr",
+        r"hinge\.Revolute\.b: there is no component.*'girder'",
+    ),
     "itself": (["system", "hinge", "Revolute", "b"], "ground", r"hinge.*joins Ground 'ground' with itself"),
-    "circle": (["system", "hinge", "Revolute", "b"], "hinge", r"b: refers to itself by way of hinge -> hinge"),
+    "circle": (
+        ["system", "hinge", "Revolute", "b"],
+        "hinge",
+        r"b: refers to itself by way of hinge -> hinge",
+    ),
     "no body": (["system", "hinge", "Revolute", "b"], 7, r"b: expected the name of a component"),
     "point": (["system", "hinge", "Revolute", "b"], {"frame": "girder", "y": 1}, r"b\.y: unknown key"),
-    "point numbers": (["system", "hinge", "Revolute", "b"], {"frame": "girder", "X": [0, 0]}, r"b\.X: expected 3 finite"),
+    "point numbers": (
+        ["system", "hinge", "Revolute", "b"],
+        {"frame": "girder", "X": [0, 0]},
+        r"b\.X: expected 3 finite",
+    ),
     "axes": (
         ["system", "hinge", "Revolute", "b"],
         {"frame": "girder", "axes": [[1, 0, 0], [0, 0, 1], [0, 1, 0]]},
         r"not right-handed and orthonormal",
     ),
     "no attachment": (["system", "hinge", "Revolute", "b"], {"pont": "girder"}, r"b\.pont: .*'point'"),
-    "negative mass": (["system", "girder", "RigidBody", "mass"], -1.0, r"girder\.RigidBody: .*mass -1 is not positive"),
+    "negative mass": (
+        ["system", "girder", "RigidBody", "mass"],
+        -1.0,
+        r"girder\.RigidBody: .*mass -1 is not positive",
+    ),
     "zero mass": (["system", "girder"], {"PointMass": {"mass": 0}}, r"mass 0 is not positive"),
     "left-handed": (
         ["system", "girder", "RigidBody", "rotation"],
@@ -149,7 +182,11 @@ BAD: dict[str, tuple[list[str], Any, str]] = {
     ),
     "triangle inequality": (["system", "girder", "RigidBody", "inertia"], [1, 1, 3], r"girder"),
     "shape": (["system", "girder", "RigidBody", "shape"], {"Bx": {"size": [1, 1, 1]}}, r"shape\.Bx: .*'Box'"),
-    "shape size": (["system", "girder", "RigidBody", "shape"], {"Box": {"size": [1, 1, -1]}}, r"Box\.size.*greater than 0"),
+    "shape size": (
+        ["system", "girder", "RigidBody", "shape"],
+        {"Box": {"size": [1, 1, -1]}},
+        r"Box\.size.*greater than 0",
+    ),
     "expression": (
         ["system", "motor"],
         {"Motor": {"joint": "hinge", "motion": "2*sine(t)"}},
@@ -238,7 +275,8 @@ def test_changes_by_dotted_path() -> None:
     file = EXAMPLES / "crane.yaml"
     study = read_scene(file, {
         "girder.mass": 90.0, "system.load.PointMass.mass": 7.0, "run.step": 0.02, "trolley.position.2": 0.5,
-        "run.scheme": {"GeneralizedAlpha": {"rho": 0.5}}, "newton.tolerance": 1e-12, "load.velocity": [0, 1, 0],
+        "run.scheme": {"GeneralizedAlpha": {"rho": 0.5}}, "newton.tolerance": 1e-12,
+        "load.velocity": [0, 1, 0],
     })  # fmt: skip
     parts = {c.name: c for c in study.system.components}
     assert (parts["girder"].mass, parts["load"].mass, study.step) == (90.0, 7.0, 0.02)
@@ -256,7 +294,7 @@ def test_changes_by_dotted_path() -> None:
             read_scene(file, {key: 1.0})
 
 
-# --- the schema ---------------------------------------------------------------------------------------------------
+# --- the schema ---------------------------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def validator() -> jsonschema.Draft202012Validator:
     schema = scene_schema()
@@ -274,7 +312,19 @@ def test_written_scenes_satisfy_the_schema(tmp_path: Path, validator: Any) -> No
     validator.validate(yaml.safe_load((tmp_path / "s.yaml").read_text()))
 
 
-BY_VALUE = ("nan", "infinite", "dangling", "itself", "circle", "axes", "negative", "zero", "left", "triangle", "expres")
+BY_VALUE = (
+    "nan",
+    "infinite",
+    "dangling",
+    "itself",
+    "circle",
+    "axes",
+    "negative",
+    "zero",
+    "left",
+    "triangle",
+    "expres",
+)
 
 
 @pytest.mark.parametrize("name", [n for n in BAD if not n.startswith(BY_VALUE)])

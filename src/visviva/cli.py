@@ -22,7 +22,7 @@ SCENES = (".yaml", ".yml", ".toml")
 
 app = App(
     name="visviva",
-    help="Energy-momentum conserving mechanics: bodies, joints and forces as one system, audited in every run.",
+    help="Energy-momentum conserving mechanics: bodies, joints and forces as one system, with an audit.",
     version=lambda: _version(),
     suppress_keyboard_interrupt=False,
     help_format="plaintext",
@@ -31,7 +31,8 @@ app = App(
 Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
 Directory = Annotated[Path, Parameter(help="Directory of a run.")]
 Settings = Annotated[
-    list[str], Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat.")
+    list[str],
+    Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat."),
 ]
 
 
@@ -43,7 +44,9 @@ def run(
     out: Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")] = None,
     until: Annotated[float | None, Parameter(help="End time.")] = None,
     step: Annotated[float | None, Parameter(help="Step length.")] = None,
-    scheme: Annotated[str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")] = None,
+    scheme: Annotated[
+        str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")
+    ] = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
     resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
 ) -> int:
@@ -114,7 +117,9 @@ def movie(
     directory: Directory,
     /,
     *,
-    out: Annotated[Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")] = None,
+    out: Annotated[
+        Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")
+    ] = None,
     fps: Annotated[int, Parameter(help="Frames per second.")] = 25,
     speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
 ) -> None:
@@ -164,7 +169,7 @@ def info() -> None:
         print(f"{package}: {'found' if find_spec(package) else 'not installed'} ({use})")
 
 
-# --- what the commands share --------------------------------------------------------------------------------------
+# --- what the commands share --------------------------------------------------------------------------------
 def compose(model: str, parameters: dict[str, Any], given: dict[str, Any]) -> Source:
     """The study that was asked for, with end time, step and scheme as given."""
     from visviva.gallery import compose_example
@@ -186,7 +191,9 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any]) -> So
     return source
 
 
-def as_before(directory: Path, given: dict[str, Any], parameters: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+def as_before(
+    directory: Path, given: dict[str, Any], parameters: dict[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """What an earlier run was given, with the end time changed if wanted."""
     from visviva.output.directory import RunDirectory
     from visviva.restart import notes_of
@@ -194,7 +201,9 @@ def as_before(directory: Path, given: dict[str, Any], parameters: dict[str, Any]
     earlier = notes_of(RunDirectory.open(directory).state)["study"]
     for key, value in parameters.items():
         if earlier["parameters"].get(key) != value:
-            raise InputError(f"{directory}: was run without --set {key}={value}; resume with what it was run with")
+            raise InputError(
+                f"{directory}: was run without --set {key}={value}; resume with what it was run with"
+            )
     return earlier["given"] | given, earlier["parameters"]
 
 

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], bool]]:
     """Note Ctrl-C instead of raising it; the function given tells whether it was pressed.
 
-    Pressed a second time it raises `KeyboardInterrupt` at once. Outside the main thread, where Python delivers no
-    signals, nothing changes.
+    Pressed a second time it raises `KeyboardInterrupt` at once. Outside the main thread, where Python
+    delivers no signals, nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False

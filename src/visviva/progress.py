@@ -39,7 +39,8 @@ def progress_bar(study: Study, ledger: Ledger, wanted: bool = True) -> Iterator[
         TextColumn("energy error {task.fields[error]:.1e}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(study.title or "run", total=study.until, completed=study.system.time, error=0.0)
+        task = bar.add_task(study.title or "run", total=study.until, error=0.0)
+        bar.update(task, completed=study.system.time)
         energies = slice(1, 3 + len(ledger.potentials))  # kinetic, potentials, total
         imbalance = ledger.names.index("imbalance")
         scale, shown = float(np.finfo(float).tiny), 0.0
@@ -56,7 +57,7 @@ def progress_bar(study: Study, ledger: Ledger, wanted: bool = True) -> Iterator[
 
 @contextmanager
 def counting_bar(title: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar for things that are counted; gives a function to call with how many are done and how many there are."""
+    """A bar for things that are counted; gives a function to call with how many are done and of how many."""
     if not sys.stderr.isatty():
         yield lambda done, total: None
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 
 
 def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
-    """Force (3,) and torque (3,) that a joint exerts on its partner `b`, the torque about the joint's point on b.
+    """Force (3,) and torque (3,) that a joint exerts on its partner `b`, torque about the joint's point on b.
 
-    Multipliers of the midpoint schemes belong to the middle of the last step; the lever arms are taken at its end.
+    Multipliers of the midpoint schemes belong to the middle of the last step; lever arms are of its end.
 
     Examples
     --------
@@ -70,7 +70,9 @@ class ReactionTorque(Reaction):
         return reaction(system, self.joint)[1]
 
 
-def _wrench(system: System, component: Component, force: dict[int, float], about: Array) -> Any:
+def _wrench(
+    system: System, component: Component, force: dict[int, float], about: Array
+) -> tuple[Array, Array] | None:
     """Resultant of generalised forces on a component's nodes; None if it has no unknowns."""
     nodes = system.model.nodes.get(component)
     if nodes is None:

@@ -130,7 +130,7 @@ def rows_until(ledger: Path, names: list[str], time: float) -> list[NDArray[np.f
 
 
 def signature(system: System) -> str:
-    """A short text that tells systems apart: counts, and a digest of names and initial values of the unknowns."""
+    """A short text that tells systems apart: counts, a digest of names and initial values of unknowns."""
     import hashlib
 
     digest = hashlib.sha256()

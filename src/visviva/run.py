@@ -23,7 +23,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
-from visviva.solve import advance, begin, keep, prepare
+from visviva.solve import advance, begin, keep
 from visviva.study import Study, measure
 
 Array = NDArray[np.float64]
@@ -68,8 +68,8 @@ def run(
     """Run a study and leave everything in a directory.
 
     The directory then holds ``trajectory.vtkhdf``, ``ledger.csv``, ``probes.csv``, ``state.h5``,
-    ``summary.json``, ``energy.png`` and ``picture.png``. Ctrl-C takes effect between two steps; files are closed
-    and the state saved before `KeyboardInterrupt` goes on.
+    ``summary.json``, ``energy.png`` and ``picture.png``. Ctrl-C takes effect between two steps; files are
+    closed and the state saved before `KeyboardInterrupt` goes on.
 
     Parameters
     ----------
@@ -133,17 +133,16 @@ class Recorder:
         self.drawing = draw(study)
         self.cadence = Cadence(1, 1, 1)
         self.notes: dict[str, Any] = {}
+        self.ledger: Table
+        self.probes: Table
         self._saved = 0.0
         self._cost = 0.0
         self.trajectory: TrajectoryWriter | None = None
 
-    # --- opening ------------------------------------------------------------------------------------------------
+    # --- opening --------------------------------------------------------------------------------------------
     @classmethod
-    def start(
-        cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]
-    ) -> Recorder:
+    def start(cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
-        prepare(study.system, study.scheme)
         result, books = begin(study.system, study.scheme)
         columns = probe_columns(study)
         recorder = cls(study, RunDirectory.create(directory), result, books)
@@ -170,8 +169,7 @@ class Recorder:
                     f"{files.path}: was run with {name} = {kept[name]}, not {wanted}; resume with the same "
                     f"{name} or start anew in another directory"
                 )
-        prepare(study.system, study.scheme)  # as before the first step of the run, which settles the solver
-        result, books = begin(study.system, study.scheme)
+        result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
         restart.load(files.state, files.ledger, result, books)
         recorder = cls(study, files, result, books)
         recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
@@ -190,7 +188,7 @@ class Recorder:
             if file is not None:
                 file.close()
 
-    # --- marching -----------------------------------------------------------------------------------------------
+    # --- marching -------------------------------------------------------------------------------------------
     def march(self, interrupted: Any, progress: bool, save_every: float) -> None:
         """March to the end, writing as the cadence says; whatever happens, the last state is saved."""
         study, steps = self.study, self.result.statistics
@@ -256,16 +254,20 @@ class Recorder:
         self._saved = time.perf_counter()
         self._cost = self._saved - start
 
-    # --- the end ------------------------------------------------------------------------------------------------
+    # --- the end --------------------------------------------------------------------------------------------
     def finish(self, pictures: bool) -> None:
         """Write summary and pictures of a complete run."""
         files, study = self.files, self.study
         files.write_summary(summary(study, self.result, self.notes))
-        if not pictures:
-            return
+        if pictures:
+            self.draw()
+
+    def draw(self) -> None:
+        """Draw plot and picture of the run."""
         from visviva.output.picture import snapshot
         from visviva.output.plot import energy_plot
 
+        files, study = self.files, self.study
         energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
         if self.drawing.surfaces:
             snapshot(files.trajectory, files.picture, trails=trail_names(study, self.drawing))
@@ -273,7 +275,10 @@ class Recorder:
 
 def probe_columns(study: Study) -> list[str]:
     """Columns of the table of probes: vectors as name_x, name_y, name_z."""
-    return ["time", *(column for name, probe in study.probes.items() for column in columns_of(study, name, probe))]
+    return [
+        "time",
+        *(column for name, probe in study.probes.items() for column in columns_of(study, name, probe)),
+    ]
 
 
 def columns_of(study: Study, name: str, probe: Any) -> Iterator[str]:

@@ -47,7 +47,7 @@ def components() -> dict[str, type[Component]]:
 
 def values() -> dict[str, type[Any]]:
     """What can stand as an argument: shapes and measures."""
-    return {**public(Shape), **public(Measure)}  # type: ignore[type-abstract]
+    return {**public(Shape), **public(Measure)}
 
 
 def probes() -> dict[str, type[Any]]:
@@ -76,7 +76,9 @@ def leaves(hint: Any) -> list[Any]:
 
 def is_reference(hint: Any) -> bool:
     """Whether an argument of this type is a component, a point, a frame or a measure."""
-    return any(leaf is Any or (isinstance(leaf, type) and issubclass(leaf, Component)) for leaf in leaves(hint))
+    return any(
+        leaf is Any or (isinstance(leaf, type) and issubclass(leaf, Component)) for leaf in leaves(hint)
+    )
 
 
 def is_path(hint: Any) -> bool:

@@ -142,7 +142,7 @@ def change(document: Document, dotted: str, value: Any) -> None:
 def inside(data: Any, part: str) -> Any:
     """The arguments of a constructor, unless the class itself is meant."""
     if isinstance(data, dict) and len(data) == 1 and part not in data:
-        (name, arguments), = data.items()
+        ((name, arguments),) = data.items()
         if name[:1].isupper() and isinstance(arguments, dict | None):
             if arguments is None:
                 data[name] = arguments = {}
@@ -158,7 +158,7 @@ class Reader:
         self._made: dict[str, Component] = {}
         self._making: list[str] = []
 
-    # --- the sections -------------------------------------------------------------------------------------------
+    # --- the sections ---------------------------------------------------------------------------------------
     def system(self) -> System:
         """All components, in the order of the file."""
         data = self.document.data
@@ -184,7 +184,7 @@ class Reader:
         scheme: Scheme = self.instance(key, given, language.schemes())
         return scheme
 
-    # --- objects ------------------------------------------------------------------------------------------------
+    # --- objects --------------------------------------------------------------------------------------------
     def component(self, name: str, key: Key) -> Component:
         """A component by its name; made with what it refers to when it is first asked for."""
         if name in self._made:
@@ -206,7 +206,7 @@ class Reader:
             given = {given: {}}
         if not isinstance(given, dict) or len(given) != 1:
             raise self.document.error(key, f"expected {{Class: {{argument: value}}}}, not {given!r}")
-        (name, arguments), = given.items()
+        ((name, arguments),) = given.items()
         if name not in known:
             raise self.document.error((*key, name), f"there is no class {name!r}{nearest(name, known)}")
         return self.construct((*key, name), known[name], {} if arguments is None else arguments, **more)
@@ -218,7 +218,9 @@ class Reader:
         hints = language.arguments(cls)
         known_keys(self.document, key, given, hints)
         arguments = {n: self.argument((*key, n), value, hints[n]) for n, value in given.items()}
-        missing = [n for n, p in inspect.signature(cls).parameters.items() if p.default is p.empty and n not in given]
+        missing = [
+            n for n, p in inspect.signature(cls).parameters.items() if p.default is p.empty and n not in given
+        ]
         if missing:
             raise self.document.error(key, f"needs the key {missing[0]!r}")
         try:
@@ -240,7 +242,7 @@ class Reader:
             where, message = told(error)
             raise self.document.error((*key, *where), message) from None
 
-    # --- arguments ----------------------------------------------------------------------------------------------
+    # --- arguments ------------------------------------------------------------------------------------------
     def argument(self, key: Key, given: Any, hint: Any) -> Any:
         """A value of a constructor's argument: plain data, another constructor, or a reference."""
         if language.is_reference(hint):
@@ -263,10 +265,11 @@ class Reader:
                 return self.attachment(key, methods[0], given)
             if len(given) == 1:
                 known = language.values()
-                (name, _), = given.items()
+                ((name, _),) = given.items()
                 if name not in known:
                     raise self.document.error(
-                        (*key, name), f"there is no such thing{nearest(name, [*language.ATTACHMENTS, *known])}"
+                        (*key, name),
+                        f"there is no such thing{nearest(name, [*language.ATTACHMENTS, *known])}",
                     )
                 return self.instance(key, given, known)
         expected = "the name of a component, or e.g. {point: NAME, X: [0, 0, 0]}"
@@ -310,7 +313,9 @@ def told(error: ValidationError) -> tuple[Key, str]:
     message = first["msg"].removeprefix("Value error, ")
     # parts of unions have names of their own, which are not keys of the file
     where = tuple(part for part in first["loc"] if isinstance(part, int) or part.isidentifier())[:2]
-    shown = "" if isinstance(first["input"], dict) or first["type"] == "value_error" else f", not {first['input']!r}"
+    shown = (
+        ""
+        if isinstance(first["input"], dict) or first["type"] == "value_error"
+        else f", not {first['input']!r}"
+    )
     return where, f"{message[:1].lower()}{message[1:]}{shown}"
-
-

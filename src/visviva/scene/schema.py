@@ -36,8 +36,12 @@ def scene_schema() -> Schema:
     components, values, probes = language.components(), language.values(), language.probes()
     classes = {**components, **values, **probes, **language.schemes(), "Newton": Newton}
     definitions = {name: constructor(cls) for name, cls in classes.items()}
-    definitions |= {"component": one_of(components), "probe": one_of(probes), "scheme": one_of(language.schemes())}
-    definitions |= {"shape": one_of(language.public(Shape)), "reference": reference()}  # type: ignore[type-abstract]
+    definitions |= {
+        "component": one_of(components),
+        "probe": one_of(probes),
+        "scheme": one_of(language.schemes()),
+    }
+    definitions |= {"shape": one_of(language.public(Shape)), "reference": reference()}
     run = {"until": POSITIVE, "step": POSITIVE, "scheme": {"$ref": "#/$defs/scheme"}}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -85,7 +89,13 @@ def needed(cls: type[Any]) -> list[str]:
 
 def reference() -> Schema:
     """The name of a component, a point or frame of it, a measure, or a list of these."""
-    shapes = {"X": VECTOR_SCHEMA, "x": VECTOR_SCHEMA, "axis": VECTOR_SCHEMA, "first": VECTOR_SCHEMA, "axes": AXES}
+    shapes = {
+        "X": VECTOR_SCHEMA,
+        "x": VECTOR_SCHEMA,
+        "axis": VECTOR_SCHEMA,
+        "first": VECTOR_SCHEMA,
+        "axes": AXES,
+    }
     attached = [
         closed({method: TEXT} | {n: shapes[n] for n in names}, [method] + ["x"] * method.endswith("_at"))
         for method, names in language.ATTACHMENTS.items()
@@ -129,5 +139,8 @@ def plain(hint: Any) -> Schema:
     """Schema of plain data, from pydantic; types that no file can hold match nothing."""
     leaves = language.leaves(hint)
     if any(isinstance(leaf, type) and leaf.__module__.startswith("visviva") for leaf in leaves):
-        return {"not": {}, "description": f"{leaves[0].__name__}: an object of Python; not possible in a file"}
+        return {
+            "not": {},
+            "description": f"{leaves[0].__name__}: an object of Python; not possible in a file",
+        }
     return TypeAdapter(hint, config=settings).json_schema()

@@ -66,8 +66,8 @@ def of_study(study: Study) -> dict[str, Any]:
     for name, probe in study.probes.items():
         if not isinstance(probe, Measure | Reaction):
             raise InputError(
-                f"probe {name!r} is a form or a function of Python, which no file can hold; use a measure such as "
-                "vv.Position(of=...), vv.JointCoordinate(joint=...), or vv.ReactionForce(joint=...)"
+                f"probe {name!r} is a form or a function of Python, which no file can hold; use a measure "
+                "such as vv.Position(of=...), vv.JointCoordinate(joint=...), or vv.ReactionForce(joint=...)"
             )
         data["probes"][name] = value(f"probe {name}", probe)
     data["trails"] = list(study.trails)
@@ -134,7 +134,7 @@ def plain(label: str, item: Any) -> Any:
     raise InputError(f"{label} is {item!r}, an object of Python, which no file can hold")
 
 
-# --- notations ----------------------------------------------------------------------------------------------------
+# --- notations ----------------------------------------------------------------------------------------------
 def yaml_text(data: Mapping[str, Any]) -> str:
     """YAML, one line per short list or mapping."""
     import yaml
@@ -174,5 +174,3 @@ def quoted(key: str) -> str:
 
     bare = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
     return key if bare else json.dumps(key, ensure_ascii=False)
-
-
