@@ -201,7 +201,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const bool full = options.keep_factor <= 0;
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
-    int fresh = options.max_iterations;  // iteration that made the tangent, if this step did
+    int fresh = options.max_iterations;  // first iteration of this step that made a tangent
     double last = 0, rho_last = 1;
     noise_ *= 0.9;
     auto fail = [&](const std::string& reason, int unknown) {
@@ -219,7 +219,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             ++report.factorizations;
             stale_factor_ = true;
             if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
-            stale_factor_ = false, fresh = k;
+            stale_factor_ = false, fresh = std::min(fresh, k);
         }
         solver_->solve(r_.data(), place(step), d_.data());
         const double size = iterate(step);
