@@ -140,6 +140,8 @@ def test_bricard_converges_to_the_reference() -> None:
         result = vv.simulate(system, until=5.0, step=h)
         assert result.ledger.imbalance() < 1e-9
         assert result.statistics.rejected == 0
+        # no idle reactions: the weights are 49 in all
+        assert max(np.abs(x[system.order == 0]).max() for x in result.states) < 50
         errors.append(np.linalg.norm(bars[2].point_at((1, -1, 1)).position.value(system.x) - exact))
     assert errors[1] < 2e-6
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)

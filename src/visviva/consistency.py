@@ -384,7 +384,7 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
         system.v[at.coordinates] = v
         raise InputError(
             f"no velocities satisfy all constraints in the initial state: {unknown} of {component} "
-            f"stays violated at the rate {rest[k]:.3g}. Check prescribed motions against what the joints allow"
+            f"stays violated at the rate {rest[k]:.3g}. Check prescribed motions against what joints allow"
         )
     system.touch()
     full = np.zeros(len(system.x))
