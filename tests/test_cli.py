@@ -278,7 +278,7 @@ def test_ctrl_c_exits_with_130_and_resumes(tmp_path: Path) -> None:
 def test_importing_stays_cheap() -> None:
     """Neither the package nor its start may load what only commands need."""
     code = "import sys, visviva; print([m for m in sys.modules if m.split('.')[0] in %r])"
-    heavy = ("cyclopts", "rich", "yaml", "h5py", "matplotlib", "pyvista")
+    heavy = ("scipy", "cyclopts", "rich", "yaml", "h5py", "matplotlib", "pyvista")
     out = subprocess.run(
         [sys.executable, "-c", code % (heavy,)], capture_output=True, text=True, check=True
     ).stdout

@@ -141,15 +141,16 @@ def advance(
 ) -> Iterator[Array]:
     """March on with the books kept; yields the ledger's row after each accepted step."""
     system, s = result.system, result.statistics
-    start, rejected = time.perf_counter() - s.seconds, system.rejected - s.rejected
+    start, rejected = time.perf_counter(), system.rejected - s.rejected
     for report in march(system, until=until, step=step, scheme=result.scheme, adaptive=adaptive):
         s.steps += 1
         s.iterations += report.iterations
         s.factorizations += report.factorizations
         s.rejected = system.rejected - rejected
         row = books.book(system.time, system.core)
-        s.seconds = time.perf_counter() - start
+        s.seconds += time.perf_counter() - start
         yield row
+        start = time.perf_counter()  # what the caller does with the step is not the step's time
 
 
 def keep(result: Result) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
@@ -111,6 +110,8 @@ class Servo(Component):
 
 def equations(system: System) -> tuple[Instant, Array, Array]:
     """Matrix (n + m, n + m) of accelerations and multipliers, scaled on both sides by the last array."""
+    import scipy.sparse as sp
+
     from visviva.consistency import Instant, equilibration
 
     at = Instant(system)
