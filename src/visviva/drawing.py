@@ -44,8 +44,8 @@ class Drawing:
     >>> ball = vv.PointMass(mass=1.0, position=(0, 0, 2), name="ball")
     >>> system = vv.System([vv.Ground(), ball])
     >>> drawing = Drawing(system)
-    >>> drawing.surfaces[0].name, drawing.points(system.x)[0].mean(axis=0).round(12).tolist()
-    ('ball', [0.0, 0.0, 2.0])
+    >>> drawing.surfaces[0].name, float(drawing.points(system.x)[0][:, 2].mean().round(9))
+    ('ball', 2.0)
     """
 
     def __init__(
