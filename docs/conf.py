@@ -1,0 +1,30 @@
+"""Sphinx configuration; the pages of the gallery are made by running the examples."""
+
+import os
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
+
+from make_gallery import make_gallery  # noqa: E402
+
+make_gallery()
+
+project = "visviva"
+author = "the visviva developers"
+copyright = "2026, the visviva developers"
+release = "0.1.0"
+
+extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.mathjax", "numpydoc"]
+exclude_patterns = ["_build"]
+default_role = "code"
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_class_signature = "mixed"
+numpydoc_show_class_members = False
+numpydoc_class_members_toctree = False
+numpydoc_validation_checks = set()
+
+html_theme = "furo"
+html_title = "visviva"
+html_static_path = []

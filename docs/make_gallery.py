@@ -1,0 +1,101 @@
+"""Run the examples and write their pages: what they print, their pictures, their source.
+
+    python docs/make_gallery.py
+
+Pages that are newer than their example are kept; remove ``docs/gallery`` to run all again.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from visviva.gallery import example, example_names, first_line
+from visviva.result import audit
+from visviva.run import run
+
+HERE = Path(__file__).resolve().parent
+GALLERY = HERE / "gallery"
+LONGEST = 10.0  # s, of the motions shown
+
+PAGE = """\
+{title}
+{underline}
+{description}
+
+Run it with ``visviva run {name}``.
+
+.. image:: {name}_picture.png
+   :width: 90%
+
+.. image:: {name}_energy.png
+   :width: 90%
+
+.. code-block:: text
+
+{audit}
+
+.. literalinclude:: ../../src/visviva/examples/{name}.py
+   :language: python
+"""
+
+INDEX = """\
+Gallery
+=======
+Each page is an example of the package, run when this documentation was built, with the audit of its run (motions
+longer than {longest:g} s are cut there). All of them take parameters: ``visviva run NAME --set key=value``.
+
+.. toctree::
+   :maxdepth: 1
+
+{pages}
+"""
+
+
+def make_gallery() -> None:
+    """Write the pages of all examples and their index."""
+    GALLERY.mkdir(exist_ok=True)
+    names = example_names()
+    for name in names:
+        page, source = GALLERY / f"{name}.rst", Path(str(example(name).__file__))
+        if not page.exists() or page.stat().st_mtime < source.stat().st_mtime:
+            write(page, make_page(name))
+    write(GALLERY / "index.rst", INDEX.format(longest=LONGEST, pages=indented(names)))
+
+
+def make_page(name: str) -> str:
+    """Run an example and put its page together; the pictures go beside it."""
+    module = example(name)
+    study = module.study()
+    study.until = min(study.until, LONGEST)
+    with tempfile.TemporaryDirectory() as scratch:
+        files = Path(scratch) / name
+        result = run(study, files, progress=False)
+        for what in ("picture", "energy"):
+            shutil.copy(files / f"{what}.png", GALLERY / f"{name}_{what}.png")
+    title = study.title or name
+    return PAGE.format(
+        title=title,
+        underline="=" * len(title),
+        description=(module.__doc__ or first_line(module)).replace("`", "``"),
+        name=name,
+        audit=indented(audit(result).split("\n")),
+    )
+
+
+def indented(lines: list[str]) -> str:
+    """Lines moved to the right, as directives want their content."""
+    return "\n".join(f"   {line}" for line in lines)
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file only if that changes it, so that Sphinx does not read it again for nothing."""
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+    else:
+        path.touch()
+
+
+if __name__ == "__main__":
+    make_gallery()
