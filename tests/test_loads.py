@@ -16,7 +16,7 @@ def body(name="body", **more):
     return vv.RigidBody(mass=2.0, inertia=(1.0, 1.5, 2.0), name=name, **more)
 
 
-EXACT = vv.Newton(tolerance=1e-17)
+EXACT = vv.Newton(tolerance=1e-15)
 """What is tested here is the discretisation, not where the iteration stops."""
 
 

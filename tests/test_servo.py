@@ -77,7 +77,7 @@ def arm():
         name="hand",
     )
     parts = [ground, upper, fore, shoulder, elbow, servo, vv.Gravity(acceleration=(0, -GRAVITY, 0))]
-    return vv.System(parts, vv.Newton(tolerance=1e-17)), servo, end
+    return vv.System(parts, vv.Newton(tolerance=1e-15)), servo, end
 
 
 def arm_errors(scheme, h, shift):
