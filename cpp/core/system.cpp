@@ -32,6 +32,8 @@ void System::set_accounts(int n_accounts, int n_components) {
 void System::finalize() {
     wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
     predictor_.resize(n_, blocks_.rigid);
+    constraint_weight_.assign(n_, 0.0);
+    if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
     csr_.equation.assign(n_, -1);
     for (int i = 0; i < n_; ++i)
@@ -147,11 +149,49 @@ void System::evaluate_residual(const Context& c, bool all) {
 // Whether a scheme goes back to more than the rates.
 static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transport[0][2] != 0; }
 
+// From the tangent's rows of constraints: by what their violation is weighed to compare with relative increments,
+// and the relative increment that rounding of the configuration alone can cause.
+void System::weigh_constraints() {
+    noise_ = 0;
+    for (int i = 0; i < csr_.n; ++i) {
+        const int row = csr_.unknown[i];
+        constraint_weight_[row] = 0;
+        if (!blocks_.multiplier[row]) continue;
+        double sum = 0, largest = 0, smallest = 1e300, rounding = 0;
+        auto each = [&](auto f) {
+            for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+                const int u = csr_.unknown[csr_.col[k]];
+                if (inverse_scale_[u] > 0) f(std::abs(values_[k]), u);
+            }
+        };
+        each([&](double g, int u) {
+            sum += g / inverse_scale_[u];
+            largest = std::max(largest, g / inverse_scale_[u]);
+            rounding += g * std::abs(x1_[u]);
+        });
+        each([&](double g, int u) {
+            if (g / inverse_scale_[u] > 1e-4 * largest) smallest = std::min(smallest, g / inverse_scale_[u]);
+        });
+        if (sum == 0) continue;
+        constraint_weight_[row] = 1 / sum;
+        noise_ = std::max(noise_, 4.4e-16 * (rounding + 1e-3 * sum) / smallest);
+    }
+    noise_ = std::min(noise_, 1e-10);
+}
+
+// Largest violation of a constraint at the last evaluation, relative like increments.
+double System::constraint_error() const {
+    double largest = 0;
+    for (int i = 0; i < n_; ++i) largest = std::max(largest, std::abs(r_[i]) * constraint_weight_[i]);
+    return largest;
+}
+
 bool System::refactor(const Context& c, const Step& step) {
     std::fill(values_.begin(), values_.end(), 0.0);
     const bool inner = solver_->keeps_rigidity();
     for (const auto& term : terms_)
         inner && term->is_rigidity ? term->inner_tangent(c, values_.data()) : term->tangent(c, values_.data());
+    weigh_constraints();
     factored_ = step;
     factored_state_.clear();
     for (const auto* u : {&x, &dx, &v, &a, &w})
@@ -202,8 +242,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     int fresh = options.max_iterations;  // first iteration of this step that made a tangent
-    double last = 0, rho_last = 1;
-    noise_ *= 0.9;
+    double last = 0;
     auto fail = [&](const std::string& reason, int unknown) {
         report.reason = reason;
         report.worst_unknown = unknown;
@@ -234,17 +273,17 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         const double error = (full || (refresh && k > 0)) ? rho * rho * size
                              : slowest < 1                ? slowest / (1 - slowest) * size
                                                           : size;
-        // Contraction that stops all at once, or with the tangent just made, has met rounding; how large that is
-        // is remembered for the next steps.
-        const bool stops = k > 0 && rho > 0.3 && (fresh < k ? size < 1e-10 : size < 1e-12 && rho_last < 0.1);
-        if (stops && size < 1e-12) noise_ = size;
-        if (stops || std::min(size, error) <= std::max(tolerance, 1.5 * noise_)) {
+        // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met rounding.
+        // A constraint that the increment does not answer to (a regularised pivot) keeps the step from converging.
+        const bool renewed = fresh < k && (full || fresh == k - 1);
+        const bool stops = k > 0 && rho > 0.3 && (size < noise_ || (renewed && size < 1e-10));
+        if ((stops || std::min(size, error) <= tolerance) && constraint_error() <= 100 * size + noise_) {
             report.converged = true;
             iterations_last_ = fresh <= k ? 0 : report.iterations;
             return report;
         }
         refresh = full || (k > 0 && rho > options.keep_factor);
-        last = size, rho_last = rho;
+        last = size;
     }
     return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
 }

@@ -78,6 +78,8 @@ class System {
     int worst() const;
     double extent() const;
     double iterate(const Step&);
+    void weigh_constraints();
+    double constraint_error() const;
     Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();
     void book(const Context&, const double* v1);
@@ -96,6 +98,7 @@ class System {
     std::vector<Segment> segments_;
     bool wants_rates_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
+    std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
