@@ -148,6 +148,12 @@ static void bind_step(nb::module_& m) {
                  s->stress = discrete_gradient ? Stress::discrete_gradient : Stress::at_theta;
                  tables(*s, motion, transport);
              })
+        .def("moved_to",
+             [](const Step& s, double t0) {  // the same step at another time
+                 Step moved = s;
+                 moved.t0 = t0, moved.t1 = t0 + s.h, moved.te = t0 + s.theta * s.h;
+                 return moved;
+             })
         .def_ro("t0", &Step::t0)
         .def_ro("t1", &Step::t1)
         .def_ro("te", &Step::te)
