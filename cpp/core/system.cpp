@@ -152,7 +152,7 @@ static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transp
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative increments,
 // and the relative increment that rounding of the configuration alone can cause.
 void System::weigh_constraints() {
-    noise_ = 0;
+    noise_ = 2e-15;
     for (int i = 0; i < csr_.n; ++i) {
         const int row = csr_.unknown[i];
         constraint_weight_[row] = 0;
@@ -241,7 +241,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const bool full = options.keep_factor <= 0;
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
-    int fresh = options.max_iterations;  // first iteration of this step that made a tangent
+    int fresh = options.max_iterations, latest = -1;  // first and last iteration that made a tangent
     double last = 0;
     auto fail = [&](const std::string& reason, int unknown) {
         report.reason = reason;
@@ -258,24 +258,24 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             ++report.factorizations;
             stale_factor_ = true;
             if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
-            stale_factor_ = false, fresh = std::min(fresh, k);
+            stale_factor_ = false, fresh = std::min(fresh, k), latest = k;
         }
         solver_->solve(r_.data(), place(step), d_.data());
         const double size = iterate(step);
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
-        // What remains: Newton's quadratic convergence where the tangent is new in every iteration, otherwise
+        // What remains: superlinear convergence where the tangent is new in every iteration, otherwise
         // the slowest contraction seen in this step (in the last step, before there is one).
         const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : std::max(contraction_, 1e-3);
         if (k > 0) contraction_ = k == 1 ? rho : std::max(rho, contraction_);
         const double slowest = std::max(rho, contraction_);
-        const double error = (full || (refresh && k > 0)) ? rho * rho * size
+        const double error = (full || (refresh && k > 0)) ? rho * size
                              : slowest < 1                ? slowest / (1 - slowest) * size
                                                           : size;
         // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met rounding.
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from converging.
-        const bool renewed = fresh < k && (full || fresh == k - 1);
+        const bool renewed = fresh < k && latest >= k - 1;
         const bool stops = k > 0 && rho > 0.3 && (size < noise_ || (renewed && size < 1e-10));
         if ((stops || std::min(size, error) <= tolerance) && constraint_error() <= 100 * size + noise_) {
             report.converged = true;
