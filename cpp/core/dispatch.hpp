@@ -23,6 +23,7 @@ struct Kernels {
     double (*vector_update)(int n, const double* d, const double* weight, const double* x, double* dx, double* x1);
     void (*vector_affine)(int n, double factor, const double* x, const double* base, double* y);
     void (*rigid_force)(const RigidView&, const double* r, const Place&, double* s);
+    void (*rigid_balance)(const RigidView&, const double* r, const Place&, double* dx, double* x1);
     void (*rigid_expand)(const RigidView&, const double* s, const double* r, const Place&, double* d);
     LuKernels lu;
 };

@@ -16,7 +16,7 @@ extern const Kernels table;
 const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA), W,
                        strain_begin,   strain_strains,  strain_residual, strain_tangent, strain_ledger,
                        inertia_residual, inertia_tangent, inertia_ledger, vector_update, vector_affine,
-                       rigid_force, rigid_expand,
+                       rigid_force, rigid_balance, rigid_expand,
                        {lu_factor, lu_solve}};
 
 }  // namespace visviva::VISVIVA_ISA

@@ -37,6 +37,9 @@ class LinearSolver {
     virtual void analyze(const Csr& pattern, const Blocks& blocks) = 0;
     // Before the first iteration: bring a predicted configuration where the solver wants it.
     virtual void project(const double* /*x0*/, double* /*dx*/) {}
+    // Before a tangent is assembled: bring the multipliers of rigidity into balance with the residual r, so
+    // that they do not lag one iteration behind and the tangent is exact.
+    virtual void balance(const double* /*r*/, const Place& /*place*/, double* /*dx*/, double* /*x1*/) {}
     virtual bool factor(const double* values, const Place& place) = 0;
     // From the residual r to the increment d, both by unknown (fixed entries untouched).
     virtual void solve(const double* r, const Place& place, double* d) = 0;

@@ -98,6 +98,10 @@ class NullSpace : public LinearSolver {
         }
     }
 
+    void balance(const double* r, const Place& place, double* dx, double* x1) override {
+        kernels().rigid_balance(view_, r, place, dx, x1);
+    }
+
     bool factor(const double* values, const Place& place) override {
         lu_.set_zero();
         for (const Group& g : groups_) {

@@ -99,6 +99,20 @@ VISVIVA_INLINE void rigidity(const Frame& f, const Frame& force, V* lambda) {
     lambda[5] = 0.5 * (m[1][2] + m[2][1]);
 }
 
+// The multipliers of orthonormality that belong to r at x1.
+void rigid_balance(const RigidView& v, const double* r, const Place& p, double* dx, double* x1) {
+    for (int base = 0; base < v.n; base += W) {
+        V lambda[6];
+        const Frame f = frame_between(gather_frame(v, p.x1, base), v, p, base);
+        rigidity(f, gather_frame(v, r, base), lambda);
+        for (int k = 0; k < 6; ++k) {
+            const int* index = v.multiplier + k * v.stride + base;
+            put(lambda[k] - gather(p.x0, index), index, 0, count(v, base), dx);
+            put(lambda[k], index, 0, count(v, base), x1);
+        }
+    }
+}
+
 void rigid_expand(const RigidView& v, const double* s, const double* r, const Place& p, double* d) {
     for (int base = 0; base < v.n; base += W) {
         const int n = count(v, base);

@@ -257,27 +257,26 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
+            solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
             if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
-            stale_factor_ = false, fresh = std::min(fresh, k), latest = k;
+            stale_factor_ = false, fresh = std::min(fresh, k), latest = k, contraction_ = 0;
         }
         solver_->solve(r_.data(), place(step), d_.data());
         const double size = iterate(step);
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
-        // What remains: superlinear convergence where the tangent is new in every iteration, otherwise
-        // the slowest contraction seen in this step (in the last step, before there is one).
-        const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : std::max(contraction_, 1e-3);
-        if (k > 0) contraction_ = k == 1 ? rho : std::max(rho, contraction_);
-        const double slowest = std::max(rho, contraction_);
-        const double error = (full || (refresh && k > 0)) ? rho * size
-                             : slowest < 1                ? slowest / (1 - slowest) * size
-                                                          : size;
+        // What remains after this increment: with a tangent kept from earlier steps the slowest contraction seen
+        // since it was made, and never better than 0.05, because a part that contracts slowly may show late.
+        const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : 0;
+        contraction_ = std::max(contraction_, rho);
+        const double slowest = latest == k && k > 0 ? rho : std::max(contraction_, latest < 0 ? 0.05 : 1e-3);
+        const double error = slowest < 1 ? slowest / (1 - slowest) * size : size;
         // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met rounding.
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from converging.
         const bool renewed = fresh < k && latest >= k - 1;
         const bool stops = k > 0 && rho > 0.3 && (size < noise_ || (renewed && size < 1e-10));
-        if ((stops || std::min(size, error) <= tolerance) && constraint_error() <= 100 * size + noise_) {
+        if ((stops || error <= tolerance) && constraint_error() <= 100 * size + noise_) {
             report.converged = true;
             iterations_last_ = fresh <= k ? 0 : report.iterations;
             return report;

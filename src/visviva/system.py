@@ -259,7 +259,7 @@ class System:
         signals = self.signals(step).copy()
         try:
             report = self.core.solve(
-                step, signals, self.newton.tolerance, self.newton.max_iterations, self.newton.keep_factor
+                step, signals, self.newton.tolerance, self.newton.max_iterations, self._keep_factor
             )
         except BaseException:  # a user's function has raised
             self.core.discard()
@@ -269,6 +269,12 @@ class System:
             self.core.discard()
             raise failure
         return Attempt(step, signals, report)
+
+    @property
+    def _keep_factor(self) -> float:
+        """A kept tangent and redundant constraints do not go together: their multipliers wander off."""
+        redundant = self.report is not None and self.report.redundant
+        return 0.0 if redundant else self.newton.keep_factor
 
     def accept(self, attempt: Attempt, scheme: Scheme) -> None:
         """Make the increment of an attempt the new state."""
