@@ -43,8 +43,9 @@ Run it with ``visviva run {name}``.
 INDEX = """\
 Gallery
 =======
-Each page is an example of the package, run when this documentation was built, with the audit of its run (motions
-longer than {longest:g} s are cut there). All of them take parameters: ``visviva run NAME --set key=value``.
+Each page is an example of the package, run when this documentation was built, with the audit of its run
+(motions longer than {longest:g} s are cut there). All of them take parameters:
+``visviva run NAME --set key=value``.
 
 .. toctree::
    :maxdepth: 1

@@ -28,7 +28,9 @@ def main() -> None:
         here = Path(scratch)
         files = here / "crane"
         run(crane.study(until=1.2), files, progress=False, pictures=False)
-        snapshot(files / "trajectory.vtkhdf", here / "left.png", time=MOMENT, trails=("load",), size=(900, 800))
+        snapshot(
+            files / "trajectory.vtkhdf", here / "left.png", time=MOMENT, trails=("load",), size=(900, 800)
+        )
         energy_plot(files / "ledger.csv", here / "right.png", title="Rotary crane, h = 0.01 s")
         side_by_side([here / "left.png", here / "right.png"], TARGET)
     print(f"{TARGET} {TARGET.stat().st_size / 1000:.0f} kB")

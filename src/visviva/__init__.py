@@ -28,6 +28,8 @@ from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
 from visviva.modes import Modes, modes
+from visviva.reaction import ReactionForce, ReactionTorque, reaction
+from visviva.result import Result
 from visviva.scheme import (
     BackwardEuler,
     EnergyMomentum,
@@ -37,8 +39,6 @@ from visviva.scheme import (
     Static,
     VariationalMidpoint,
 )
-from visviva.reaction import ReactionForce, ReactionTorque, reaction
-from visviva.result import Result
 from visviva.solve import march, simulate
 from visviva.statics import equilibrium
 from visviva.study import Study
@@ -46,5 +46,80 @@ from visviva.system import Newton, StepFailure, System
 from visviva.term import Term
 from visviva.timefunction import TimeFunction
 from visviva.user import Constraint, GeneralizedForce, Potential, UserTerm
+
+__all__ = [
+    "Adaptive",
+    "BackwardEuler",
+    "Box",
+    "Bushing",
+    "Capsule",
+    "Cone",
+    "Constraint",
+    "Cylinder",
+    "Cylindrical",
+    "Damper",
+    "DirectorProduct",
+    "Distance",
+    "EnergyMomentum",
+    "FollowerForce",
+    "FollowerTorque",
+    "Force",
+    "Gear",
+    "GeneralizedAlpha",
+    "GeneralizedForce",
+    "Gravity",
+    "Ground",
+    "InputError",
+    "JointCoordinate",
+    "JointDamper",
+    "JointForce",
+    "JointSpring",
+    "Midpoint",
+    "Modes",
+    "Motor",
+    "Newton",
+    "Offset",
+    "Planar",
+    "PointMass",
+    "PointOnLine",
+    "PointOnPlane",
+    "Position",
+    "Potential",
+    "Prismatic",
+    "RackAndPinion",
+    "ReactionForce",
+    "ReactionTorque",
+    "Result",
+    "Revolute",
+    "Rigid",
+    "RigidBody",
+    "RopeOverWinch",
+    "RunError",
+    "Scheme",
+    "Screw",
+    "Servo",
+    "Sphere",
+    "Spherical",
+    "Spring",
+    "SquaredDistance",
+    "Static",
+    "StepFailure",
+    "Study",
+    "SurfaceMesh",
+    "System",
+    "Term",
+    "TimeFunction",
+    "Torque",
+    "TorquePair",
+    "Universal",
+    "UserTerm",
+    "VariationalMidpoint",
+    "VisvivaError",
+    "equilibrium",
+    "march",
+    "modes",
+    "reaction",
+    "simulate",
+]
 
 __version__ = "0.1.0"

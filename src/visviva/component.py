@@ -52,7 +52,7 @@ class Component:
         return []
 
     def surface(self) -> Any:
-        """What is drawn of it, in its own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
+        """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None
 
     def lines(self) -> list[tuple[Vector, Vector]]:
@@ -98,7 +98,7 @@ class Attachable(Component):
         return Frame(self, np.asarray(X, dtype=float), np.asarray(axes, dtype=float))
 
     def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Any:
-        """Frame at `x` whose third direction is `axis` (and first is close to `first`), all in space initially."""
+        """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
         from visviva.point import triad
 
         axes = np.array([self.local_direction(d) for d in triad(axis, first)])

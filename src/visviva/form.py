@@ -1,8 +1,8 @@
 """Constant linear forms of the unknowns, and strains: quadratic functions of them.
 
-A `Form` is a number that depends linearly on the unknowns, a `Vector` is three of them, a `Strain` is a polynomial
-of second degree in forms. Points and directors of bodies are vectors, so a joint or a spring is written as a few
-strains, e.g. ``dot(p - q, p - q)``, and knows nothing of what it is attached to.
+A `Form` is a number that depends linearly on the unknowns, a `Vector` is three of them, a `Strain` is a
+polynomial of second degree in forms. Points and directors of bodies are vectors, so a joint or a spring is
+written as a few strains, e.g. ``dot(p - q, p - q)``, and knows nothing of what it is attached to.
 """
 
 from __future__ import annotations
@@ -66,12 +66,16 @@ class Vector:
         return Vector((x, y, z))
 
     @staticmethod
-    def of(start: int, weights: Sequence[float] | Array = (1.0,), constant: Sequence[float] = (0, 0, 0)) -> Vector:
+    def of(
+        start: int, weights: Sequence[float] | Array = (1.0,), constant: Sequence[float] = (0, 0, 0)
+    ) -> Vector:
         """``constant + sum_k weights[k] * (x[start + 3 k], ...)``: nodes of three unknowns each, in a row."""
         return Vector.at([start + 3 * k for k in range(len(weights))], weights, constant)
 
     @staticmethod
-    def at(nodes: Sequence[int], weights: Sequence[float] | Array, constant: Sequence[float] = (0, 0, 0)) -> Vector:
+    def at(
+        nodes: Sequence[int], weights: Sequence[float] | Array, constant: Sequence[float] = (0, 0, 0)
+    ) -> Vector:
         """The same for nodes whose first unknowns are `nodes`."""
         kept = [(int(n), float(w)) for n, w in zip(nodes, weights, strict=True) if w != 0.0]
         x, y, z = (Form(tuple((n + c, w) for n, w in kept), float(constant[c])) for c in range(3))

@@ -45,7 +45,7 @@ class Ledger:
 
     @property
     def energy_scale(self) -> float:
-        """What energy errors are measured against: the largest of kinetic energy, swing of potentials, work."""
+        """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work."""
         t = self.table
         swings = [np.ptp(self[f"potential_{k}"]) for k in self.potentials]
         works = [np.abs(self[f"work_{k}"]).max() for k in self.works]

@@ -1,4 +1,4 @@
-"""What components build when they join a system: fields of unknowns and elements of terms, batched for the core."""
+"""What components build when they join a system: fields of unknowns and elements of terms, in batches."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Field:
     scale : float
         A change of this size is large (length of the model, 1 for directors and angles); 0: not judged.
     stage : int
-        Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 what couples only those.
+        Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 couples only those.
     block : object
         Unknowns of equal block are eliminated together; by default the component.
     fixed : bool array
@@ -114,10 +114,12 @@ class Model:
         if len(self._numbers) != len(self.components):
             self._numbers = {id(c): k for k, c in enumerate(self.components)}
         if id(component) not in self._numbers:
-            raise InputError(f"{component.label} is used by another component but is not part of the system; add it")
+            raise InputError(
+                f"{component.label} is used by another component but is not part of the system; add it"
+            )
         return self._numbers[id(component)]
 
-    # --- unknowns -----------------------------------------------------------------------------------------------
+    # --- unknowns ------------------------------------------------------------------------------------------
     def field(
         self,
         component: Component,
@@ -145,17 +147,17 @@ class Model:
         self.fields.append(new)
         return new
 
-    def multipliers(self, component: Component, name: str, n: int, *, stage: int = 1, block: Any = None) -> Field:
+    def multipliers(
+        self, component: Component, name: str, n: int, *, stage: int = 1, block: Any = None
+    ) -> Field:
         """Unknown multipliers of `n` constraints."""
-        return self.field(
-            component, name, np.zeros(n), order=0, stage=stage, multiplier=True, block=block
-        )
+        return self.field(component, name, np.zeros(n), order=0, stage=stage, multiplier=True, block=block)
 
     @property
     def n_unknowns(self) -> int:
         return self.fields[-1].start + self.fields[-1].size if self.fields else 0
 
-    # --- books --------------------------------------------------------------------------------------------------
+    # --- books ---------------------------------------------------------------------------------------------
     def account(self, component: Component, kind: str, category: str) -> int:
         """Number of the account of a component, a kind and a category, opened on first use."""
         key = self.index(component), kind, category
@@ -171,7 +173,7 @@ class Model:
         self.signals.append(TimeFunction(function))
         return len(self.signals) - 1
 
-    # --- physics ------------------------------------------------------------------------------------------------
+    # --- physics -------------------------------------------------------------------------------------------
     def inertia(self, component: Component, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
         """Constant symmetric mass (k, k) between k nodes of three unknowns from `start` on.
 
@@ -214,12 +216,14 @@ class Model:
         law: Law | None = None,
         n: int | None = None,
     ) -> None:
-        """Constraints ``strain_i = target_i(t)`` (zero without targets), one multiplier each from `first` on."""
+        """Constraints ``strain_i = target_i(t)`` (or zero), one multiplier each from `first` on."""
         n = len(strains) if n is None else n
         numbers = [multipliers.start + first + k for k in range(n)]
         signals = [self.signal(f) for f in targets] if targets else [-1] * n
         driven = any(s >= 0 for s in signals)
-        account = self.account(component, "drive" if driven else "constraint", "work" if driven else "constraint")
+        account = self.account(
+            component, "drive" if driven else "constraint", "work" if driven else "constraint"
+        )
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
@@ -240,10 +244,12 @@ class Model:
     ) -> None:
         listed = strains if isinstance(strains, list | tuple) else [strains]
         exact = [strain(s) for s in listed]
-        self.elements.append(Element(exact, law, multipliers, signals or [-1], account, self.index(component)))
+        self.elements.append(
+            Element(exact, law, multipliers, signals or [-1], account, self.index(component))
+        )
 
 
-# --- hand-over to the core --------------------------------------------------------------------------------------
+# --- hand-over to the core ----------------------------------------------------------------------------------
 
 
 @dataclass(eq=False)
@@ -280,7 +286,13 @@ def stencil(element: Element) -> Stencil:
             lin.append((i, number(Form(e.linear.weights))))
     entries = sorted((unknowns[u], row, w) for form, row in forms.items() for u, w in form.weights)
     shape = {
-        "counts": (len(unknowns), len(forms), len(element.strains), len(element.multipliers), element.law.kind),
+        "counts": (
+            len(unknowns),
+            len(forms),
+            len(element.strains),
+            len(element.multipliers),
+            element.law.kind,
+        ),
         "forms": tuple((row, col) for col, row, _ in entries),
         "quad": tuple(quad),
         "coefficients": tuple(coefficients),

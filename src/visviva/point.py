@@ -30,7 +30,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Frame(Point):
-    """A material point with three material directions, the rows of `axes`; the third is the axis of joints."""
+    """A material point with three material directions, rows of `axes`; the third is the axis of joints."""
 
     axes: Array
 

@@ -1,9 +1,9 @@
 """Time integration schemes: small value objects that say where things are evaluated and how rates follow.
 
-A scheme gives one step's numbers: the evaluation time of loads, where strain and constraint gradients are taken
-(``x_theta = x0 + theta (x1 - x0)``), which stress rule holds, and two tables that express rates and the history at
-the end of the step through the increment ``dx = x1 - x0`` and the history ``(v, a, w)`` at its start. Rows of a
-table: rate at the evaluation point, second rate there, then ``v``, ``a``, ``w`` at the end.
+A scheme gives one step's numbers: the evaluation time of loads, where strain and constraint gradients are
+taken (``x_theta = x0 + theta (x1 - x0)``), which stress rule holds, and two tables that express rates and the
+history at the end of the step through the increment ``dx = x1 - x0`` and the history ``(v, a, w)`` at its
+start. Rows of a table: rate at the evaluation point, second rate there, then ``v``, ``a``, ``w`` at the end.
 """
 
 from __future__ import annotations
@@ -60,12 +60,14 @@ def _step_of_length(scheme: Scheme, h: float) -> _core.Step:
     theta_g = scheme.theta if scheme.theta_g is None else scheme.theta_g
     motion = np.array(scheme.motion(h), dtype=float)
     transport = np.array(scheme.transport(h), dtype=float)
-    return _core.Step(0.0, h, scheme.theta * h, scheme.theta, theta_g, scheme.discrete_gradient, motion, transport)
+    return _core.Step(
+        0.0, h, scheme.theta * h, scheme.theta, theta_g, scheme.discrete_gradient, motion, transport
+    )
 
 
 @dataclass(frozen=True)
 class Midpoint(Scheme):
-    """Implicit midpoint rule, paper eq. (10): second order, conserves momenta, energy of quadratic potentials."""
+    """Implicit midpoint rule, paper (10): second order, conserves momenta, energy of quadratic potentials."""
 
     order: ClassVar[int] = 2
     theta: ClassVar[float] = 0.5
@@ -90,7 +92,7 @@ class EnergyMomentum(Midpoint):
 
 @dataclass(frozen=True)
 class VariationalMidpoint(Midpoint):
-    """Discrete Euler-Lagrange equations of the midpoint Lagrangian, constraints and multipliers at the nodes [3].
+    """Discrete Euler-Lagrange equations of the midpoint Lagrangian, constraints at the nodes [3].
 
     Symplectic and momentum conserving; velocities are projected onto the constraints at the end of each step.
     """

@@ -34,13 +34,13 @@ class Newton:
     Parameters
     ----------
     tolerance : float
-        Largest estimated error of an accepted iterate, relative to each unknown's own scale and to how far the step
-        goes.
+        Largest estimated error of an accepted iterate, relative to each unknown's own scale and to how far
+        the step goes.
     max_iterations : int
         After this many the step has failed.
     keep_factor : float
-        A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a new
-        tangent in every iteration.
+        A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a
+        new tangent in every iteration.
     null_space : bool or None
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     """
@@ -78,9 +78,9 @@ class StepFailure(RunError):
         self.time, self.h, self.reason = time, h, report.reason
         history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
         super().__init__(
-            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; worst is {self.unknown} of "
-            f"{self.component}; relative increments ... {history}. Try a smaller step, or look at this component's "
-            f"data near t = {time:.4g}"
+            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; worst is {self.unknown} "
+            f"of {self.component}; relative increments ... {history}. Try a smaller step, or look at this "
+            f"component's data near t = {time:.4g}"
         )
 
 
@@ -116,10 +116,16 @@ class System:
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
             owner = getattr(c, "_system", lambda: None)()
-            if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference
-                raise InputError(f"{c.label} belongs to another system; copy.deepcopy the components before reuse")
+            if owner is not None and any(
+                c is other for other in owner.components
+            ):  # a copy keeps the reference
+                raise InputError(
+                    f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
+                )
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
-        for c in sorted(self.components, key=lambda c: not isinstance(c, Attachable)):  # joints attach to bodies
+        for c in sorted(
+            self.components, key=lambda c: not isinstance(c, Attachable)
+        ):  # joints attach to bodies
             c.declare(self.model)
         for c in self.components:
             c.contribute(self.model)
@@ -128,7 +134,7 @@ class System:
         self._build_core()
         self._check_finite()
 
-    # --- construction -------------------------------------------------------------------------------------------
+    # --- construction --------------------------------------------------------------------------------------
     def _name_components(self) -> None:
         seen: Counter[str] = Counter()
         taken = {c.name for c in self.components if c.name}
@@ -154,7 +160,9 @@ class System:
         self.order = order
         terms = [*inertia_terms(self.model), *strain_terms(self.model)]
         terms += [term.build(self.model, component) for term, component in self.model.terms]
-        core.set_accounts(len(self.model.accounts), len(self.components))  # after the terms have opened theirs
+        core.set_accounts(
+            len(self.model.accounts), len(self.components)
+        )  # after the terms have opened theirs
         for term in terms:
             core.add(term)
         core.set_signal_count(max(len(self.model.signals), 1))
@@ -190,9 +198,11 @@ class System:
     def _check_finite(self) -> None:
         for f in self.model.fields:
             if not (np.all(np.isfinite(f.values)) and np.all(np.isfinite(f.rates))):
-                raise InputError(f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}")
+                raise InputError(
+                    f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}"
+                )
 
-    # --- what is in it ------------------------------------------------------------------------------------------
+    # --- what is in it -------------------------------------------------------------------------------------
     @property
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
@@ -236,7 +246,7 @@ class System:
         """Present value of a form, vector or strain."""
         return what.value(self.x)
 
-    # --- stepping -----------------------------------------------------------------------------------------------
+    # --- stepping ------------------------------------------------------------------------------------------
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
         s = self._signals
@@ -248,7 +258,7 @@ class System:
         return s
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
-        """Advance by one step of length `h`; raises `StepFailure` and keeps the state if it does not converge."""
+        """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
         scheme = EnergyMomentum() if scheme is None else scheme
         attempt = self.attempt(scheme.step(self.time, h))
         self.accept(attempt, scheme)

@@ -1,4 +1,4 @@
-"""Terms written in Python: a batch of equal stencils with residual, and tangent, energy and history if they like."""
+"""Terms written in Python: batches of equal stencils with residual, tangent, energy, history if wanted."""
 
 from __future__ import annotations
 
@@ -50,9 +50,10 @@ class Stencils:
 class Term:
     """Base of terms in Python.
 
-    A subclass sets `unknowns` (n, n_local), `order` (n_local,) of its unknowns, and defines `residual`; the rest is
-    optional: without `tangent` the residual is differentiated numerically, without `energy` the ledger books
-    the term's work, ``-residual . dx`` unless `work` says otherwise (as it must for unknowns of order 1).
+    A subclass sets `unknowns` (n, n_local), `order` (n_local,) of its unknowns, and defines `residual`; the
+    rest is optional: without `tangent` the residual is differentiated numerically, without `energy` the
+    ledger books the term's work, ``-residual . dx`` unless `work` says otherwise (as it must for unknowns of
+    order 1).
 
     Attributes
     ----------
@@ -72,7 +73,9 @@ class Term:
 
     def __init__(self) -> None:
         self.history: dict[str, Array] = {}
-        self.history_at_tangent: dict[str, Array] = {}  # when the tangent last asked for was made, for restarts
+        self.history_at_tangent: dict[
+            str, Array
+        ] = {}  # when the tangent last asked for was made, for restarts
 
     def residual(self, s: Stencils) -> Array:
         """Contribution (n, n_local) to the equations of its unknowns."""
@@ -93,7 +96,7 @@ class Term:
     def accept(self, s: Stencils) -> None:
         """The step is accepted: update `history`."""
 
-    # --- hand-over to the core ----------------------------------------------------------------------------------
+    # --- hand-over to the core -----------------------------------------------------------------------------
     def rate_factors(self, step: Any) -> tuple[Array, Array]:
         """Derivatives of rate and second rate with respect to `x1`, by local unknown."""
         first = np.choose(self.order, [0.0, step.transport_factor, step.rate_factor])

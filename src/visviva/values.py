@@ -42,9 +42,7 @@ def _list(a: Array | None) -> Any:
 
 
 VECTOR_SCHEMA = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
-Vector3 = Annotated[
-    Any, BeforeValidator(_vector), PlainSerializer(_list), WithJsonSchema(VECTOR_SCHEMA)
-]
+Vector3 = Annotated[Any, BeforeValidator(_vector), PlainSerializer(_list), WithJsonSchema(VECTOR_SCHEMA)]
 Matrix = Annotated[
     Any,
     BeforeValidator(_matrix),

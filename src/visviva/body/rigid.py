@@ -1,4 +1,4 @@
-"""Rigid bodies in directors: 12 coordinates, 6 constraints of rigidity, constant mass (paper eqs. (4)-(9))."""
+"""Rigid bodies in directors: 12 coordinates, 6 constraints of rigidity, constant mass (paper, (4)-(9))."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 class RigidBody(Attachable):
     """A rigid body.
 
-    Its inertia comes from exactly one of: `inertia` or `euler` with `mass`, or `shape` with `density` (or `mass`).
+    Its inertia comes from exactly one of: `inertia` or `euler` with `mass`, or `shape` with `density` (or
+    `mass`).
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ class RigidBody(Attachable):
         M[np.abs(M) < 1e-15 * np.abs(np.diag(M)).max()] = 0.0
         return M
 
-    # --- attachment ---------------------------------------------------------------------------------------------
+    # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
         return Vector.of(self._field.start, (1.0, *X))
 
@@ -135,7 +136,7 @@ class RigidBody(Attachable):
         a, b, c = (Vector.of(self._field.start + 3 + 3 * k) for k in range(3))
         return a, b, c
 
-    # --- part in the system -------------------------------------------------------------------------------------
+    # --- part in the system --------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         R, w = self.rotation, self.angular_velocity
         q = np.concatenate([self.position, *R.T])
@@ -168,5 +169,3 @@ def inertia_box(properties: MassProperties) -> Any:
     points, triangles = Box(size=tuple(np.maximum(edges, longest / 50).tolist())).surface()
     right_handed = axes * np.sign(np.linalg.det(axes))
     return centre + points @ right_handed.T, triangles
-
-

@@ -1,9 +1,9 @@
 """Rotary crane of Hesch & Betsch (2012), section 4.1: girder, trolley, winch and a load on a rope.
 
-What the paper's text leaves open is chosen as follows. The girder turns about e3 through its centre of mass and is
-long along its own second director, where Table 1 has the large Euler value; crane angle zero is along e1. The winch
-sits in the trolley's centre, its axis is horizontal across the girder and is its third principal axis (J = 0.02).
-The rope leaves at the winch's centre and is vertical at the start.
+What the paper's text leaves open is chosen as follows. The girder turns about e3 through its centre of mass
+and is long along its own second director, where Table 1 has the large Euler value; crane angle zero is along
+e1. The winch sits in the trolley's centre, its axis is horizontal across the girder and is its third
+principal axis (J = 0.02). The rope leaves at the winch's centre and is vertical at the start.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ def study(
         a=girder.frame_at((0, 0, 0), X), b=trolley.frame_at(there, X), stroke=True, name="rail"
     )
     axle = vv.Revolute(a=trolley, b=drum, at=there, axis=(0, 1, 0), angle=True, name="axle")
-    rope = vv.RopeOverWinch(a=drum.point(), b=load.point(), winch=axle, radius=radius, length=length, name="rope")
+    rope = vv.RopeOverWinch(
+        a=drum.point(), b=load.point(), winch=axle, radius=radius, length=length, name="rope"
+    )
     parts = [ground, girder, trolley, drum, load, slewing, rail, axle, rope]
     if winch == "locked":
         parts.append(vv.Motor(joint=axle, motion=lambda t: 0.0, name="brake"))
@@ -57,8 +59,16 @@ def study(
         "slewing_force": lambda s: vv.reaction(s, slewing)[0],
         "rope_force": lambda s: vv.reaction(s, rope)[0],
     }
-    return vv.Study(system, until, step, probes=probes, trails=("load",), title="Rotary crane", notes=__doc__,
-                    ropes=[(drum.point().position, at_load)])
+    return vv.Study(
+        system,
+        until,
+        step,
+        probes=probes,
+        trails=("load",),
+        title="Rotary crane",
+        notes=__doc__,
+        ropes=[(drum.point().position, at_load)],
+    )
 
 
 def check(result: vv.Result) -> None:

@@ -1,4 +1,4 @@
-"""What all joints share: two frames, constraints written as strains, coordinates by augmentation, reactions."""
+"""What all joints share: two frames, constraints as strains, coordinates by augmentation, reactions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Side:
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Joint(Component):
-    """Base of joints: `constraints` (and for coordinates `angle_of`, `stroke_of`) is all that a joint defines.
+    """Base of joints: `constraints` is all that a joint defines.
 
     Parameters
     ----------
@@ -94,12 +94,12 @@ class Joint(Component):
         axis = np.array([0.0, 0.0, 1.0]) if self.axis is None else self.axis
         return side.frame_at(self.at, axis, self.first)  # type: ignore[no-any-return]
 
-    # --- what a joint defines -----------------------------------------------------------------------------------
+    # --- what a joint defines ------------------------------------------------------------------------------
     def constraints(self, A: Side, B: Side) -> Sequence[Strain | Form]:
         """The constraints between the two sides."""
         raise NotImplementedError
 
-    # --- part in the system -------------------------------------------------------------------------------------
+    # --- part in the system --------------------------------------------------------------------------------
     def want(self, coordinate: str) -> None:
         """Ask for a coordinate before the system is built (motors and springs on joints do)."""
         if not getattr(self, f"has_{coordinate}"):

@@ -21,7 +21,7 @@ Constraints = Sequence[Strain | Form]
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class RopeOverWinch(Joint):
-    """Inextensible massless rope from `a` to `b` that a winch of `radius` pays out: ``|p| = length + radius angle``.
+    """Inextensible massless rope from `a` to `b`, paid out by a winch: ``|p| = length + radius angle``.
 
     `winch` is the revolute joint whose angle counts; the rope leaves at the point `a`. Written quadratically,
     ``(|p|^2 - (length + radius angle)^2) / (2 length)``, so that its multiplier is about the rope's tension.
@@ -92,7 +92,7 @@ class Gear(_Coupling):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class RackAndPinion(_Coupling):
-    """Stroke of the rack's joint `b` follows `radius` times the angle of the pinion's joint `a` (1 constraint)."""
+    """Stroke of the rack's joint `b` follows `radius` times the angle of pinion joint `a` (1 constraint)."""
 
     radius: Number
 

@@ -74,7 +74,7 @@ class Planar(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Screw(Cylindrical):
-    """Cylindrical joint that advances by `pitch` along the axis per turn (5 constraints); coordinate: `angle`."""
+    """Cylindrical joint that advances by `pitch` per turn (5 constraints); coordinate: `angle`."""
 
     pitch: Number
     has_stroke = False
