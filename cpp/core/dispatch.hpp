@@ -20,7 +20,8 @@ struct Kernels {
     void (*inertia_residual)(const InertiaView&, const Vectors&, double* r);
     void (*inertia_tangent)(const InertiaView&, const Step&, double* values);
     void (*inertia_ledger)(const InertiaView&, const double* x, const double* v, const InertiaLedger&);
-    double (*vector_update)(int n, const double* d, const double* weight, const double* x, double* dx, double* x1);
+    double (*vector_update)(int n, const double* d, const double* weight, const double* x, double* dx,
+                            double* x1);
     void (*vector_affine)(int n, double factor, const double* x, const double* base, double* y);
     void (*rigid_force)(const RigidView&, const double* r, const Place&, double* s);
     void (*rigid_balance)(const RigidView&, const double* r, const Place&, double* dx, double* x1);

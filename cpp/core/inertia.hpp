@@ -1,4 +1,5 @@
-// Constant mass between the nodes of an element: residual M times the second rate (motion) or rate (transport).
+// Constant mass between the nodes of an element: residual M times the second rate (motion) or rate
+// (transport).
 #pragma once
 #include <cstdint>
 
@@ -10,10 +11,10 @@ struct InertiaView {
     int n = 0, stride = 0;
     int n_nodes = 0, dim = 3, n_pairs = 0;
     int order = 2;
-    const int* pair = nullptr;        // [n_pairs][2] node pairs (both triangles)
-    const double* mass = nullptr;     // [n_pairs][stride]
-    const int* index = nullptr;       // [n_nodes * dim][stride]
-    const char* is_position = nullptr;  // [n_nodes]: counts in linear momentum
+    const int* pair = nullptr;               // [n_pairs][2] node pairs (both triangles)
+    const double* mass = nullptr;            // [n_pairs][stride]
+    const int* index = nullptr;              // [n_nodes * dim][stride]
+    const char* is_position = nullptr;       // [n_nodes]: counts in linear momentum
     const std::int64_t* position = nullptr;  // [n_pairs * dim][stride]
 };
 

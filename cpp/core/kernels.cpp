@@ -1,5 +1,5 @@
-// Compiled once per instruction set; see CMakeLists.txt. Nothing here may instantiate std:: templates: the linker
-// could keep the copy made for a newer processor for everybody.
+// Compiled once per instruction set; see CMakeLists.txt. Nothing here may instantiate std:: templates: the
+// linker could keep the copy made for a newer processor for everybody.
 #include "block_lu_kernels.hpp"
 #include "dispatch.hpp"
 #include "inertia_kernel.hpp"
@@ -13,10 +13,21 @@
 namespace visviva::VISVIVA_ISA {
 
 extern const Kernels table;
-const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA), W,
-                       strain_begin,   strain_strains,  strain_residual, strain_tangent, strain_ledger,
-                       inertia_residual, inertia_tangent, inertia_ledger, vector_update, vector_affine,
-                       rigid_force, rigid_balance, rigid_expand,
+const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA),
+                       W,
+                       strain_begin,
+                       strain_strains,
+                       strain_residual,
+                       strain_tangent,
+                       strain_ledger,
+                       inertia_residual,
+                       inertia_tangent,
+                       inertia_ledger,
+                       vector_update,
+                       vector_affine,
+                       rigid_force,
+                       rigid_balance,
+                       rigid_expand,
                        {lu_factor, lu_solve}};
 
 }  // namespace visviva::VISVIVA_ISA

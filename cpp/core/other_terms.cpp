@@ -20,7 +20,8 @@ InertiaTerm::InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int
     out_.assign(static_cast<std::size_t>(7) * stride, 0.0);
     InertiaView& v = view_;
     v.n = n, v.stride = stride, v.n_nodes = n_nodes, v.dim = dim, v.n_pairs = n_pairs, v.order = order;
-    v.pair = pair_.data(), v.mass = mass_.data(), v.index = index_.data(), v.is_position = is_position_.data();
+    v.pair = pair_.data(), v.mass = mass_.data(), v.index = index_.data(),
+    v.is_position = is_position_.data();
 }
 
 std::int64_t InertiaTerm::n_entries() const {
@@ -42,13 +43,16 @@ void InertiaTerm::set_positions(const std::int64_t* positions) {
     position_.resize(static_cast<std::size_t>(rows) * stride);
     for (int k = 0; k < rows; ++k)
         for (int e = 0; e < stride; ++e)
-            position_[static_cast<std::size_t>(k) * stride + e] = positions[k * view_.n + std::min(e, view_.n - 1)];
+            position_[static_cast<std::size_t>(k) * stride + e] =
+                positions[k * view_.n + std::min(e, view_.n - 1)];
     view_.position = position_.data();
 }
 
 void InertiaTerm::residual(const Context& c, double* r) { kernels().inertia_residual(view_, c.vectors, r); }
 
-void InertiaTerm::tangent(const Context& c, double* values) { kernels().inertia_tangent(view_, c.step, values); }
+void InertiaTerm::tangent(const Context& c, double* values) {
+    kernels().inertia_tangent(view_, c.step, values);
+}
 
 void InertiaTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     if (view_.order != 2) return;
@@ -63,8 +67,12 @@ void InertiaTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
 
 CallbackTerm::CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent,
                            Function ledger, Function accept)
-    : n_(n), nl_(n_local), index_(index, index + static_cast<std::size_t>(n) * n_local),
-      residual_(std::move(residual)), tangent_(std::move(tangent)), ledger_(std::move(ledger)),
+    : n_(n),
+      nl_(n_local),
+      index_(index, index + static_cast<std::size_t>(n) * n_local),
+      residual_(std::move(residual)),
+      tangent_(std::move(tangent)),
+      ledger_(std::move(ledger)),
       accept_(std::move(accept)) {
     const std::size_t size = index_.size();
     for (auto* a : {&x0_, &x1_, &rate_, &second_rate_, &v1_, &r_}) a->assign(size, 0.0);
@@ -88,8 +96,8 @@ TermArguments CallbackTerm::gather(const Context& c) {
         x0_[k] = v.x0[index_[k]], x1_[k] = v.x1[index_[k]];
         rate_[k] = v.rate[index_[k]], second_rate_[k] = v.second_rate[index_[k]];
     }
-    return {&c.step, x0_.data(), x1_.data(), rate_.data(), second_rate_.data(), r_.data(),
-            k_.data(), energy_.data(), work_.data(), v1_.data()};
+    return {&c.step,   x0_.data(), x1_.data(),     rate_.data(), second_rate_.data(),
+            r_.data(), k_.data(),  energy_.data(), work_.data(), v1_.data()};
 }
 
 void CallbackTerm::residual(const Context& c, double* r) {

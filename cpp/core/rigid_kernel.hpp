@@ -1,5 +1,5 @@
-// The null-space map of rigid bodies, W bodies at a time: forces to force and torque, and back from translation and
-// rotation to coordinates, directors kept orthonormal.
+// The null-space map of rigid bodies, W bodies at a time: forces to force and torque, and back from
+// translation and rotation to coordinates, directors kept orthonormal.
 #pragma once
 #include "rigid.hpp"
 #include "simd.hpp"
@@ -40,8 +40,8 @@ VISVIVA_INLINE void put(V a, const int* index, int offset, int n, double* x) {
     for (int l = 0; l < n; ++l) x[index[l] + offset] = a[l];
 }
 
-// s = P(q_g)^T (-r), the torque by its components along the directors: there the inertia of a body stays the same
-// while it turns, and a factorisation lasts.
+// s = P(q_g)^T (-r), the torque by its components along the directors: there the inertia of a body stays the
+// same while it turns, and a factorisation lasts.
 void rigid_force(const RigidView& v, const double* r, const Place& p, double* s) {
     for (int base = 0; base < v.n; base += W) {
         const Frame f1 = gather_frame(v, p.x1, base), f = frame_between(f1, v, p, base);
@@ -78,8 +78,8 @@ VISVIVA_INLINE void rotate(const Frame& f, const V* w, V* change) {
         }
 }
 
-// The multipliers of orthonormality balance what is left of the director forces: Lambda_ij = -f_i . d^j, with the
-// dual basis d^j at q_g; r must not contain their own contribution.
+// The multipliers of orthonormality balance what is left of the director forces: Lambda_ij = -f_i . d^j, with
+// the dual basis d^j at q_g; r must not contain their own contribution.
 VISVIVA_INLINE void rigidity(const Frame& f, const Frame& force, V* lambda) {
     V g[9], m[3][3];
     clear(g, 9);

@@ -1,5 +1,6 @@
-// Eigen's SparseLU on the full saddle-point system, equilibrated so that neither the step size nor the units of mass
-// and length spoil the pivots (this contains the h-scaling of the multipliers of Bottasso, Bauchau & Cardona 2007).
+// Eigen's SparseLU on the full saddle-point system, equilibrated so that neither the step size nor the units
+// of mass and length spoil the pivots (this contains the h-scaling of the multipliers of Bottasso, Bauchau &
+// Cardona 2007).
 #include <Eigen/SparseLU>
 #include <cmath>
 
@@ -17,7 +18,8 @@ class SparseLu : public LinearSolver {
         std::vector<Eigen::Triplet<double>> entries;
         for (int i = 0; i < n; ++i) {
             entries.emplace_back(i, i, 1.0);
-            for (auto k = pattern.row[i]; k < pattern.row[i + 1]; ++k) entries.emplace_back(i, pattern.col[k], 1.0);
+            for (auto k = pattern.row[i]; k < pattern.row[i + 1]; ++k)
+                entries.emplace_back(i, pattern.col[k], 1.0);
         }
         matrix_.resize(n, n);
         matrix_.setFromTriplets(entries.begin(), entries.end());
@@ -75,7 +77,8 @@ class SparseLu : public LinearSolver {
     template <class F>
     void for_each(F f) {
         for (int j = 0; j < matrix_.outerSize(); ++j)
-            for (Matrix::InnerIterator it(matrix_, j); it; ++it) f(static_cast<int>(it.row()), j, it.valueRef());
+            for (Matrix::InnerIterator it(matrix_, j); it; ++it)
+                f(static_cast<int>(it.row()), j, it.valueRef());
     }
 
     using Matrix = Eigen::SparseMatrix<double>;

@@ -1,5 +1,5 @@
-// The generic strain term: forms y = B x + c (constant linear forms of the unknowns), generalised strains e(y)
-// quadratic in y, and a law that turns strains into stresses S: residual B^T grad e(y_theta)^T S.
+// The generic strain term: forms y = B x + c (constant linear forms of the unknowns), generalised strains
+// e(y) quadratic in y, and a law that turns strains into stresses S: residual B^T grad e(y_theta)^T S.
 // Joints, springs, dampers, gravity, servo constraints and small solids are all instances of it.
 #pragma once
 #include <cstdint>
@@ -30,10 +30,10 @@ enum class LawKind : int {
 struct StrainShape {
     int n_x = 0, n_y = 0, n_e = 0, n_m = 0;  // unknowns, forms, strains, multipliers per element
     LawKind law = LawKind::linear;
-    std::vector<int> form_row, form_col;        // entries of B: y[row] += weight * x[col]
-    std::vector<int> quad_e, quad_a, quad_b;    // e[i] += coef * y[a] * y[b]
+    std::vector<int> form_row, form_col;      // entries of B: y[row] += weight * x[col]
+    std::vector<int> quad_e, quad_a, quad_b;  // e[i] += coef * y[a] * y[b]
     std::vector<double> quad_coef;
-    std::vector<int> lin_e, lin_a;              // e[i] += coef * y[a]
+    std::vector<int> lin_e, lin_a;  // e[i] += coef * y[a]
     std::vector<double> lin_coef;
     int n_local() const { return n_x + n_m; }
 };
@@ -60,16 +60,16 @@ struct Border {
 struct StrainView {
     ShapeView shape{};
     int n = 0, stride = 0;
-    const int* index = nullptr;      // [n_x + n_m][stride] unknown numbers
-    const double* weight = nullptr;  // [n_forms_entries][stride]
-    const double* y_const = nullptr;  // [n_y][stride]
-    const double* e_const = nullptr;  // [n_e][stride]
-    const double* par = nullptr;      // [n_par][stride]
-    const int* signal = nullptr;      // [max(n_m, 1)][stride] signal number or -1
-    double *y0 = nullptr, *e0 = nullptr;      // begin of step, [n_y][stride], [n_e][stride]
+    const int* index = nullptr;           // [n_x + n_m][stride] unknown numbers
+    const double* weight = nullptr;       // [n_forms_entries][stride]
+    const double* y_const = nullptr;      // [n_y][stride]
+    const double* e_const = nullptr;      // [n_e][stride]
+    const double* par = nullptr;          // [n_par][stride]
+    const int* signal = nullptr;          // [max(n_m, 1)][stride] signal number or -1
+    double *y0 = nullptr, *e0 = nullptr;  // begin of step, [n_y][stride], [n_e][stride]
     double *e_eval = nullptr, *e_rate = nullptr, *e1 = nullptr;  // for callbacks
-    // Results of a callback law, element-fastest: stress, d stress / d strain, d stress / d rate, residual of a
-    // constraint, its derivative, d stress / d multiplier, energy.
+    // Results of a callback law, element-fastest: stress, d stress / d strain, d stress / d rate, residual of
+    // a constraint, its derivative, d stress / d multiplier, energy.
     const double *cb_S = nullptr, *cb_D = nullptr, *cb_R = nullptr, *cb_Phi = nullptr, *cb_J = nullptr,
                  *cb_Jt = nullptr, *cb_W = nullptr;
     // tangent program
@@ -100,8 +100,6 @@ inline bool needs_rate(LawKind k) {
     return k == LawKind::viscous || k == LawKind::viscous_length || k == LawKind::rate_callback;
 }
 // Laws of the state at theta whatever the rule of the potentials.
-inline bool is_at_theta(LawKind k) {
-    return needs_rate(k) || k == LawKind::follower || k == LawKind::torque;
-}
+inline bool is_at_theta(LawKind k) { return needs_rate(k) || k == LawKind::follower || k == LawKind::torque; }
 
 }  // namespace visviva

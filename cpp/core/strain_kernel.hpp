@@ -73,8 +73,8 @@ VISVIVA_INLINE bool looks_at_theta(LawKind k) {
 }
 
 // Strains at the ends and at theta, their rate, and what the law makes of them.
-VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vectors& x, const Signals& signals,
-                                int base, const Work& w, bool law = true) {
+VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vectors& x,
+                                const Signals& signals, int base, const Work& w, bool law = true) {
     const ShapeView& s = v.shape;
     const double theta = term_theta(s, step);
     forms(v, x.x1, base, true, w.y1);
@@ -96,8 +96,7 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
         }
     }
     for (int m = 0; m < s.n_m; ++m) w.lam[m] = gather(x.x1, v.index + (s.n_x + m) * v.stride + base);
-    LawData a{&step, &v,   &signals, base, w.e0, w.e1, w.et, w.edot, w.lam,
-              w.S,   w.D,  w.R,      w.Phi, w.J, w.Jt};
+    LawData a{&step, &v, &signals, base, w.e0, w.e1, w.et, w.edot, w.lam, w.S, w.D, w.R, w.Phi, w.J, w.Jt};
     if (law) evaluate_law(a);
     return a;
 }
@@ -149,7 +148,8 @@ void strain_strains(const StrainView& v, const Step& step, const Vectors& x) {
     }
 }
 
-void strain_residual(const StrainView& v, const Step& step, const Vectors& x, const Signals& signals, double* r) {
+void strain_residual(const StrainView& v, const Step& step, const Vectors& x, const Signals& signals,
+                     double* r) {
     const ShapeView& s = v.shape;
     Work w(s, v.scratch);
     const int n_forms = s.n_forms;
@@ -161,7 +161,8 @@ void strain_residual(const StrainView& v, const Step& step, const Vectors& x, co
         for (int k = 0; k < n_forms;) {
             const int j = col[k];
             V rj = broadcast(0.0);
-            for (; k < n_forms && col[k] == j; ++k) rj += vload(v.weight + k * v.stride + base) * w.gy[row[k]];
+            for (; k < n_forms && col[k] == j; ++k)
+                rj += vload(v.weight + k * v.stride + base) * w.gy[row[k]];
             scatter(rj, v.index + j * v.stride + base, n, r);
         }
         for (int m = 0; m < s.n_m; ++m) scatter(w.Phi[m], v.index + (s.n_x + m) * v.stride + base, n, r);
@@ -216,7 +217,8 @@ VISVIVA_INLINE void form_tangent(const StrainView& v, const Step& step, const Wo
 }
 
 VISVIVA_INLINE void add(V a, const StrainView& v, int slot, int base, int n, double* values) {
-    const long* position = reinterpret_cast<const long*>(v.position) + static_cast<long>(slot) * v.stride + base;
+    const long* position =
+        reinterpret_cast<const long*>(v.position) + static_cast<long>(slot) * v.stride + base;
     for (int l = 0; l < n; ++l) values[position[l]] += a[l];
 }
 
@@ -268,7 +270,8 @@ void strain_tangent(const StrainView& v, const Step& step, const Vectors& x, con
     }
 }
 
-// Largest violation of the multiplier rows of a group: at position level, and of their rates with velocity v1.
+// Largest violation of the multiplier rows of a group: at position level, and of their rates with velocity
+// v1.
 VISVIVA_INLINE void defects(const StrainView& v, const LawData& a, const Signals& signals, const double* v1,
                             const Work& w, V& defect, V& rate_defect) {
     const ShapeView& s = v.shape;

@@ -1,5 +1,6 @@
-// Laws: from generalised strains to stresses S and their derivatives. Energies are written once over a number type;
-// stresses and tangents follow by forward differentiation (Jet), discrete gradients by Gonzalez' formula.
+// Laws: from generalised strains to stresses S and their derivatives. Energies are written once over a number
+// type; stresses and tangents follow by forward differentiation (Jet), discrete gradients by Gonzalez'
+// formula.
 #pragma once
 #include "simd.hpp"
 #include "strain.hpp"
@@ -47,10 +48,10 @@ struct LawData {
     const Step* step;
     const StrainView* view;
     const Signals* signals;
-    int base;                       // first element of the group
-    const V *e0, *e1, *et, *edot;   // strains at 0, 1, theta and their rate
-    const V* lam;                   // multipliers
-    V *S, *D, *R, *Phi, *J, *Jt;    // D = dS/de, R = dS/d(edot), J = dPhi/de1, Jt = dS/dlam
+    int base;                      // first element of the group
+    const V *e0, *e1, *et, *edot;  // strains at 0, 1, theta and their rate
+    const V* lam;                  // multipliers
+    V *S, *D, *R, *Phi, *J, *Jt;   // D = dS/de, R = dS/d(edot), J = dPhi/de1, Jt = dS/dlam
     V par(int k) const { return vload(view->par + k * view->stride + base); }
 };
 
@@ -159,8 +160,9 @@ VISVIVA_INLINE void times(const V A[3][3], const V* b, V* c) {
     for (int i = 0; i < 3; ++i) c[i] = A[i][0] * b[0] + A[i][1] * b[1] + A[i][2] * b[2];
 }
 
-// The torque m as forces f_i = t x d_i on the directors with A t = m: sum d_i x f_i = m also where the directors of
-// the evaluation point are not orthonormal. Column `column` of D gets the derivatives by dt and, for director j, t x u.
+// The torque m as forces f_i = t x d_i on the directors with A t = m: sum d_i x f_i = m also where the
+// directors of the evaluation point are not orthonormal. Column `column` of D gets the derivatives by dt and,
+// for director j, t x u.
 VISVIVA_INLINE void torque_column(const LawData& a, const V* dt, const V* t, int column, int j) {
     V f[3], unit[3] = {broadcast(0.0), broadcast(0.0), broadcast(0.0)};
     for (int i = 0; i < 3; ++i) {

@@ -18,7 +18,8 @@ template <class To, class From>
 void pad_rows(To& to, const From* from, int rows, int n, int stride) {
     to.resize(static_cast<std::size_t>(rows) * stride);
     for (int k = 0; k < rows; ++k)
-        for (int e = 0; e < stride; ++e) to[static_cast<std::size_t>(k) * stride + e] = from[k * n + std::min(e, n - 1)];
+        for (int e = 0; e < stride; ++e)
+            to[static_cast<std::size_t>(k) * stride + e] = from[k * n + std::min(e, n - 1)];
 }
 
 // Which strains the law's D couples to strain i.
@@ -38,10 +39,23 @@ bool row_couples(const StrainShape& s, int e, int m) {
 }
 
 ShapeView view_of(const StrainShape& s) {
-    return {s.n_x, s.n_y, s.n_e, s.n_m, s.law, static_cast<int>(s.form_row.size()),
-            static_cast<int>(s.quad_e.size()), static_cast<int>(s.lin_e.size()), s.form_row.data(),
-            s.form_col.data(), s.quad_e.data(), s.quad_a.data(), s.quad_b.data(), s.lin_e.data(),
-            s.lin_a.data(), s.quad_coef.data(), s.lin_coef.data()};
+    return {s.n_x,
+            s.n_y,
+            s.n_e,
+            s.n_m,
+            s.law,
+            static_cast<int>(s.form_row.size()),
+            static_cast<int>(s.quad_e.size()),
+            static_cast<int>(s.lin_e.size()),
+            s.form_row.data(),
+            s.form_col.data(),
+            s.quad_e.data(),
+            s.quad_a.data(),
+            s.quad_b.data(),
+            s.lin_e.data(),
+            s.lin_a.data(),
+            s.quad_coef.data(),
+            s.lin_coef.data()};
 }
 
 std::vector<std::set<int>> supports(const StrainShape& s) {
@@ -72,12 +86,15 @@ std::set<std::pair<int, int>> form_pairs(const StrainShape& s) {
 
 }  // namespace
 
-StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double* weight, const double* y_const,
-                       const double* e_const, const double* par, int n_par, const int* signal)
+StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double* weight,
+                       const double* y_const, const double* e_const, const double* par, int n_par,
+                       const int* signal)
     : shape_(std::move(shape)) {
     const StrainShape& s = shape_;
     const int stride = padded(n);
-    auto zeros = [stride](Aligned<double>& a, int rows) { a.assign(static_cast<std::size_t>(rows) * stride, 0.0); };
+    auto zeros = [stride](Aligned<double>& a, int rows) {
+        a.assign(static_cast<std::size_t>(rows) * stride, 0.0);
+    };
     pad_rows(index_, index, s.n_local(), n, stride);
     pad_rows(weight_, weight, static_cast<int>(s.form_row.size()), n, stride);
     pad_rows(y_const_, y_const, s.n_y, n, stride);
@@ -171,9 +188,10 @@ void StrainTerm::call_back(const Context& c, bool want_tangent) {
             const std::size_t k = static_cast<std::size_t>(m) * view_.stride + e;
             lambda_[k] = c.vectors.x1[index_[static_cast<std::size_t>(shape_.n_x + m) * view_.stride + e]];
         }
-    callback_({view_.n, view_.stride, shape_.n_e, shape_.n_m, want_tangent, c.step.te, c.step.h, c.step.stress,
-               e0_.data(), e1_.data(), e_eval_.data(), e_rate_.data(), lambda_.data(), cb_S_.data(), cb_D_.data(),
-               cb_R_.data(), cb_Phi_.data(), cb_J_.data(), cb_Jt_.data(), cb_W_.data()});
+    callback_({view_.n,        view_.stride,   shape_.n_e,     shape_.n_m,    want_tangent,
+               c.step.te,      c.step.h,       c.step.stress,  e0_.data(),    e1_.data(),
+               e_eval_.data(), e_rate_.data(), lambda_.data(), cb_S_.data(),  cb_D_.data(),
+               cb_R_.data(),   cb_Phi_.data(), cb_J_.data(),   cb_Jt_.data(), cb_W_.data()});
 }
 
 void StrainTerm::residual(const Context& c, double* r) {

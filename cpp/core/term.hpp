@@ -1,4 +1,5 @@
-// A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the ledger.
+// A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the
+// ledger.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
@@ -44,10 +45,10 @@ class Term {
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
     virtual void accept(const Context&) {}
 
-    std::string name;               // for messages
-    bool is_rigidity = false;       // orthonormality of rigid bodies, which a solver may keep by itself
-    std::vector<int> account;       // per element: where its energy and work are booked
-    std::vector<int> component;     // per element: whose momentum and defect it is
+    std::string name;            // for messages
+    bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself
+    std::vector<int> account;    // per element: where its energy and work are booked
+    std::vector<int> component;  // per element: whose momentum and defect it is
 };
 
 // A law evaluated outside the core, at batch level. Arrays are [n_e][stride] and so on, element-fastest.

@@ -1,4 +1,5 @@
-// The core without Python: a point mass on a massless rod swings under gravity; energy and length are checked.
+// The core without Python: a point mass on a massless rod swings under gravity; energy and length are
+// checked.
 #include <cmath>
 #include <cstdio>
 
@@ -7,13 +8,14 @@
 using namespace visviva;
 
 // One term of one element: forms y = x - pivot (the identity), strains and law as given.
-static std::shared_ptr<Term> term(StrainShape shape, std::vector<int> index, double constant, std::vector<double> par) {
+static std::shared_ptr<Term> term(StrainShape shape, std::vector<int> index, double constant,
+                                  std::vector<double> par) {
     shape.n_x = shape.n_y = 3, shape.n_e = 1;
     shape.form_row = shape.form_col = {0, 1, 2};
     const std::vector<double> weight(3, 1.0), pivot(3, 0.0);
     const int no_signal = -1;
-    auto t = std::make_shared<StrainTerm>(shape, 1, index.data(), weight.data(), pivot.data(), &constant, par.data(),
-                                          static_cast<int>(par.size()), &no_signal);
+    auto t = std::make_shared<StrainTerm>(shape, 1, index.data(), weight.data(), pivot.data(), &constant,
+                                          par.data(), static_cast<int>(par.size()), &no_signal);
     t->account = {0}, t->component = {0};
     return t;
 }
@@ -23,7 +25,8 @@ int main() {
     System system({2, 2, 2, 0}, {0, 0, 0, 0}, {1, 1, 1, 0});  // position and the multiplier of the rod
 
     const int index[3] = {0, 1, 2};
-    auto inertia = std::make_shared<InertiaTerm>(2, 1, 3, 1, std::vector<int>{0, 0}, &mass, index, std::vector<char>{1});
+    auto inertia =
+        std::make_shared<InertiaTerm>(2, 1, 3, 1, std::vector<int>{0, 0}, &mass, index, std::vector<char>{1});
     inertia->account = {0}, inertia->component = {0};
     system.add(inertia);
 
