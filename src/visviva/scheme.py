@@ -14,8 +14,13 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visviva import _core
+
+Row = Sequence[float] | NDArray[np.float64]
+Table = Sequence[Row]
+"""Five rows of four coefficients: of dx, v, a, w."""
 
 NONE = (0.0, 0.0, 0.0, 0.0)
 
@@ -41,11 +46,11 @@ class Scheme:
     needs_acceleration: ClassVar[bool] = False
     projects_velocity: ClassVar[bool] = False
 
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         """Table of a field of order 2."""
         raise NotImplementedError
 
-    def transport(self, h: float) -> Sequence[Sequence[float]]:
+    def transport(self, h: float) -> Table:
         """Table of a field of order 1."""
         raise NotImplementedError
 
@@ -72,11 +77,11 @@ class Midpoint(Scheme):
     order: ClassVar[int] = 2
     theta: ClassVar[float] = 0.5
 
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         second = (2 / h**2, -2 / h, 0.0, 0.0)
         return ((1 / h, 0, 0, 0), second, (2 / h, -1, 0, 0), NONE, NONE)
 
-    def transport(self, h: float) -> Sequence[Sequence[float]]:
+    def transport(self, h: float) -> Table:
         return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)
 
 
@@ -107,11 +112,11 @@ class BackwardEuler(Scheme):
 
     order: ClassVar[int] = 1
 
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         second = (1 / h**2, -1 / h, 0.0, 0.0)
         return ((1 / h, 0, 0, 0), second, (1 / h, 0, 0, 0), NONE, NONE)
 
-    def transport(self, h: float) -> Sequence[Sequence[float]]:
+    def transport(self, h: float) -> Table:
         return ((1 / h, 0, 0, 0), NONE, (1 / h, 0, 0, 0), NONE, NONE)
 
 
@@ -135,14 +140,14 @@ class GeneralizedAlpha(Scheme):
         gamma = 0.5 + alpha_f - alpha_m
         return alpha_m, alpha_f, gamma, 0.25 * (gamma + 0.5) ** 2
 
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         am, af, gamma, beta = self.parameters()
         a1 = np.array([1 / (h * h * beta), -1 / (h * beta), -(0.5 - beta) / beta, 0.0])
         v1 = np.array([0, 1, h * (1 - gamma), 0]) + h * gamma * a1
         w1 = ((1 - am) * a1 + np.array([0, 0, am, -af])) / (1 - af)
         return (v1, w1, v1, a1, w1)
 
-    def transport(self, h: float) -> Sequence[Sequence[float]]:
+    def transport(self, h: float) -> Table:
         am, af, gamma, _ = self.parameters()
         a1 = np.array([1 / (h * gamma), 0, -(1 - gamma) / gamma, 0])
         w1 = ((1 - am) * a1 + np.array([0, 0, am, -af])) / (1 - af)
@@ -155,7 +160,7 @@ class Static(Scheme):
 
     order: ClassVar[int] = 0
 
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         return (NONE,) * 5
 
     transport = motion

@@ -44,7 +44,8 @@ class Stencils:
     @property
     def x(self) -> Array:
         """Unknowns at the evaluation point ``x0 + theta (x1 - x0)``."""
-        return self.x0 + self.step.theta * (self.x1 - self.x0)
+        x: Array = self.x0 + self.step.theta * (self.x1 - self.x0)
+        return x
 
 
 class Term:

@@ -83,15 +83,15 @@ class RigidBody(Attachable):
     def mass_properties(self) -> MassProperties:
         """Mass, centre of mass (3,) and inertia tensor (3, 3) about it, in body coordinates."""
         if self.shape is not None and self.inertia is None and self.euler is None:
-            return self._from_shape()
+            return self._from_shape(self.shape)
         if self.mass is None or (self.inertia is None) == (self.euler is None):
             raise InputError(
                 f"{self.label}: give mass with inertia, or mass with euler, or shape with density (or mass)"
             )
         if self.mass <= 0:
             raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
-        given = self.inertia if self.inertia is not None else self.euler
-        tensor = np.diag(given) if given.shape == (3,) else given
+        given: Any = self.inertia if self.inertia is not None else self.euler
+        tensor: Array = np.diag(given) if given.shape == (3,) else given
         J = tensor if self.inertia is not None else inertia_tensor(tensor)
         try:
             check_inertia(J)
@@ -99,15 +99,16 @@ class RigidBody(Attachable):
             raise InputError(f"{self.label}: {error}") from None
         return MassProperties(float(self.mass), np.zeros(3) if self.centre is None else self.centre, J)
 
-    def _from_shape(self) -> MassProperties:
+    def _from_shape(self, shape: AnyShape) -> MassProperties:
         if (self.density is None) == (self.mass is None):
             raise InputError(f"{self.label}: a shape needs either density or mass")
-        if self.mass is not None and self.mass <= 0:
-            raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
-        density = self.density if self.density is not None else self.mass / self.shape.volume
-        if density <= 0:
-            raise InputError(f"{self.label}: density {density:g} is not positive")
-        return self.shape.inertia(density)
+        for what in ("density", "mass"):
+            value = getattr(self, what)
+            if value is not None and value <= 0:
+                raise InputError(f"{self.label}: {what} {value:g} is not positive")
+        density = self.density if self.mass is None else self.mass / shape.volume
+        assert density is not None
+        return shape.inertia(density)
 
     def mass_matrix(self) -> Array:
         """Constant mass (4, 4) between origin and directors: ``[[m, m s], [m s, E]]``, paper eq. (7)."""
@@ -125,10 +126,12 @@ class RigidBody(Attachable):
         return Vector.of(self._field.start + 3, direction)
 
     def local(self, x: Array) -> Array:
-        return self.rotation.T @ (x - self.position)
+        X: Array = self.rotation.T @ (x - self.position)
+        return X
 
     def local_direction(self, d: Array) -> Array:
-        return self.rotation.T @ d
+        D: Array = self.rotation.T @ d
+        return D
 
     @property
     def directors(self) -> tuple[Vector, Vector, Vector]:

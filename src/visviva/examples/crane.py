@@ -8,6 +8,8 @@ principal axis (J = 0.02). The rope leaves at the winch's centre and is vertical
 
 from __future__ import annotations
 
+from typing import Any
+
 import visviva as vv
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -33,7 +35,7 @@ def study(
     girder = vv.RigidBody(
         mass=100, euler=(8.3, 208.3, 8.3), rotation=ALONG, angular_velocity=spin, name="girder"
     )
-    moving = {"position": there, "velocity": sideways, "angular_velocity": spin}
+    moving: dict[str, Any] = {"position": there, "velocity": sideways, "angular_velocity": spin}
     trolley = vv.RigidBody(mass=50, euler=(1.0417,) * 3, name="trolley", **moving)
     drum = vv.RigidBody(mass=3, euler=(0.01, 0.01, 0.25), rotation=ACROSS, name="winch", **moving)
     load = vv.PointMass(mass=10, position=(stroke, 0.0, -length), velocity=sideways, name="load")

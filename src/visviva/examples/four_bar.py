@@ -5,6 +5,8 @@ All four hinges are revolute joints in space, so that three of their twenty cons
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 import visviva as vv
@@ -19,7 +21,7 @@ def rod(start: np.ndarray, end: np.ndarray, rate: float, velocity: np.ndarray, n
     width = 0.04
     inertia = (width**2 / 6, length**2 / 12, length**2 / 12)
     R = [[c, -s, 0], [s, c, 0], [0, 0, 1]]
-    moving = {"velocity": velocity, "angular_velocity": (0, 0, rate)}
+    moving: dict[str, Any] = {"velocity": velocity, "angular_velocity": (0, 0, rate)}
     box = vv.Box(size=(length, width, width))
     return vv.RigidBody(
         mass=1.0, inertia=inertia, shape=box, position=(start + end) / 2, rotation=R, name=name, **moving

@@ -24,7 +24,8 @@ def study(
     rate = FRAME @ (spin, 2.0, 2.5)
     along = FRAME[:, 0]
     ground = vv.Ground()
-    bodies, joints = [], []
+    bodies: list[vv.RigidBody] = []
+    joints: list[vv.Spherical] = []
     for k in range(rods):
         centre = (k + 0.5) * along
         rod = vv.RigidBody(

@@ -87,7 +87,8 @@ class Gear(_Coupling):
         self.b.want("angle")
 
     def relation(self) -> Form:
-        return self.a.coordinate("angle") + self.ratio * self.b.coordinate("angle")
+        total: Form = self.a.coordinate("angle") + self.ratio * self.b.coordinate("angle")
+        return total
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -101,4 +102,5 @@ class RackAndPinion(_Coupling):
         self.b.want("stroke")
 
     def relation(self) -> Form:
-        return self.b.coordinate("stroke") - self.radius * self.a.coordinate("angle")
+        slip: Form = self.b.coordinate("stroke") - self.radius * self.a.coordinate("angle")
+        return slip
