@@ -20,7 +20,7 @@ def test_crank_rocker() -> None:
     e = errors(values, exact)
     assert orders(e) == pytest.approx([2.0, 2.0], abs=0.05)
     assert e[-1] < 2e-3
-    assert np.abs(extrapolated(values) - exact).max() < 2e-5
+    assert np.abs(extrapolated(values) - exact).max() < 1e-6
     assert runs[0][1].ledger["total"][0] == pytest.approx(23.48832307490, rel=1e-11)
 
 
@@ -50,7 +50,7 @@ def test_parallel_loops_pass_their_singular_positions(loops: int) -> None:
     assert orders(e) == pytest.approx(2.0, abs=0.1)
     assert e[1] < 1.5e-3
     if loops == 2:
-        assert np.abs(extrapolated(values) - exact).max() < 1e-5
+        assert np.abs(extrapolated(values) - exact).max() < 1e-8
 
 
 def test_constraints_beyond_need() -> None:

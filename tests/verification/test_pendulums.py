@@ -19,7 +19,7 @@ def test_simple_pendulum() -> None:
     e = errors([v for v, _ in runs], exact)
     assert orders(e) == pytest.approx([2.0, 2.0], abs=0.02)
     assert e[-1] < 4e-4
-    assert np.abs(extrapolated([v for v, _ in runs]) - exact).max() < 1e-7
+    assert np.abs(extrapolated([v for v, _ in runs]) - exact).max() < 1e-8
     conserved(runs[0][1], tolerance=1e-11)
 
 
@@ -48,8 +48,8 @@ def test_double_pendulum() -> None:
     values = [v[:, columns] for v, _ in runs]
     e = errors(values, exact)
     assert orders(e) == pytest.approx([2.0, 2.0], abs=0.1)
-    assert e[-1] < 5e-4
-    assert np.abs(extrapolated(values) - exact).max() < 1e-6
+    assert e[-1] < 5e-5
+    assert np.abs(extrapolated(values) - exact).max() < 1e-8
     conserved(runs[0][1], tolerance=1e-10)
 
 
@@ -78,8 +78,8 @@ def test_three_rods_on_ball_joints() -> None:
     values = [v for v, _ in runs]
     e = errors(values, exact)
     assert orders(e) == pytest.approx([2.0, 2.0], abs=0.05)
-    assert e[-1] < 1e-3
-    assert np.abs(extrapolated(values) - exact).max() < 1e-6
+    assert e[-1] < 1e-5
+    assert np.abs(extrapolated(values) - exact).max() < 1e-8
 
 
 @pytest.mark.parametrize("step", [0.02, 0.01, 0.002])
