@@ -232,6 +232,7 @@ static void bind_system(nb::module_& m) {
              })
         .def("discard", &System::discard)
         .def("set_signal_count", &System::set_signal_count)
+        .def("set_driven", &System::set_driven)
         .def("memory",
              [](const System& s) {
                  auto* m = new std::vector<double>(s.memory());

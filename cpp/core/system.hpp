@@ -42,6 +42,7 @@ class System {
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
     void set_signal_count(std::size_t n) { n_signals_ = n; }
+    void set_driven(bool driven) { driven_ = driven; }
     void accept(const Step& step, const Signals& signals, bool ledger);
     void discard();
     // The ledger of the present state (no work done).
@@ -96,7 +97,7 @@ class System {
         int begin, end, order;  // unknowns of equal order in a row
     };
     std::vector<Segment> segments_;
-    bool wants_rates_ = false;
+    bool wants_rates_ = false, driven_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted

@@ -166,6 +166,7 @@ class System:
         for term in terms:
             core.add(term)
         core.set_signal_count(max(len(self.model.signals), 1))
+        core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
         core.set_blocks(*self._blocks())
         core.finalize()
         core.use_solver(self._use_null_space(), self.newton.regularization)
@@ -216,12 +217,12 @@ class System:
     @property
     def x(self) -> Array:
         """Present unknowns, a view; after changing it call `touch`."""
-        return self.core.x  # type: ignore[no-any-return]
+        return self.core.x
 
     @property
     def v(self) -> Array:
         """Present rates, a view; after changing it call `touch`."""
-        return self.core.v  # type: ignore[no-any-return]
+        return self.core.v
 
     def touch(self) -> None:
         """Tell the core that the state was changed from outside."""
