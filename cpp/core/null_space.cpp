@@ -235,19 +235,22 @@ class NullSpace : public LinearSolver {
                                          a[(5 + 3 * k) * cols + j]};
                 cross_add(f.d + 3 * k, force, t);
             }
-            for (int c = 0; c < 3; ++c) l[c * cols + j] = a[c * cols + j], l[(3 + c) * cols + j] = along(f1, c, t);
+            for (int c = 0; c < 3; ++c)
+                l[c * cols + j] = a[c * cols + j], l[(3 + c) * cols + j] = along(f1, c, t);
         }
     }
 
     // The bodies in the layout of the kernels; the last one fills the padding.
     void lay_out_bodies() {
         const int n = static_cast<int>(rigid_.size()), stride = (n + 7) / 8 * 8;
-        q_.assign(static_cast<std::size_t>(12) * stride, 0), lambda_.assign(static_cast<std::size_t>(6) * stride, 0);
+        q_.assign(static_cast<std::size_t>(12) * stride, 0),
+            lambda_.assign(static_cast<std::size_t>(6) * stride, 0);
         at_.assign(stride, 0);
         for (int e = 0; e < stride && n > 0; ++e) {
             const RigidUnknowns& body = rigid_[std::min(e, n - 1)];
             for (int k = 0; k < 12; ++k) q_[static_cast<std::size_t>(k) * stride + e] = body.q[k];
-            for (int k = 0; k < 6; ++k) lambda_[static_cast<std::size_t>(k) * stride + e] = body.multiplier[k];
+            for (int k = 0; k < 6; ++k)
+                lambda_[static_cast<std::size_t>(k) * stride + e] = body.multiplier[k];
             at_[e] = lu_.offset(block_[body.q[0]]);
         }
         view_ = {n, stride, q_.data(), lambda_.data(), at_.data()};

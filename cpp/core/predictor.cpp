@@ -88,7 +88,8 @@ void Predictor::record(const double* x0, const double* dx, double h) {
     std::rotate(turn_, turn_ + 2, turn_ + 3);
     std::copy(dx, dx + dx_[0].size(), dx_[0].begin());
     for (std::size_t body = 0; body < rigid_.size(); ++body) {
-        // sum d_i x (d_i + dd_i) = 2 sin(angle) n, sum d_i . dd_i = 2 (cos(angle) - 1); Cayley's is 2 tan(angle/2) n
+        // sum d_i x (d_i + dd_i) = 2 sin(angle) n, sum d_i . dd_i = 2 (cos(angle) - 1); Cayley's is 2
+        // tan(angle/2) n
         double s[3], trace = 4;
         turning(rigid_[body], x0, dx, s);
         for (int k = 3; k < 12; ++k) trace += x0[rigid_[body].q[k]] * dx[rigid_[body].q[k]];

@@ -7,8 +7,8 @@
 
 namespace visviva {
 
-// Remembers up to three increments of equal step length: of every unknown, and as Cayley rotations of rigid bodies,
-// whose directors are predicted by turning them.
+// Remembers up to three increments of equal step length: of every unknown, and as Cayley rotations of rigid
+// bodies, whose directors are predicted by turning them.
 class Predictor {
   public:
     void resize(int n_unknowns, std::vector<RigidUnknowns> rigid);

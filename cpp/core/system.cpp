@@ -12,7 +12,7 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
     for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
- &v_next_, &a_next_, &w_next_})
+                    &v_next_, &a_next_, &w_next_})
         u->assign(n_ + 1, 0.0);
     for (int i = 0; i < n_; ++i)
         if (segments_.empty() || segments_.back().order != order_[i])
@@ -86,7 +86,8 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
 
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 
-// The start of the iteration: motion extrapolated, multipliers from their last values, prescribed unknowns as set.
+// The start of the iteration: motion extrapolated, multipliers from their last values, prescribed unknowns as
+// set.
 void System::predict(const Step& step) {
     const std::vector<double> prescribed = n_fixed_ ? dx : std::vector<double>();
     for (const Segment& s : segments_) {
@@ -149,8 +150,8 @@ void System::evaluate_residual(const Context& c, bool all) {
 // Whether a scheme goes back to more than the rates.
 static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transport[0][2] != 0; }
 
-// From the tangent's rows of constraints: by what their violation is weighed to compare with relative increments,
-// and the relative increment that rounding of the configuration alone can cause.
+// From the tangent's rows of constraints: by what their violation is weighed to compare with relative
+// increments, and the relative increment that rounding of the configuration alone can cause.
 void System::weigh_constraints() {
     noise_ = 2e-15;
     for (int i = 0; i < csr_.n; ++i) {
@@ -190,7 +191,8 @@ bool System::refactor(const Context& c, const Step& step) {
     std::fill(values_.begin(), values_.end(), 0.0);
     const bool inner = solver_->keeps_rigidity();
     for (const auto& term : terms_)
-        inner && term->is_rigidity ? term->inner_tangent(c, values_.data()) : term->tangent(c, values_.data());
+        inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
+                                   : term->tangent(c, values_.data());
     weigh_constraints();
     factored_ = step;
     factored_state_.clear();
@@ -242,8 +244,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     int fresh = options.max_iterations, latest = -1;  // first and last iteration that made a tangent
-    // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these get
-    // one iteration more.
+    // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
+    // get one iteration more.
     bool confirmed = false;
     double last = 0;
     auto fail = [&](const std::string& reason, int unknown) {
@@ -253,7 +255,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         return report;
     };
     update_vectors(step);
-    // Velocities are increments by the step length: errors are judged against the increment of the whole step.
+    // Velocities are increments by the step length: errors are judged against the increment of the whole
+    // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
         evaluate_residual(context, !solver_->keeps_rigidity());
@@ -269,14 +272,16 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
-        // What remains after this increment: with a tangent kept from earlier steps the slowest contraction seen
-        // since it was made, and never better than 0.05, because a part that contracts slowly may show late.
+        // What remains after this increment: with a tangent kept from earlier steps the slowest contraction
+        // seen since it was made, and never better than 0.05, because a part that contracts slowly may show
+        // late.
         const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : 0;
         contraction_ = std::max(contraction_, rho);
         const double slowest = latest == k && k > 0 ? rho : std::max(contraction_, latest < 0 ? 0.05 : 1e-3);
         const double error = slowest < 1 ? slowest / (1 - slowest) * size : size;
-        // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met rounding.
-        // A constraint that the increment does not answer to (a regularised pivot) keeps the step from converging.
+        // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met
+        // rounding. A constraint that the increment does not answer to (a regularised pivot) keeps the step
+        // from converging.
         const bool renewed = fresh < k && latest >= k - 1;
         const bool stops = k > 0 && rho > 0.5 && (size < noise_ || (renewed && size < 1e-10));
         const bool done = (stops || error <= tolerance) && constraint_error() <= 100 * size + noise_;

@@ -11,10 +11,12 @@
 namespace visviva {
 
 struct NewtonOptions {
-    // Largest estimated error of an accepted iterate, relative to each unknown's own scale and to the step's extent.
+    // Largest estimated error of an accepted iterate, relative to each unknown's own scale and to the step's
+    // extent.
     double tolerance = 1e-13;
     int max_iterations = 25;
-    // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full Newton.
+    // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full
+    // Newton.
     double keep_factor = 0.3;
     // A step that took more iterations than this lets the next one begin with a new factorisation.
     static constexpr int many_iterations = 4;
@@ -47,18 +49,21 @@ class System {
     void discard();
     // The ledger of the present state (no work done).
     void take_stock(const Step& step, const Signals& signals);
-    // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at which
-    // the kept factorisation was made. Importing makes that factorisation again.
+    // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
+    // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
     // After the state vectors were changed from outside.
-    void touch() { stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0, predictor_.forget(); }
+    void touch() {
+        stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
+        predictor_.forget();
+    }
 
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
-    // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how many
-    // it found (0 from solvers that cannot). Without `on` it forgets them.
+    // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how
+    // many it found (0 from solvers that cannot). Without `on` it forgets them.
     int find_redundant(const Step& step, const Signals& signals, bool on);
 
     int n() const { return n_; }
