@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -56,18 +55,11 @@ class Scheme:
 
     def step(self, t0: float, h: float) -> _core.Step:
         """The numbers of the step from `t0` to ``t0 + h``."""
-        return _step_of_length(self, h).moved_to(t0)
-
-
-@lru_cache(maxsize=32)
-def _step_of_length(scheme: Scheme, h: float) -> _core.Step:
-    """A scheme's step of length `h` at time zero: the tables are made once."""
-    theta_g = scheme.theta if scheme.theta_g is None else scheme.theta_g
-    motion = np.array(scheme.motion(h), dtype=float)
-    transport = np.array(scheme.transport(h), dtype=float)
-    return _core.Step(
-        0.0, h, scheme.theta * h, scheme.theta, theta_g, scheme.discrete_gradient, motion, transport
-    )
+        theta_g = self.theta if self.theta_g is None else self.theta_g
+        te = t0 + self.theta * h
+        motion = np.array(self.motion(h), dtype=float)
+        transport = np.array(self.transport(h), dtype=float)
+        return _core.Step(t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport)
 
 
 @dataclass(frozen=True)

@@ -109,6 +109,7 @@ class System:
         self.newton = newton or Newton()
         self.time = 0.0
         self.rejected = 0
+        self._repeated: tuple[Scheme, float, Any] | None = None  # the step taken last: its tables are made once
         self.halvings = 0  # of the step length, after failures; decays with every success
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
@@ -261,7 +262,9 @@ class System:
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
         scheme = EnergyMomentum() if scheme is None else scheme
-        attempt = self.attempt(scheme.step(self.time, h))
+        if self._repeated is None or self._repeated[:2] != (scheme, h):
+            self._repeated = scheme, h, scheme.step(self.time, h)
+        attempt = self.attempt(self._repeated[2].moved_to(self.time))
         self.accept(attempt, scheme)
         return attempt.report
 

@@ -32,12 +32,19 @@ def study(
         raise vv.InputError(f"winch = {winch!r}: choose 'free' or 'locked'")
     there, sideways, spin = (stroke, 0.0, 0.0), (0.0, omega * stroke, 0.0), (0.0, 0.0, omega)
     ground = vv.Ground()
+    beam, cart, spool = (
+        vv.Box((0.3, 12.0, 0.12)),
+        vv.Box((0.5, 0.5, 0.3)),
+        vv.Cylinder(0.18, 0.7),
+    )  # to look at
     girder = vv.RigidBody(
-        mass=100, euler=(8.3, 208.3, 8.3), rotation=ALONG, angular_velocity=spin, name="girder"
+        mass=100, euler=(8.3, 208.3, 8.3), rotation=ALONG, angular_velocity=spin, shape=beam, name="girder"
     )
     moving: dict[str, Any] = {"position": there, "velocity": sideways, "angular_velocity": spin}
-    trolley = vv.RigidBody(mass=50, euler=(1.0417,) * 3, name="trolley", **moving)
-    drum = vv.RigidBody(mass=3, euler=(0.01, 0.01, 0.25), rotation=ACROSS, name="winch", **moving)
+    trolley = vv.RigidBody(mass=50, euler=(1.0417,) * 3, shape=cart, name="trolley", **moving)
+    drum = vv.RigidBody(
+        mass=3, euler=(0.01, 0.01, 0.25), rotation=ACROSS, shape=spool, name="winch", **moving
+    )
     load = vv.PointMass(mass=10, position=(stroke, 0.0, -length), velocity=sideways, name="load")
     slewing = vv.Revolute(a=ground, b=girder, at=(0, 0, 0), axis=Z, first=X, angle=True, name="slewing")
     rail = vv.Prismatic(
