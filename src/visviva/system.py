@@ -109,7 +109,7 @@ class System:
         self.newton = newton or Newton()
         self.time = 0.0
         self.rejected = 0
-        self._repeated: tuple[Scheme, float, Any] | None = None  # the step taken last: its tables are made once
+        self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self.halvings = 0  # of the step length, after failures; decays with every success
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
