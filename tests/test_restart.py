@@ -245,3 +245,19 @@ def test_kill_9_leaves_a_run_that_resumes(seed: int, tmp_path: Path) -> None:
         assert a.times.tolist() == b.times.tolist()
         last = len(a.times) - 1
         assert all((p == q).all() for p, q in zip(a.points(last), b.points(last), strict=True))
+
+
+def test_memory_decides_every_bit() -> None:
+    """A system that is told another's state and memory takes the same next step to the last bit."""
+    one, other = (crane.study(step=0.005).system for _ in range(2))
+    marching, _ = vv.march(one, until=1.5, step=0.005), next(vv.march(other, until=1.0, step=0.005))
+    for _ in marching:
+        for name in "xvaw":
+            getattr(other.core, name)[:] = getattr(one.core, name)
+        other.time = one.time
+        other.core.remember(np.array(one.core.memory()))
+        if one.time > 1.4:
+            break
+        one.step(0.005)
+        other.step(0.005)
+        assert np.array_equal(one.x, other.x)

@@ -107,8 +107,9 @@ void rigid_balance(const RigidView& v, const double* r, const Place& p, double* 
         rigidity(f, gather_frame(v, r, base), lambda);
         for (int k = 0; k < 6; ++k) {
             const int* index = v.multiplier + k * v.stride + base;
-            put(lambda[k] - gather(p.x0, index), index, 0, count(v, base), dx);
-            put(lambda[k], index, 0, count(v, base), x1);
+            const V x0 = gather(p.x0, index), change = lambda[k] - x0;
+            put(change, index, 0, count(v, base), dx);
+            put(x0 + change, index, 0, count(v, base), x1);  // to the bit what a restart makes of x0 and dx
         }
     }
 }
