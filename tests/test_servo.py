@@ -5,6 +5,7 @@ import pytest
 from reference import crane_servo
 
 import visviva as vv
+from visviva.examples import crane_servo as crane_servo_example
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 ALONG = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
@@ -207,3 +208,12 @@ def test_servo_says_what_is_wrong():
         vv.Servo(output=[], follows=[], actuators=[])
     with pytest.raises(ValueError, match="not on 7"):
         vv.Servo(output=[7], follows=[0], actuators=[ball])
+
+
+def test_crane_example_is_the_same_crane():
+    study = crane_servo_example.study(step=0.0125)
+    for _ in vv.march(study.system, until=2.5, step=0.0125, scheme=study.scheme):
+        pass
+    exact = crane_servo.solution(np.array([0.0, 2.5]))
+    inputs = study.probes["inputs"](study.system)
+    assert np.all(np.abs(inputs - [exact[c][-1] for c in CONTROLS]) < [0.2, 0.04, 2e-4])
