@@ -61,10 +61,19 @@ def state_of(system: vv.System, bodies: list[Any]) -> State:
     return state
 
 
+def audit(record: Record, system: vv.System) -> None:
+    """Note the ledger's energy and vertical angular momentum."""
+    record.energies.append(float(system.core.energy.sum()))
+    record.momenta.append(float(system.core.momentum.reshape(-1, 6).sum(axis=0)[5]))
+
+
 def run(case: Case, scheme: str, step: float, steps: int, sample_every: int) -> Record:
     """March the case; see `measure.Run`."""
     system, bodies = system_of(case)
     record = Record()
+    system.check()
+    system.take_stock()
+    audit(record, system)
     with record.timed():
         marching = vv.march(system, until=steps * step, step=step)
         for k, report in enumerate(marching, 1):
@@ -72,6 +81,7 @@ def run(case: Case, scheme: str, step: float, steps: int, sample_every: int) -> 
             record.jacobians += report.factorizations
             if sample_every and k % sample_every == 0:
                 record.states.append(state_of(system, bodies))
+                audit(record, system)
     return record
 
 
