@@ -26,8 +26,8 @@ from cases import BUILDERS, Case, State, build
 class Record:
     """What a run leaves behind: times of the loop over steps, the work in it and the states seen.
 
-    A code may give its own energies and vertical angular momenta, the first at the start: velocities of directors
-    hold more than the angular velocity, from which the audit would compute them otherwise.
+    A code may give its own energies and vertical angular momenta, the first at the start: velocities of
+    directors hold more than the angular velocity, from which the audit would compute them otherwise.
     """
 
     cpu: float = 0.0
