@@ -174,7 +174,6 @@ class System:
         core.x[:] = np.concatenate([f.values for f in fields])
         core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
-        self._initial = core.x.copy(), core.v.copy()
 
     def _blocks(self) -> tuple[NDArray[np.int32], ...]:
         numbers: dict[Any, int] = {}

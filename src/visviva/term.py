@@ -119,9 +119,6 @@ class Term:
         term.book(np.full(n, account, dtype=np.int32), np.full(n, component, dtype=np.int32))
         return term
 
-    def _stencils(self, step: Any, x0: Array, x1: Array, rate: Array, second: Array, v1: Array) -> Stencils:
-        return Stencils(step, x0, x1, rate, second, v1)
-
     def _residual(self, *args: Any) -> None:
         args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
 
