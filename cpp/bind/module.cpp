@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "core/dispatch.hpp"
+#include "core/solid_term.hpp"
 #include "core/system.hpp"
 
 namespace nb = nanobind;
@@ -101,6 +102,37 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
     };
 }
 
+static const double* optional(const nb::object& a) {
+    return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
+}
+
+static void bind_solid(nb::module_& m) {
+    nb::class_<SolidTerm, Term>(m, "SolidTerm")
+        .def(
+            "__init__",
+            [](SolidTerm* t, int kind, bool small, const Ints& index, const Doubles& gradients,
+               const Doubles& volume, const Doubles& par, nb::object hoop, nb::object mass,
+               nb::object damping) {
+                SolidData d{};
+                d.n = static_cast<int>(index.shape(0)), d.n_nodes = static_cast<int>(index.shape(1));
+                d.n_points = static_cast<int>(volume.shape(1)), d.dim = static_cast<int>(gradients.shape(3));
+                d.n_par = static_cast<int>(par.shape(1)), d.kind = static_cast<MaterialKind>(kind),
+                d.small = small;
+                d.index = index.data(), d.gradients = gradients.data(), d.volume = volume.data(),
+                d.par = par.data();
+                d.hoop = optional(hoop), d.mass = optional(mass), d.damping = optional(damping);
+                new (t) SolidTerm(d);
+            },
+            nb::arg("kind"), nb::arg("small"), nb::arg("index"), nb::arg("gradients"), nb::arg("volume"),
+            nb::arg("par"), nb::arg("hoop").none(), nb::arg("mass").none(), nb::arg("damping").none())
+        .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
+        .def("set_symmetric", &SolidTerm::set_symmetric)
+        .def("book_solid", [](SolidTerm& t, int strain, int kinetic, int damping, int owner, int first) {
+            t.strain_account = strain, t.kinetic_account = kinetic, t.damping_account = damping;
+            t.owner = owner, t.first_element = first;
+        });
+}
+
 static void bind_terms(nb::module_& m) {
     nb::class_<Term>(m, "Term")
         .def_rw("name", &Term::name)
@@ -128,6 +160,7 @@ static void bind_terms(nb::module_& m) {
             new (t) InertiaTerm(order, n_nodes, dim, static_cast<int>(index.shape(1)), vector_of<int>(pair),
                                 mass.data(), index.data(), flags_of(is_position));
         });
+    bind_solid(m);
     nb::class_<CallbackTerm, Term>(m, "CallbackTerm")
         .def("__init__", [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
                             nb::object ledger, nb::object accept) {
@@ -206,6 +239,7 @@ static void bind_system(nb::module_& m) {
              })
         .def("add", &System::add)
         .def("set_accounts", &System::set_accounts)
+        .def("set_nodes", [](System& s, const Ints& node) { s.set_nodes(vector_of<int>(node)); })
         .def("set_blocks",
              [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
                  s.set_blocks(blocks_of(block, stage, multiplier, rigid));

@@ -43,4 +43,41 @@ VISVIVA_INLINE V vcos(V a) {
     return a;
 }
 
+// log(1 + x) for x > -1 to about one unit in the last place: 1 + x = 2^k (1 + f) with 1 + f between sqrt(1/2)
+// and sqrt(2), log(1 + f) by its odd series in f / (2 + f) (coefficients: Remez fit of the C library's
+// classic).
+VISVIVA_INLINE V vlog1p(V x) {
+    const V u = 1.0 + x;
+    const VI bits = (VI)u + (0x3ff0000000000000LL - 0x3fe6a09e667f3bcdLL);
+    const VI k = (bits >> 52) - 1023;
+    const V m = (V)((bits & 0x000fffffffffffffLL) + 0x3fe6a09e667f3bcdLL);
+    const V lost = (x - (u - 1.0)) / u;  // what rounding took from 1 + x
+    const V f = select(k == 0, x, m - 1.0), kd = __builtin_convertvector(k, V);
+    const V s = f / (2.0 + f), z = s * s, half = 0.5 * f * f;
+    const V series =
+        z * (6.666666666666735130e-01 +
+             z * (3.999999999940941908e-01 +
+                  z * (2.857142874366239149e-01 +
+                       z * (2.222219843214978396e-01 +
+                            z * (1.818357216161805012e-01 +
+                                 z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))))));
+    const V tail = s * (half + series) + (kd * 1.90821492927058770002e-10 + select(k == 0, V{}, lost));
+    return kd * 6.93147180369123816490e-01 - ((half - tail) - f);
+}
+
+// exp(x): x = k ln 2 + r, exp(r) by its Taylor polynomial to r^13.
+VISVIVA_INLINE V vexp(V x) {
+    x = select(x > 700.0, broadcast(700.0), select(x < -700.0, broadcast(-700.0), x));
+    const V shifted = x * 1.44269504088896338700 + 6755399441055744.0;  // 1.5 * 2^52: rounds to an integer
+    const V kd = shifted - 6755399441055744.0;
+    const VI k = (VI)shifted - 0x4338000000000000LL;
+    const V r = (x - kd * 6.93147180369123816490e-01) - kd * 1.90821492927058770002e-10;
+    V p = broadcast(1.0 / 6227020800.0);
+    const double c[12] = {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880,
+                          1.0 / 40320,     1.0 / 5040,     1.0 / 720,     1.0 / 120,
+                          1.0 / 24,        1.0 / 6,        0.5,           1.0};
+    for (int i = 0; i < 12; ++i) p = p * r + c[i];
+    return (p * r + 1.0) * (V)((k + 1023) << 52);
+}
+
 }  // namespace visviva::VISVIVA_ISA

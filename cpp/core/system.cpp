@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "dispatch.hpp"
+#include "pattern.hpp"
 
 namespace visviva {
 
@@ -35,47 +36,45 @@ void System::finalize() {
     constraint_weight_.assign(n_, 0.0);
     if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
-    csr_.equation.assign(n_, -1);
-    for (int i = 0; i < n_; ++i)
-        if (!fixed_[i]) {
-            csr_.equation[i] = static_cast<int>(csr_.unknown.size());
-            csr_.unknown.push_back(i);
-        }
-    csr_.n = static_cast<int>(csr_.unknown.size());
-
-    std::vector<std::pair<int, int>> entries;
-    for (const auto& term : terms_) term->pattern(entries);
-    std::vector<std::int64_t> order(entries.size());
-    std::iota(order.begin(), order.end(), 0);
-    auto key = [&](std::int64_t k) {
-        const int i = csr_.equation[entries[k].first], j = csr_.equation[entries[k].second];
-        return i < 0 || j < 0 ? std::pair{csr_.n, 0} : std::pair{i, j};
-    };
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
-
-    std::vector<std::int64_t> position(entries.size());
-    csr_.row.assign(csr_.n + 1, 0);
-    std::pair<int, int> last{-1, -1};
-    for (auto k : order) {
-        const auto ij = key(k);
-        if (ij != last && ij.first < csr_.n) {
-            csr_.col.push_back(ij.second);
-            ++csr_.row[ij.first + 1];
-        }
-        last = ij;
-        position[k] = ij.first < csr_.n ? static_cast<std::int64_t>(csr_.col.size()) - 1 : -1;
+    if (node_.empty()) {
+        node_.resize(n_);
+        std::iota(node_.begin(), node_.end(), 0);
     }
-    std::partial_sum(csr_.row.begin(), csr_.row.end(), csr_.row.begin());
+    Pattern pattern(node_, fixed_);
+    std::vector<std::pair<int, int>> entries;
+    for (const auto& term : terms_) term->pattern(entries), term->couple(pattern);
+    for (const auto& [i, j] : entries) pattern.couple(i, j);
+    pattern.finish(csr_);
     const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
-    for (auto& p : position)
-        if (p < 0) p = waste;
     values_.assign(csr_.col.size() + 1, 0.0);
+    std::vector<std::int64_t> position(entries.size());
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+        const auto p = pattern.position(entries[k].first, entries[k].second);
+        position[k] = p < 0 ? waste : p;
+    }
     std::int64_t at = 0;
     for (const auto& term : terms_) {
         term->set_positions(position.data() + at);
         at += term->n_entries();
+        term->connect(pattern);
     }
-    if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
+    hold(pattern);
+}
+
+// Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
+// the identity.
+void System::hold(const Pattern& pattern) {
+    std::vector<char> is_held(csr_.n, 0);
+    held_.clear(), held_zero_.clear(), held_one_.clear();
+    for (int i : pattern.held()) is_held[i] = 1, held_.push_back(csr_.unknown[i]);
+    for (int i = 0; i < csr_.n && !held_.empty(); ++i)
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+            const int j = csr_.col[k];
+            if (is_held[i] && i == j)
+                held_one_.push_back(k);
+            else if (is_held[i] || is_held[j])
+                held_zero_.push_back(k);
+        }
 }
 
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
@@ -193,6 +192,8 @@ bool System::refactor(const Context& c, const Step& step) {
     for (const auto& term : terms_)
         inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
                                    : term->tangent(c, values_.data());
+    for (auto k : held_zero_) values_[k] = 0;
+    for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
     factored_ = step;
     factored_state_.clear();
@@ -267,6 +268,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
             stale_factor_ = false, fresh = std::min(fresh, k), latest = k, contraction_ = 0;
         }
+        for (int u : held_) r_[u] = 0;
         solver_->solve(r_.data(), place(step), d_.data());
         const double size = iterate(step);
         report.increments.push_back(size);
@@ -286,6 +288,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         const bool stops = k > 0 && rho > 0.5 && (size < noise_ || (renewed && size < 1e-10));
         const bool done = (stops || error <= tolerance) && constraint_error() <= 100 * size + noise_;
         if (done && (!driven_ || confirmed)) {
+            for (const auto& term : terms_)
+                if (const Refusal no = term->refuse(context); !no.reason.empty())
+                    return fail(no.reason, no.unknown);
             report.converged = true;
             iterations_last_ = fresh <= k ? 0 : report.iterations;
             return report;

@@ -36,6 +36,8 @@ class System {
     System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
 
     void add(std::shared_ptr<Term> term) { terms_.push_back(std::move(term)); }
+    // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
+    void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
@@ -76,6 +78,7 @@ class System {
     LedgerSums sums;  // of the last accepted step
 
   private:
+    void hold(const Pattern&);
     void predict(const Step&);
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
@@ -96,6 +99,8 @@ class System {
     std::vector<double> inverse_scale_;
     std::vector<std::shared_ptr<Term>> terms_;
     Blocks blocks_;
+    std::vector<int> node_, held_;  // held: fixed unknowns with equations
+    std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::unique_ptr<LinearSolver> solver_;
     struct Segment {

@@ -29,9 +29,22 @@ struct LedgerSums {
     std::vector<double> energy, work, momentum, defect;
 };
 
+class Pattern;
+
+// Why a converged step is no solution; empty if it is one.
+struct Refusal {
+    int unknown = -1;
+    std::string reason;
+};
+
 class Term {
   public:
     virtual ~Term() = default;
+    // Terms on meshes couple whole nodes and find their places by themselves.
+    virtual void couple(Pattern&) const {}
+    virtual void connect(const Pattern&) {}
+    // Asked after convergence, about the last residual.
+    virtual Refusal refuse(const Context&) { return {}; }
     // (row, column) unknowns of every tangent entry, in the order of `positions`.
     virtual void pattern(std::vector<std::pair<int, int>>& entries) const = 0;
     virtual void set_positions(const std::int64_t* positions) = 0;

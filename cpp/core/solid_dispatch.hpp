@@ -1,0 +1,18 @@
+// The kernels of solids for one instruction set.
+#pragma once
+#include "solid.hpp"
+
+namespace visviva {
+
+struct SolidKernels {
+    void (*residual)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* r);
+    void (*tangent)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* values);
+    void (*ledger)(const SolidView&, const Step&, const Vectors&, const double* v1, int begin, int end,
+                   double* out);
+    void (*strains)(const SolidView&, const Step&, const Vectors&, double* c0, double* ct, double* c1);
+};
+
+/// The kernels for the machine that runs.
+const SolidKernels& solid_kernels();
+
+}  // namespace visviva

@@ -1,0 +1,196 @@
+#include "solid_term.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "parallel.hpp"
+#include "pattern.hpp"
+#include "solid_dispatch.hpp"
+
+namespace visviva {
+
+namespace {
+
+constexpr int L8 = solid_lanes, task_blocks = 16;
+
+// From [element][row] to [block][row][8]; the last element fills the padding.
+template <class To, class From>
+void interleave(To& to, const From* from, std::int64_t rows, int n) {
+    if (!from) return;
+    const std::int64_t blocks = (n + L8 - 1) / L8;
+    to.resize(blocks * rows * L8);
+    for (std::int64_t b = 0; b < blocks; ++b)
+        for (std::int64_t k = 0; k < rows; ++k)
+            for (int l = 0; l < L8; ++l)
+                to[(b * rows + k) * L8 + l] = from[std::min<std::int64_t>(b * L8 + l, n - 1) * rows + k];
+}
+
+}  // namespace
+
+SolidTerm::SolidTerm(const SolidData& d) {
+    const int na = d.n_nodes, nq = d.n_points;
+    interleave(index_, d.index, na, d.n);
+    interleave(G_, d.gradients, static_cast<std::int64_t>(nq) * na * d.dim, d.n);
+    interleave(H_, d.hoop, static_cast<std::int64_t>(nq) * na, d.n);
+    interleave(w_, d.volume, nq, d.n);
+    interleave(mass_, d.mass, na * (na + 1) / 2, d.n);
+    interleave(par_, d.par, d.n_par, d.n);
+    interleave(damping_, d.damping, 3, d.n);
+    auto data = [](const auto& a) { return a.empty() ? nullptr : a.data(); };
+    SolidView& v = view_;
+    v.n = d.n, v.n_blocks = (d.n + L8 - 1) / L8, v.n_nodes = na, v.n_points = nq, v.dim = d.dim;
+    v.n_par = d.n_par, v.kind = d.kind, v.small = d.small, v.damped = d.damping != nullptr;
+    v.index = data(index_), v.G = data(G_), v.H = data(H_), v.w = data(w_), v.mass = data(mass_);
+    v.par = data(par_), v.damping = data(damping_);
+    out_.assign(static_cast<std::size_t>(solid_ledger_rows) * v.n_blocks * L8, 0.0);
+    smallest_.assign(static_cast<std::size_t>(v.n_blocks) * L8, 1.0);
+    v.smallest = smallest_.data();
+    colour_tasks();
+}
+
+// Tasks of neighbouring blocks of elements; tasks that share a node get different colours.
+void SolidTerm::colour_tasks() {
+    const int n_tasks = (view_.n_blocks + task_blocks - 1) / task_blocks;
+    std::map<int, std::vector<char>> used;  // per node: colours that touch it
+    for (int t = 0; t < n_tasks; ++t) {
+        const std::int64_t size = static_cast<std::int64_t>(view_.n_nodes) * L8;
+        std::vector<int> nodes(
+            index_.begin() + t * task_blocks * size,
+            index_.begin() + std::min<std::int64_t>((t + 1) * task_blocks, view_.n_blocks) * size);
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        std::vector<char> taken(colours_.size() + 1, 0);
+        for (int node : nodes) {
+            const auto at = used.find(node);
+            for (std::size_t c = 0; at != used.end() && c < at->second.size(); ++c) taken[c] |= at->second[c];
+        }
+        const auto colour =
+            static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+        if (colour == colours_.size()) colours_.push_back({});
+        colours_[colour].push_back(t * task_blocks);
+        for (int node : nodes) {
+            auto& c = used[node];
+            c.resize(std::max(c.size(), colour + 1), 0);
+            c[colour] = 1;
+        }
+    }
+}
+
+template <class F>
+void SolidTerm::for_tasks(F f) const {
+    for (const auto& colour : colours_)
+        parallel_for(static_cast<int>(colour.size()),
+                     [&](int i) { f(colour[i], std::min(colour[i] + task_blocks, view_.n_blocks)); });
+}
+
+void SolidTerm::couple(Pattern& pattern) const {
+    const int na = view_.n_nodes;
+    for (int e = 0; e < view_.n; ++e) {
+        const int* index = &index_[(static_cast<std::size_t>(e / L8) * na) * L8 + e % L8];
+        for (int a = 0; a < na; ++a)
+            for (int b = 0; b < na; ++b) pattern.couple(index[a * L8], index[b * L8]);
+    }
+}
+
+void SolidTerm::connect(const Pattern& pattern) {
+    const int na = view_.n_nodes;
+    const std::size_t lanes = static_cast<std::size_t>(view_.n_blocks) * na * L8;
+    row_.assign(lanes, -1), length_.assign(lanes, 0), offset_.assign(lanes * na, 0xffff);
+    for (int block = 0; block < view_.n_blocks; ++block)
+        for (int a = 0; a < na; ++a)
+            for (int l = 0; l < L8; ++l) {
+                const std::size_t at = (static_cast<std::size_t>(block) * na + a) * L8 + l;
+                const int u = index_[at];
+                if (pattern.position(u, u) < 0) continue;
+                length_[at] = pattern.row_length(u);
+                row_[at] = pattern.row_start(u);
+                for (int b = 0; b < na; ++b) {
+                    const auto p =
+                        pattern.position(u, index_[(static_cast<std::size_t>(block) * na + b) * L8 + l]);
+                    if (p >= 0)
+                        offset_[((static_cast<std::size_t>(block) * na + a) * na + b) * L8 + l] =
+                            static_cast<std::uint16_t>(p - row_[at]);
+                }
+            }
+    view_.row = row_.data(), view_.length = length_.data(), view_.offset = offset_.data();
+}
+
+void SolidTerm::set_callback(LawCallback f) {
+    callback_ = std::move(f);
+    const std::size_t n = static_cast<std::size_t>(view_.n_blocks) * view_.n_points * L8;
+    for (auto* a : {&c0_, &ct_, &c1_, &user_S_}) a->assign(6 * n, 0.0);
+    user_W_.assign(n, 0.0), user_D_.assign(36 * n, 0.0);
+    view_.user_W = user_W_.data(), view_.user_S = user_S_.data(), view_.user_D = user_D_.data();
+}
+
+void SolidTerm::call_back(const Context& c, bool want_tangent) {
+    if (!callback_) return;
+    solid_kernels().strains(view_, c.step, c.vectors, c0_.data(), ct_.data(), c1_.data());
+    const int n = view_.n_blocks * view_.n_points * L8;
+    callback_({n,
+               n,
+               6,
+               0,
+               want_tangent,
+               c.step.te,
+               c.step.h,
+               c.step.stress,
+               c0_.data(),
+               c1_.data(),
+               ct_.data(),
+               nullptr,
+               nullptr,
+               user_S_.data(),
+               user_D_.data(),
+               nullptr,
+               nullptr,
+               nullptr,
+               nullptr,
+               user_W_.data()});
+}
+
+void SolidTerm::residual(const Context& c, double* r) {
+    call_back(c, false);
+    for_tasks([&](int begin, int end) { solid_kernels().residual(view_, c.step, c.vectors, begin, end, r); });
+}
+
+void SolidTerm::tangent(const Context& c, double* values) {
+    call_back(c, true);
+    for_tasks(
+        [&](int begin, int end) { solid_kernels().tangent(view_, c.step, c.vectors, begin, end, values); });
+}
+
+void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
+    call_back(c, false);
+    for_tasks([&](int begin, int end) {
+        solid_kernels().ledger(view_, c.step, c.vectors, v1, begin, end, out_.data());
+    });
+    const std::size_t stride = static_cast<std::size_t>(view_.n_blocks) * L8;
+    double total[solid_ledger_rows] = {};
+    for (int k = 0; k < 9; ++k)
+        for (int e = 0; e < view_.n; ++e) total[k] += out_[k * stride + e];
+    sums.energy[strain_account] += total[0];
+    if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
+    if (damping_account >= 0) sums.work[damping_account] += total[2];
+    for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
+}
+
+// Inverted elements: their energy is finite, but no body is like that.
+Refusal SolidTerm::refuse(const Context& c) {
+    for (int e = 0; e < view_.n; ++e) {
+        if (smallest_[e] > 0) continue;
+        const int* index = &index_[(static_cast<std::size_t>(e / L8) * view_.n_nodes) * L8 + e % L8];
+        double place[3] = {};
+        for (int a = 0; a < view_.n_nodes; ++a)
+            for (int k = 0; k < view_.dim; ++k) place[k] += c.vectors.x0[index[a * L8] + k] / view_.n_nodes;
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "element %d of %s near (%.4g, %.4g, %.4g) is inverted (smallest det F = %.3g)",
+                      first_element + e, name.c_str(), place[0], place[1], place[2], smallest_[e]);
+        return {index[0], text};
+    }
+    return {};
+}
+
+}  // namespace visviva

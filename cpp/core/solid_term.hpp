@@ -1,0 +1,60 @@
+// A batch of equal solid elements: strain energy, inertia and damping in one pass.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "solid.hpp"
+#include "term.hpp"
+
+namespace visviva {
+
+/// What a batch is made of; arrays as given by Python, [element][...].
+struct SolidData {
+    int n, n_nodes, n_points, dim, n_par;
+    MaterialKind kind;
+    bool small;
+    const int* index;  // [element][node] first unknown
+    const double *gradients, *hoop,
+        *volume;  // [element][point][node][dim], [element][point][node], [element][point]
+    const double *mass, *par, *damping;  // [element][pair], [element][parameter], [element][3]
+};
+
+class SolidTerm : public Term {
+  public:
+    explicit SolidTerm(const SolidData& data);
+
+    void set_callback(LawCallback f);
+    void set_symmetric(bool on) { view_.symmetric = on; }
+
+    void pattern(std::vector<std::pair<int, int>>&) const override {}
+    void set_positions(const std::int64_t*) override {}
+    std::int64_t n_entries() const override { return 0; }
+    void couple(Pattern& pattern) const override;
+    void connect(const Pattern& pattern) override;
+    bool wants_rates() const override { return view_.damped; }
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+    Refusal refuse(const Context&) override;
+
+    // Accounts and component of the whole batch: strain energy, kinetic energy, work of damping.
+    int strain_account = -1, kinetic_account = -1, damping_account = -1, owner = 0;
+    int first_element = 0;  // of the batch within its component, for messages
+
+  private:
+    void call_back(const Context&, bool want_tangent);
+    void colour_tasks();
+    template <class F>
+    void for_tasks(F f) const;
+
+    SolidView view_;
+    LawCallback callback_;
+    Aligned<double> G_, H_, w_, mass_, par_, damping_, out_, smallest_;
+    Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
+    std::vector<int> index_;
+    std::vector<std::int64_t> row_, length_;
+    std::vector<std::uint16_t> offset_;
+    std::vector<std::vector<int>> colours_;  // first blocks of tasks that touch different nodes
+};
+
+}  // namespace visviva
