@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Form:
     """``constant + sum weight * x[unknown]``."""
 
@@ -26,10 +26,12 @@ class Form:
     def __add__(self, other: Form | float) -> Form:
         if not isinstance(other, Form):
             return Form(self.weights, self.constant + other)
+        if not (self.weights and other.weights):
+            return Form(self.weights or other.weights, self.constant + other.constant)
         total = dict(self.weights)
         for unknown, weight in other.weights:
             total[unknown] = total.get(unknown, 0.0) + weight
-        return Form(tuple((u, w) for u, w in total.items() if w != 0.0), self.constant + other.constant)
+        return Form(tuple([(u, w) for u, w in total.items() if w != 0.0]), self.constant + other.constant)
 
     def __sub__(self, other: Form | float) -> Form:
         return self + (-1.0) * other
@@ -40,20 +42,20 @@ class Form:
     def __mul__(self, factor: float) -> Form:
         if factor == 0.0:
             return Form()
-        return Form(tuple((u, factor * w) for u, w in self.weights), factor * self.constant)
+        return Form(tuple([(u, factor * w) for u, w in self.weights]), factor * self.constant)
 
     __rmul__ = __mul__
 
     def value(self, x: Array) -> float:
         """Value at the unknowns `x`."""
-        return self.constant + sum(w * float(x[u]) for u, w in self.weights)
+        return self.constant + sum([w * float(x[u]) for u, w in self.weights])
 
     def rate(self, v: Array) -> float:
         """Value of the linear part at `v`."""
         return sum(w * float(v[u]) for u, w in self.weights)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Vector:
     """Three forms."""
 
@@ -77,8 +79,11 @@ class Vector:
         nodes: Sequence[int], weights: Sequence[float] | Array, constant: Sequence[float] = (0, 0, 0)
     ) -> Vector:
         """The same for nodes whose first unknowns are `nodes`."""
-        kept = [(int(n), float(w)) for n, w in zip(nodes, weights, strict=True) if w != 0.0]
-        x, y, z = (Form(tuple((n + c, w) for n, w in kept), float(constant[c])) for c in range(3))
+        kept = [(int(n), float(w)) for n, w in zip(nodes, weights, strict=True) if w]
+        a, b, c = constant
+        x = Form(tuple(kept), float(a))
+        y = Form(tuple([(n + 1, w) for n, w in kept]), float(b))
+        z = Form(tuple([(n + 2, w) for n, w in kept]), float(c))
         return Vector((x, y, z))
 
     def __iter__(self) -> Iterator[Form]:
@@ -88,12 +93,12 @@ class Vector:
         return self.components[k]
 
     def __add__(self, other: Vector) -> Vector:
-        x, y, z = (a + b for a, b in zip(self, other, strict=True))
-        return Vector((x, y, z))
+        (x, y, z), (a, b, c) = self.components, other.components
+        return Vector((x + a, y + b, z + c))
 
     def __sub__(self, other: Vector) -> Vector:
-        x, y, z = (a - b for a, b in zip(self, other, strict=True))
-        return Vector((x, y, z))
+        (x, y, z), (a, b, c) = self.components, other.components
+        return Vector((x - a, y - b, z - c))
 
     def __mul__(self, factor: float) -> Vector:
         x, y, z = (factor * a for a in self)
@@ -105,7 +110,8 @@ class Vector:
         """Component along a fixed direction (3,)."""
         total = Form()
         for a, d in zip(self, direction, strict=True):
-            total = total + float(d) * a
+            if d != 0.0:
+                total = total + float(d) * a
         return total
 
     def value(self, x: Array) -> Array:
@@ -117,7 +123,7 @@ class Vector:
         return np.array([a.rate(v) for a in self])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Strain:
     """``linear + sum coefficient * form_a * form_b``."""
 
@@ -178,10 +184,8 @@ def product(a: Form, b: Form) -> Strain:
 
 def dot(a: Vector, b: Vector) -> Strain:
     """Scalar product of two vectors."""
-    total = Strain()
-    for p, q in zip(a, b, strict=True):
-        total = total + product(p, q)
-    return total
+    x, y, z = map(product, a.components, b.components)
+    return Strain(x.products + y.products + z.products, x.linear + y.linear + z.linear)
 
 
 def squared(a: Vector) -> Strain:

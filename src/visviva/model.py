@@ -81,7 +81,10 @@ class Account:
 
 @dataclass(eq=False)
 class Element:
-    """Strains under a law, with the multipliers and signals it needs."""
+    """Strains under a law, with the multipliers and signals it needs.
+
+    `shift` is added to the unknowns of the strains, so that elements of equal structure can share theirs.
+    """
 
     strains: Sequence[Strain]
     law: Law
@@ -89,7 +92,7 @@ class Element:
     signals: Sequence[int]
     account: int
     component: int
-    inputs: Any = None
+    shift: int = 0
 
 
 @dataclass(eq=False)
@@ -108,16 +111,18 @@ class Model:
     length: float = 1.0
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
+    _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
 
     def index(self, component: Component) -> int:
         """Number of a component."""
         if len(self._numbers) != len(self.components):
             self._numbers = {id(c): k for k, c in enumerate(self.components)}
-        if id(component) not in self._numbers:
+        number = self._numbers.get(id(component))
+        if number is None:
             raise InputError(
                 f"{component.label} is used by another component but is not part of the system; add it"
             )
-        return self._numbers[id(component)]
+        return number
 
     # --- unknowns ------------------------------------------------------------------------------------------
     def field(
@@ -139,13 +144,26 @@ class Model:
         v = np.zeros_like(x) if rates is None else np.array(rates, dtype=float).ravel()
         if scale is None:
             scale = 0.0 if order == 0 else 1.0
-        scales = np.broadcast_to(np.asarray(scale, dtype=float), x.shape).copy()
+        scales, held = np.empty_like(x), np.empty(x.shape, dtype=bool)
+        scales[:], held[:] = scale, fixed
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
-        held = np.broadcast_to(np.asarray(fixed, dtype=bool), x.shape).copy()
         new = Field(component, name, order, start, x, v, scales, stage, multiplier, block, held)
         self.fields.append(new)
+        self._remember(new)
         return new
+
+    def _remember(self, new: Field) -> None:
+        end = new.start + new.size
+        if end > self._initial.shape[1]:
+            self._initial = np.hstack([self._initial, np.zeros((2, end))])
+        self._initial[:, new.start : end] = new.values, new.rates
+
+    @property
+    def initial(self) -> tuple[Array, Array]:
+        """Initial values and rates of all unknowns made so far."""
+        x, v = self._initial[:, : self.n_unknowns]
+        return x, v
 
     def multipliers(
         self, component: Component, name: str, n: int, *, stage: int = 1, block: Any = None
@@ -182,11 +200,13 @@ class Model:
         m = np.asarray(mass, dtype=float)
         nodes = [(start + 3 * k, bool(p)) for k, p in enumerate(positions)]
         self.nodes.setdefault(component, []).extend(nodes)
-        pairs = [(a, b) for a in range(len(m)) for b in range(len(m)) if m[a, b] != 0.0]
-        key = (2, len(m), 3, tuple(pairs), tuple(bool(p) for p in positions))
+        entries = [(a, b, value) for a, row in enumerate(m.tolist()) for b, value in enumerate(row)]
+        pairs = tuple((a, b) for a, b, value in entries if value != 0.0)
+        values = [value for _, _, value in entries if value != 0.0]
+        key = (2, len(m), 3, pairs, tuple(bool(p) for p in positions))
         account = self.account(component, "kinetic", "kinetic")
         index = list(range(start, start + 3 * len(m)))
-        self.masses.append((key, index, [m[a, b] for a, b in pairs], account, self.index(component)))
+        self.masses.append((key, index, values, account, self.index(component)))
 
     def potential(self, component: Component, kind: str, strains: Any, law: Law) -> None:
         """Potential energy ``W(e)`` of one strain (or several, for a law that takes several)."""
@@ -215,8 +235,13 @@ class Model:
         targets: Sequence[Any] | None = None,
         law: Law | None = None,
         n: int | None = None,
+        shift: int = 0,
     ) -> None:
-        """Constraints ``strain_i = target_i(t)`` (or zero), one multiplier each from `first` on."""
+        """Constraints ``strain_i = target_i(t)`` (or zero), one multiplier each from `first` on.
+
+        Elements whose strains differ by the numbers of their unknowns alone may share one tuple of them and
+        give the `shift` of these numbers: it is compiled once.
+        """
         n = len(strains) if n is None else n
         numbers = [multipliers.start + first + k for k in range(n)]
         signals = [self.signal(f) for f in targets] if targets else [-1] * n
@@ -227,7 +252,7 @@ class Model:
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
-        self._element(component, strains, law, numbers, signals, account)
+        self._element(component, strains, law, numbers, signals, account, shift)
 
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""
@@ -241,12 +266,12 @@ class Model:
         multipliers: Sequence[int],
         signals: Sequence[int],
         account: int,
+        shift: int = 0,
     ) -> None:
         listed = strains if isinstance(strains, list | tuple) else [strains]
-        exact = [strain(s) for s in listed]
-        self.elements.append(
-            Element(exact, law, multipliers, signals or [-1], account, self.index(component))
-        )
+        exact = listed if all(isinstance(s, Strain) for s in listed) else [strain(s) for s in listed]
+        number = self.index(component)
+        self.elements.append(Element(exact, law, multipliers, signals or [-1], account, number, shift))
 
 
 # --- hand-over to the core ----------------------------------------------------------------------------------
@@ -254,53 +279,54 @@ class Model:
 
 @dataclass(eq=False)
 class Stencil:
-    """One element as the core wants it: numbered forms, products, and the unknowns they need."""
+    """Strains as the core wants them: numbered forms, products, and the unknowns they need."""
 
-    key: tuple[Any, ...]
-    index: list[int]
+    unknowns: list[int]
     weights: list[float]
     y_const: list[float]
     e_const: list[float]
-    entries: dict[str, Any]
+    forms: tuple[tuple[int, int], ...]
+    quad: tuple[tuple[int, int, int], ...]
+    coefficients: tuple[float, ...]
+    lin: tuple[tuple[int, int], ...]
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """What is equal for all stencils of a batch."""
+        counts = len(self.unknowns), len(self.y_const), len(self.e_const)
+        return (*counts, self.forms, self.quad, self.coefficients, self.lin)
 
 
-def stencil(element: Element) -> Stencil:
-    """Compile an element's strains into a stencil; equal keys can share a batch."""
+def stencil(strains: Sequence[Strain]) -> Stencil:
+    """Compile the strains of an element."""
     forms: dict[Form, int] = {}
     unknowns: dict[int, int] = {}
 
     def number(form: Form) -> int:
-        if form not in forms:
-            forms[form] = len(forms)
+        row = forms.setdefault(form, len(forms))
+        if row == len(forms) - 1:
             for u, _ in form.weights:
                 unknowns.setdefault(u, len(unknowns))
-        return forms[form]
+        return row
 
-    quad, coefficients, lin, e_const = [], [], [], []
-    for i, e in enumerate(element.strains):
+    quad, coefficients, lin = [], [], []
+    for i, e in enumerate(strains):
         for c, a, b in e.products:
             quad.append((i, number(a), number(b)))
             coefficients.append(c)
-        e_const.append(e.linear.constant)
         if e.linear.weights:
             lin.append((i, number(Form(e.linear.weights))))
-    entries = sorted((unknowns[u], row, w) for form, row in forms.items() for u, w in form.weights)
-    shape = {
-        "counts": (
-            len(unknowns),
-            len(forms),
-            len(element.strains),
-            len(element.multipliers),
-            element.law.kind,
-        ),
-        "forms": tuple((row, col) for col, row, _ in entries),
-        "quad": tuple(quad),
-        "coefficients": tuple(coefficients),
-        "lin": tuple(lin),
-    }
-    key = (*shape.values(), len(element.law.parameters), len(element.signals), element.law.callback)
-    index = [*unknowns, *element.multipliers]
-    return Stencil(key, index, [w for *_, w in entries], [f.constant for f in forms], e_const, shape)
+    entries = sorted([(unknowns[u], row, w) for form, row in forms.items() for u, w in form.weights])
+    return Stencil(
+        list(unknowns),
+        [w for _, _, w in entries],
+        [f.constant for f in forms],
+        [e.linear.constant for e in strains],
+        tuple([(row, col) for col, row, _ in entries]),
+        tuple(quad),
+        tuple(coefficients),
+        tuple(lin),
+    )
 
 
 def _columns(rows: Sequence[Sequence[float]], dtype: type = np.float64) -> NDArray[Any]:
@@ -312,35 +338,45 @@ def strain_terms(model: Model) -> list[_core.Term]:
     """Batches of equal stencils, in order of first appearance."""
     groups: dict[tuple[Any, ...], list[tuple[Stencil, Element]]] = defaultdict(list)
     rigidity = {unknown for body in model.rigid for unknown in body[12:]}
+    compiled: dict[int, tuple[Stencil, tuple[Any, ...]]] = {}  # by identity: many elements share strains
     for element in model.elements:
-        s = stencil(element)
-        groups[not rigidity.isdisjoint(element.multipliers), s.key].append((s, element))
-    terms: list[_core.Term] = []
-    for (is_rigidity, _), members in groups.items():
-        stencils, elements = zip(*members, strict=True)
-        shape = stencils[0].entries
-        n = len(stencils)
-        term = _core.StrainTerm(
-            list(shape["counts"]),
-            np.array(shape["forms"], dtype=np.int32).reshape(-1, 2),
-            np.array(shape["quad"], dtype=np.int32).reshape(-1, 3),
-            np.array(shape["coefficients"], dtype=float),
-            np.array(shape["lin"], dtype=np.int32).reshape(-1, 2),
-            np.ones(len(shape["lin"])),
-            _columns([s.index for s in stencils], np.int32),
-            _columns([s.weights for s in stencils]),
-            _columns([s.y_const for s in stencils]),
-            _columns([s.e_const for s in stencils]),
-            _columns([e.law.parameters for e in elements]),
-            _columns([e.signals for e in elements], np.int32),
-        )
-        if elements[0].law.callback is not None:
-            term.set_callback(elements[0].law.callback)
-        term.is_rigidity = is_rigidity
-        term.name = model.components[elements[0].component].label
-        book(term, [e.account for e in elements], [e.component for e in elements], n)
-        terms.append(term)
-    return terms
+        known = compiled.get(id(element.strains))
+        if known is None:
+            s = stencil(element.strains)
+            known = compiled[id(element.strains)] = s, s.structure
+        s, structure = known
+        law, n_multipliers = element.law, len(element.multipliers)
+        like = law.kind, len(law.parameters), law.callback, n_multipliers, len(element.signals)
+        groups[not rigidity.isdisjoint(element.multipliers), like, structure].append((s, element))
+    return [strain_term(model, is_rigidity, members) for (is_rigidity, *_), members in groups.items()]
+
+
+def strain_term(model: Model, is_rigidity: bool, members: list[tuple[Stencil, Element]]) -> _core.Term:
+    """One batch."""
+    s, first = members[0]
+    stencils, elements = zip(*members, strict=True)
+    index = [[u + e.shift for u in s.unknowns] + list(e.multipliers) for s, e in members]
+    n_multipliers = len(first.multipliers)
+    term = _core.StrainTerm(
+        [len(s.unknowns), len(s.y_const), len(s.e_const), n_multipliers, first.law.kind],
+        np.array(s.forms, dtype=np.int32).reshape(-1, 2),
+        np.array(s.quad, dtype=np.int32).reshape(-1, 3),
+        np.array(s.coefficients, dtype=float),
+        np.array(s.lin, dtype=np.int32).reshape(-1, 2),
+        np.ones(len(s.lin)),
+        _columns(index, np.int32),
+        _columns([s.weights for s in stencils]),
+        _columns([s.y_const for s in stencils]),
+        _columns([s.e_const for s in stencils]),
+        _columns([e.law.parameters for e in elements]),
+        _columns([e.signals for e in elements], np.int32),
+    )
+    if first.law.callback is not None:
+        term.set_callback(first.law.callback)
+    term.is_rigidity = is_rigidity
+    term.name = model.components[first.component].label
+    book(term, [e.account for e in elements], [e.component for e in elements], len(members))
+    return term
 
 
 def inertia_terms(model: Model) -> list[_core.Term]:

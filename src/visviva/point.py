@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +37,7 @@ class Frame(Point):
     axes: Array
 
     def __post_init__(self) -> None:
-        if not np.allclose(self.axes @ self.axes.T, np.eye(3), atol=1e-9) or np.linalg.det(self.axes) < 0:
+        if orthonormality(self.axes) > 1e-9 or handedness(self.axes) < 0:
             raise InputError(
                 f"the frame on {self.component.label} has axes that are not right-handed and orthonormal: "
                 f"{self.axes.tolist()}; use frame_at(x, axis) to get a triad from one axis"
@@ -56,15 +58,54 @@ def triad(axis: Any, first: Any = None) -> Array:
     >>> triad((0, 0, 2)).tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
-    d3 = np.asarray(axis, dtype=float)
-    size = np.linalg.norm(d3)
-    if d3.shape != (3,) or not np.isfinite(size) or size == 0:
+    d3 = unit(vector(axis))
+    if d3 is None:
         raise InputError(f"an axis needs three finite numbers that are not all zero, not {axis}")
-    d3 = d3 / size
     if first is None:
-        first = np.eye(3)[int(np.argmin(np.round(np.abs(d3), 9)))]
-    d1 = np.asarray(first, dtype=float) - np.dot(first, d3) * d3
-    if np.linalg.norm(d1) < 1e-9:
+        sizes = [round(abs(c), 9) for c in d3]
+        first = np.eye(3)[sizes.index(min(sizes))]
+    given = vector(first)
+    along = dot(given, d3)
+    d1 = unit([g - along * d for g, d in zip(given, d3, strict=True)], 1e-9)
+    if d1 is None:
         raise InputError(f"the first direction {first} is parallel to the axis {axis}")
-    d1 = d1 / np.linalg.norm(d1)
-    return np.array([d1, np.cross(d3, d1), d3])
+    return np.array([d1, cross(d3, d1), d3])
+
+
+# --- three numbers as plain Python: much quicker than arrays of them ----------------------------------------
+Three = Sequence[float]
+
+
+def vector(value: Any) -> list[float]:
+    """Whatever is given, as a list of numbers."""
+    numbers: list[float] = np.asarray(value, dtype=float).tolist()
+    return numbers
+
+
+def dot(a: Three, b: Three) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Three, b: Three) -> list[float]:
+    """Vector product."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a: Three, least: float = 0.0) -> list[float] | None:
+    """Three numbers divided by their length; None if that is not finite or not above `least`."""
+    size = math.hypot(*a) if len(a) == 3 else math.nan
+    return [c / size for c in a] if least < size < math.inf else None
+
+
+def orthonormality(rows: Array) -> float:
+    """By how much the rows of a matrix (3, 3) fail to be orthonormal."""
+    a, b, c = rows.tolist()
+    defects = dot(a, a) - 1, dot(b, b) - 1, dot(c, c) - 1, dot(a, b), dot(b, c), dot(c, a)
+    return max(map(abs, defects))
+
+
+def handedness(matrix: Array) -> float:
+    """Determinant of a matrix (3, 3): positive for a right-handed triad."""
+    a, b, c = matrix.tolist()
+    return dot(a, cross(b, c))

@@ -18,7 +18,7 @@ def _array(value: Any) -> Array:
         a = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"expected numbers, not {value!r}") from None
-    if not np.all(np.isfinite(a)):
+    if not np.isfinite(a).all():
         raise ValueError(f"expected finite numbers, not {np.asarray(value).tolist()}")
     return a
 

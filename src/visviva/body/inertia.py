@@ -222,8 +222,8 @@ def _array(value: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 
 def _sum_of_others(tensor: Array) -> Array:
     """Diagonal entries j + k for each i; the trace less entry i would lose the digits of thin bodies."""
-    diagonal = tensor.diagonal()
-    return np.roll(diagonal, 1) + np.roll(diagonal, 2)
+    a, b, c = tensor.diagonal().tolist()
+    return np.array([c + b, a + c, b + a])
 
 
 def _off_diagonal(tensor: Array) -> Array:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor, steiner
+from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor
 from visviva.body.shape import AnyShape, Box
 from visviva.component import Attachable, settings
 from visviva.errors import InputError
-from visviva.form import Vector, dot
+from visviva.form import Strain, Vector, dot
+from visviva.point import handedness, orthonormality
 from visviva.values import Matrix, Number, Vector3
 
 if TYPE_CHECKING:
@@ -74,11 +75,14 @@ class RigidBody(Attachable):
 
     def __post_init__(self) -> None:
         R = self.rotation
-        if R.shape != (3, 3) or not np.allclose(R.T @ R, np.eye(3), atol=1e-6):
+        if R.shape != (3, 3) or orthonormality(R.T) > 1e-6:
             raise InputError(f"{self.label}: rotation {R.tolist()} has no orthonormal columns (directors)")
-        if np.linalg.det(R) < 0:
+        if handedness(R) < 0:
             raise InputError(f"{self.label}: rotation {R.tolist()} is left-handed; swap two directors")
-        self.mass_properties()
+        try:
+            check_inertia(self.mass_properties().inertia)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
 
     def mass_properties(self) -> MassProperties:
         """Mass, centre of mass (3,) and inertia tensor (3, 3) about it, in body coordinates."""
@@ -93,10 +97,6 @@ class RigidBody(Attachable):
         given: Any = self.inertia if self.inertia is not None else self.euler
         tensor: Array = np.diag(given) if given.shape == (3,) else given
         J = tensor if self.inertia is not None else inertia_tensor(tensor)
-        try:
-            check_inertia(J)
-        except InputError as error:
-            raise InputError(f"{self.label}: {error}") from None
         return MassProperties(float(self.mass), np.zeros(3) if self.centre is None else self.centre, J)
 
     def _from_shape(self, shape: AnyShape) -> MassProperties:
@@ -113,17 +113,18 @@ class RigidBody(Attachable):
     def mass_matrix(self) -> Array:
         """Constant mass (4, 4) between origin and directors: ``[[m, m s], [m s, E]]``, paper eq. (7)."""
         m, centre, J = self.mass_properties()
-        E = euler_tensor(J + steiner(m, centre))
-        M = np.block([[np.array([[m]]), m * centre[None, :]], [m * centre[:, None], E]])
-        M[np.abs(M) < 1e-15 * np.abs(np.diag(M)).max()] = 0.0
+        M = np.empty((4, 4))
+        M[0, 0], M[0, 1:], M[1:, 0] = m, m * centre, m * centre
+        M[1:, 1:] = euler_tensor(J) + m * centre[:, None] * centre
+        M[np.abs(M) < 1e-15 * M.diagonal().max()] = 0.0
         return M
 
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
-        return Vector.of(self._field.start, (1.0, *X))
+        return Vector.of(self._field.start, (1.0, *X.tolist()))
 
     def turn(self, direction: Array) -> Vector:
-        return Vector.of(self._field.start + 3, direction)
+        return Vector.of(self._field.start + 3, direction.tolist())
 
     def local(self, x: Array) -> Array:
         X: Array = self.rotation.T @ (x - self.position)
@@ -143,17 +144,15 @@ class RigidBody(Attachable):
     def declare(self, model: Model) -> None:
         R, w = self.rotation, self.angular_velocity
         q = np.concatenate([self.position, *R.T])
-        v = np.concatenate([self.velocity, *(np.cross(w, d) for d in R.T)])
+        v = np.concatenate([self.velocity, *(spin(*w.tolist()) @ R).T])
         scale = np.r_[np.full(3, model.length), np.ones(9)]
         self._field = model.field(self, "configuration", q, v, scale=scale)
 
     def contribute(self, model: Model) -> None:
-        d1, d2, d3 = self.directors
         self._multipliers = model.multipliers(self, "rigidity", 6, stage=0, block=self._field.block)
         model.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
         model.inertia(self, self._field.start, self.mass_matrix(), (True, False, False, False))
-        unit = [0.5 * dot(d, d) - 0.5 for d in (d1, d2, d3)]
-        model.constrain(self, self._multipliers, [*unit, dot(d1, d2), dot(d1, d3), dot(d2, d3)])
+        model.constrain(self, self._multipliers, RIGIDITY, shift=self._field.start)
 
     def weights(self) -> list[tuple[float, Vector]]:
         m, centre, _ = self.mass_properties()
@@ -161,6 +160,21 @@ class RigidBody(Attachable):
 
     def surface(self) -> Any:
         return self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())
+
+
+def spin(x: float, y: float, z: float) -> Array:
+    """The matrix of the cross product with (x, y, z)."""
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def rigidity() -> tuple[Strain, ...]:
+    """Orthonormality of three directors, unknowns 3 ... 11."""
+    d1, d2, d3 = (Vector.of(3 + 3 * k) for k in range(3))
+    return *(0.5 * dot(d, d) - 0.5 for d in (d1, d2, d3)), dot(d1, d2), dot(d1, d3), dot(d2, d3)
+
+
+RIGIDITY = rigidity()
+"""The constraints of a body whose unknowns start at 0; all bodies share them."""
 
 
 def inertia_box(properties: MassProperties) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,9 +27,31 @@ class Side:
     """One side of a joint: position and, where the component has directions, three directors."""
 
     def __init__(self, point: Point) -> None:
-        self.p: Vector = point.position
-        if isinstance(point, Frame):
-            self.d1, self.d2, self.d3 = point.directors
+        self.point = point
+
+    @cached_property
+    def p(self) -> Vector:
+        """Position of the point."""
+        return self.point.position
+
+    @cached_property
+    def d1(self) -> Vector:
+        """First direction of the frame."""
+        return self._director(0)
+
+    @cached_property
+    def d2(self) -> Vector:
+        """Second direction."""
+        return self._director(1)
+
+    @cached_property
+    def d3(self) -> Vector:
+        """Third direction: the axis."""
+        return self._director(2)
+
+    def _director(self, k: int) -> Vector:
+        assert isinstance(self.point, Frame)
+        return self.point.component.turn(self.point.axes[k])
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -109,7 +132,7 @@ class Joint(Component):
     def declare(self, model: Model) -> None:
         self.sides = Side(self._attach(self.a)), Side(self._attach(self.b))
         self._coordinates: dict[str, Field] = {}
-        x, v = initial(model)
+        x, v = model.initial
         if self.angle:
             e0, e1 = angle_strains(*self.sides)
             s, c = e1.value(x), e0.value(x)
@@ -179,8 +202,3 @@ def angle_strains(A: Side, B: Side) -> tuple[Strain, Strain]:
 def stroke_strain(A: Side, B: Side) -> Strain:
     """How far B is along A's third director."""
     return dot(A.d3, B.p - A.p)
-
-
-def initial(model: Model) -> tuple[Array, Array]:
-    """Initial values and rates of all unknowns made so far."""
-    return np.concatenate([f.values for f in model.fields]), np.concatenate([f.rates for f in model.fields])

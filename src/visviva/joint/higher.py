@@ -68,10 +68,8 @@ class _Coupling(Joint):
         self._coordinates = {}
 
     def contribute(self, model: Model) -> None:
-        from visviva.joint.base import initial
-
         form = self.relation()
-        self._strains = [Strain((), form - form.value(initial(model)[0]))]
+        self._strains = [Strain((), form - form.value(model.initial[0]))]
         self._multipliers = model.multipliers(self, "reaction", 1, stage=2, block=self)
         model.constrain(self, self._multipliers, self._strains)
 

@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.form import Form, Strain, Vector, dot, squared
-from visviva.joint.base import Joint, Side, initial, stroke_strain
+from visviva.joint.base import Joint, Side, stroke_strain
 from visviva.values import Number
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class Screw(Cylindrical):
         return [*super().constraints(A, B), advance - advance.value(self._x0)]
 
     def contribute(self, model: Model) -> None:
-        self._x0, _ = initial(model)
+        self._x0, _ = model.initial
         super().contribute(model)
 
 
@@ -141,7 +141,7 @@ class Distance(Joint):
         super().declare(model)
         if self.length is None:
             A, B = self.sides
-            self.length = float(np.sqrt(squared(B.p - A.p).value(initial(model)[0])))
+            self.length = float(np.sqrt(squared(B.p - A.p).value(model.initial[0])))
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         assert self.length is not None

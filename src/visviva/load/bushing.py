@@ -10,7 +10,6 @@ from pydantic.dataclasses import dataclass
 from visviva.component import Attachable, Component, settings
 from visviva.errors import InputError
 from visviva.form import Strain, dot
-from visviva.joint.base import initial
 from visviva.law import quadratic, viscous
 from visviva.point import Frame
 from visviva.values import Vector3
@@ -83,7 +82,7 @@ class Bushing(Component):
         return [*(dot(direction, p) for direction in d), *turns]
 
     def contribute(self, model: Model) -> None:
-        x, _ = initial(model)
+        x, _ = model.initial
         stiffness = np.concatenate([self.stiffness, self.rotational_stiffness])
         damping = np.concatenate([self.damping, self.rotational_damping])
         for e, k, c in zip(self.strains(), stiffness, damping, strict=True):

@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.form import Form
-from visviva.joint.base import Joint, initial
+from visviva.joint.base import Joint
 from visviva.law import quadratic, viscous
 from visviva.timefunction import OfTime
 from visviva.values import Number
@@ -86,7 +86,7 @@ class JointSpring(OnJoint):
         self.not_negative("stiffness")
 
     def contribute(self, model: Model) -> None:
-        free = self.form.value(initial(model)[0]) if self.free is None else self.free
+        free = self.form.value(model.initial[0]) if self.free is None else self.free
         model.potential(self, "spring", self.form, quadratic(self.stiffness, free))
 
 

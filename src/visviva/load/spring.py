@@ -11,7 +11,6 @@ from visviva.callback import energy_callback, rate_callback
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.form import Strain, squared
-from visviva.joint.base import initial
 from visviva.law import Law, LawKind, length, viscous_length
 from visviva.load.force import guarded
 from visviva.load.where import point_of
@@ -83,7 +82,7 @@ class Spring(Component):
     def contribute(self, model: Model) -> None:
         A, B = self.points()
         e = squared(B.position - A.position)
-        l0 = float(np.sqrt(e.value(initial(model)[0])))
+        l0 = float(np.sqrt(e.value(model.initial[0])))
         if l0 == 0:
             raise InputError(f"{self.label}: its two points coincide initially, so it has no direction")
         if self.stiffness:

@@ -1,0 +1,43 @@
+"""What components hand over to the core: batches of equal stencils."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva import model
+
+
+def bodies(n: int) -> list[vv.RigidBody]:
+    """Unlike bodies at unlike places."""
+    return [
+        vv.RigidBody(mass=1.0 + k, inertia=(1, 1, 1), position=(k, 0, 0), velocity=(0, k, 0))
+        for k in range(n)
+    ]
+
+
+def test_equal_bodies_share_the_stencil_of_their_rigidity(monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled = []
+    stencil = model.stencil
+    monkeypatch.setattr(model, "stencil", lambda strains: compiled.append(strains) or stencil(strains))
+    system = vv.System(bodies(20))
+    assert len(compiled) == 1
+    assert len(system.model.elements) == 20
+
+
+def test_shared_stencils_mean_each_body_its_own_unknowns() -> None:
+    parts = bodies(3)
+    system = vv.System(parts)
+    system.x[system.field(parts[1], "configuration").start + 3] = 1.5  # stretches its first director
+    residual = system.residual(vv.EnergyMomentum().step(0.0, 1.0))
+    for part, stretch in zip(parts, (0.0, 0.5 * (1.5**2 - 1), 0.0), strict=True):
+        rows = system.field(part, "rigidity").unknowns
+        assert residual[rows] == pytest.approx([stretch, 0, 0, 0, 0, 0], abs=1e-15)
+
+
+def test_initial_values_are_there_while_fields_are_being_made() -> None:
+    system = vv.System(bodies(20))
+    x, v = system.model.initial
+    assert np.array_equal(x, system.x)
+    assert np.array_equal(v, system.v)
