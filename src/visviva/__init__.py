@@ -27,6 +27,17 @@ from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
+from visviva.mesh.faces import Faces
+from visviva.mesh.generate import (
+    BoxMesh,
+    CylinderMesh,
+    HollowCylinderMesh,
+    HollowTorusMesh,
+    QuadrilateralMesh,
+    RectangleMesh,
+    SphereMesh,
+)
+from visviva.mesh.mesh import Mesh
 from visviva.modes import Modes, modes
 from visviva.reaction import ReactionForce, ReactionTorque, reaction
 from visviva.result import Result
@@ -51,16 +62,19 @@ __all__ = [
     "Adaptive",
     "BackwardEuler",
     "Box",
+    "BoxMesh",
     "Bushing",
     "Capsule",
     "Cone",
     "Constraint",
     "Cylinder",
+    "CylinderMesh",
     "Cylindrical",
     "Damper",
     "DirectorProduct",
     "Distance",
     "EnergyMomentum",
+    "Faces",
     "FollowerForce",
     "FollowerTorque",
     "Force",
@@ -69,11 +83,14 @@ __all__ = [
     "GeneralizedForce",
     "Gravity",
     "Ground",
+    "HollowCylinderMesh",
+    "HollowTorusMesh",
     "InputError",
     "JointCoordinate",
     "JointDamper",
     "JointForce",
     "JointSpring",
+    "Mesh",
     "Midpoint",
     "Modes",
     "Motor",
@@ -86,9 +103,11 @@ __all__ = [
     "Position",
     "Potential",
     "Prismatic",
+    "QuadrilateralMesh",
     "RackAndPinion",
     "ReactionForce",
     "ReactionTorque",
+    "RectangleMesh",
     "Result",
     "Revolute",
     "Rigid",
@@ -99,6 +118,7 @@ __all__ = [
     "Screw",
     "Servo",
     "Sphere",
+    "SphereMesh",
     "Spherical",
     "Spring",
     "SquaredDistance",

@@ -1,0 +1,110 @@
+"""Faces of cells: sets of them, the boundary, matching of faces by their corners."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.mesh.cells import CELLS, Array, Ints
+from visviva.mesh.geometry import centres, equal_rows, volumes
+
+
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """A set of faces of cells; edges if the cells are plane.
+
+    Parameters
+    ----------
+    cells : mapping of str to array of int, (m, k)
+        Nodes by type of face, so ordered that the face looks out of its cell: the normal of a face in space
+        is ``dX/dxi x dX/deta``, that of an edge in the plane ``(dy, -dx)/dxi``.
+    owners : mapping of str to array of int, (m,)
+        Number of the cell that each face belongs to, counted through all types of the mesh.
+
+    Examples
+    --------
+    >>> from visviva import BoxMesh
+    >>> mesh = BoxMesh(size=(2, 1, 1), counts=(2, 1, 1)).build()
+    >>> right = mesh.faces("x1")
+    >>> right.cells["quad4"].tolist(), right.owners["quad4"].tolist(), right.area(mesh.points)
+    ([[2, 5, 11, 8]], [1], 1.0)
+    """
+
+    cells: Mapping[str, Ints]
+    owners: Mapping[str, Ints]
+
+    @property
+    def n_faces(self) -> int:
+        """Number of faces of all types."""
+        return sum(len(owner) for owner in self.owners.values())
+
+    @property
+    def nodes(self) -> Ints:
+        """Their nodes in ascending order."""
+        return np.unique(np.concatenate([np.zeros(0, np.int64), *(c.ravel() for c in self.cells.values())]))
+
+    def centres(self, points: Array) -> Array:
+        """Positions (n_faces, d) of their centres."""
+        return centres(points, self.cells)
+
+    def area(self, points: Array) -> float:
+        """Their area; length of edges."""
+        return float(volumes(points, self.cells).sum())
+
+    def where(self, chosen: NDArray[np.bool_]) -> Self:
+        """The faces that are chosen by a mask (n_faces,)."""
+        parts = np.split(chosen, np.cumsum([len(owner) for owner in self.owners.values()])[:-1])
+        kept = [(name, part) for name, part in zip(self.cells, parts, strict=True) if part.any()]
+        return type(self)(
+            {name: self.cells[name][part] for name, part in kept},
+            {name: self.owners[name][part] for name, part in kept},
+        )
+
+    def renumbered(self, nodes: Ints, owners: Ints) -> Self:
+        """The same faces after node i has become ``nodes[i]`` and cell j ``owners[j]``."""
+        return type(self)(
+            {name: nodes[cells] for name, cells in self.cells.items()},
+            {name: owners[cells] for name, cells in self.owners.items()},
+        )
+
+
+def union(parts: Iterable[Faces]) -> Faces:
+    """All faces of several sets; what is in several of them is there once."""
+    listed = list(parts)
+    cells, owners = {}, {}
+    for name in dict.fromkeys(name for part in listed for name in part.cells):
+        nodes = np.concatenate([part.cells[name] for part in listed if name in part.cells])
+        owner = np.concatenate([part.owners[name] for part in listed if name in part.cells])
+        first, _ = equal_rows(np.column_stack([owner, np.sort(nodes, axis=1)]))
+        cells[name], owners[name] = nodes[np.sort(first)], owner[np.sort(first)]
+    return Faces(cells, owners)
+
+
+def all_faces(cells: Mapping[str, Ints]) -> Faces:
+    """Every face of every cell, also those between cells twice."""
+    nodes: dict[str, list[Ints]] = {}
+    owners: dict[str, list[Ints]] = {}
+    start = 0
+    for name, rows in cells.items():
+        for face in CELLS[name].faces:
+            nodes.setdefault(face.type, []).append(rows[:, face.nodes])
+            owners.setdefault(face.type, []).append(np.arange(start, start + len(rows)))
+        start += len(rows)
+    return Faces(
+        {name: np.concatenate(part) for name, part in nodes.items()},
+        {name: np.concatenate(part) for name, part in owners.items()},
+    )
+
+
+def boundary(cells: Mapping[str, Ints]) -> Faces:
+    """Faces that belong to one cell only."""
+    every = all_faces(cells)
+    single = [np.zeros(0, dtype=bool)]
+    for name, nodes in every.cells.items():
+        _, group = equal_rows(np.sort(nodes[:, : CELLS[name].n_corners], axis=1))
+        single.append(np.bincount(group)[group] == 1)
+    return every.where(np.concatenate(single))

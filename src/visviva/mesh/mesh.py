@@ -1,0 +1,308 @@
+"""The mesh: nodes, cells by type, named sets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visviva.errors import InputError
+from visviva.gallery import nearest
+from visviva.mesh import convert, faces, quality
+from visviva.mesh.cells import Array, Ints, cell_type
+from visviva.mesh.faces import Faces
+from visviva.mesh.geometry import centres, volumes
+
+Predicate = Callable[[Array], NDArray[np.bool_]]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Nodes, cells by type and named sets of nodes, faces and cells; methods return new meshes.
+
+    Parameters
+    ----------
+    points : array_like, (n_nodes, 3) or (n_nodes, 2)
+        Positions of the nodes.
+    cells : mapping of str to array_like of int, (m, k)
+        Nodes of the cells by type: line2, line3, tri3, tri6, quad4, quad8, quad9, tet4, tet10, hex8, hex20,
+        hex27, wedge6. Nodes are ordered as in VTK (a wedge begins with the triangle that looks anticlockwise
+        from the other one). Cells are numbered through all types in the order of the mapping.
+    node_sets : mapping of str to array_like of int
+    face_sets : mapping of str to Faces
+    cell_sets : mapping of str to array_like of int
+
+    Raises
+    ------
+    InputError
+        If types, shapes or numbers do not fit. Geometry is looked at by `check` alone.
+
+    Examples
+    --------
+    >>> mesh = Mesh([(0, 0), (2, 0), (2, 1), (0, 1)], {"quad4": [(0, 1, 2, 3)]})
+    >>> mesh = mesh.with_faces("right", lambda X: X[:, 0] > 1.99)
+    >>> mesh.volume, mesh.faces("right").cells["line2"].tolist(), mesh.nodes("right").tolist()
+    (2.0, [[1, 2]], [1, 2])
+    """
+
+    points: Array
+    cells: Mapping[str, Ints]
+    node_sets: Mapping[str, Ints] = field(default_factory=dict)
+    face_sets: Mapping[str, Faces] = field(default_factory=dict)
+    cell_sets: Mapping[str, Ints] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        points = np.array(self.points, dtype=np.float64, order="C")
+        if points.ndim != 2 or points.shape[1] not in (2, 3):
+            raise InputError(f"points of a mesh are an array (n, 3) or (n, 2), not {points.shape}")
+        n, put = len(points), object.__setattr__
+        put(self, "points", _fixed(points))
+        put(self, "cells", {name: _cells(name, rows, n) for name, rows in self.cells.items()})
+        put(self, "node_sets", {k: _numbers(f"node set {k!r}", s, n) for k, s in self.node_sets.items()})
+        put(self, "face_sets", dict(self.face_sets))
+        sets = self.cell_sets.items()
+        put(self, "cell_sets", {k: _numbers(f"cell set {k!r}", s, self.n_cells) for k, s in sets})
+
+    def __repr__(self) -> str:
+        cells = ", ".join(f"{len(rows)} {name}" for name, rows in self.cells.items())
+        sets = ", ".join([*self.node_sets, *self.face_sets, *self.cell_sets])
+        return f"<Mesh: {self.n_nodes} nodes, {cells or 'no cells'}; sets: {sets or 'none'}>"
+
+    # --- sizes ----------------------------------------------------------------------------------------------
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.points)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells of all types."""
+        return sum(len(rows) for rows in self.cells.values())
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the cells: 3 for solids, 2 for plane or curved surfaces, 1 for lines."""
+        return max((cell_type(name).dimension for name in self.cells), default=0)
+
+    @property
+    def volume(self) -> float:
+        """Volume; area or length of meshes of lower dimension."""
+        return float(self.volumes.sum())
+
+    @cached_property
+    def volumes(self) -> Array:
+        """Volume of every cell (n_cells,)."""
+        return volumes(self.points, self.cells)
+
+    @property
+    def centres(self) -> Array:
+        """Centre of every cell (n_cells, d)."""
+        return centres(self.points, self.cells)
+
+    @property
+    def bounding_box(self) -> Array:
+        """Least and greatest coordinates (2, d)."""
+        return np.array([self.points.min(axis=0), self.points.max(axis=0)])
+
+    # --- sets -----------------------------------------------------------------------------------------------
+    def nodes(self, name: str) -> Ints:
+        """Nodes of a set of nodes, or of the faces of a set of faces.
+
+        Raises
+        ------
+        InputError
+            With the nearest valid name.
+        """
+        if name in self.node_sets:
+            return self.node_sets[name]
+        if name in self.face_sets:
+            return self.face_sets[name].nodes
+        known = {**self.node_sets, **self.face_sets}
+        raise InputError(f"the mesh has no set of nodes or faces {name!r}{nearest(name, known)}")
+
+    def faces(self, name: str) -> Faces:
+        """A set of faces.
+
+        Raises
+        ------
+        InputError
+            With the nearest valid name.
+        """
+        if name not in self.face_sets:
+            raise InputError(f"the mesh has no set of faces {name!r}{nearest(name, self.face_sets)}")
+        return self.face_sets[name]
+
+    def cell_set(self, name: str) -> Ints:
+        """Numbers of the cells of a set.
+
+        Raises
+        ------
+        InputError
+            With the nearest valid name.
+        """
+        if name not in self.cell_sets:
+            raise InputError(f"the mesh has no set of cells {name!r}{nearest(name, self.cell_sets)}")
+        return self.cell_sets[name]
+
+    @cached_property
+    def _boundary(self) -> Faces:
+        return faces.boundary(self.cells)
+
+    def boundary(self) -> Faces:
+        """All faces that belong to one cell only."""
+        return self._boundary
+
+    def select_nodes(self, predicate: Predicate) -> Ints:
+        """Nodes for which a function of positions (n, d) gives True (n,).
+
+        Examples
+        --------
+        >>> from visviva import BoxMesh
+        >>> BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build().select_nodes(lambda X: X[:, 2] > 0.5).tolist()
+        [4, 5, 6, 7]
+        """
+        return np.flatnonzero(_chosen(predicate, self.points))
+
+    def select_faces(self, predicate: Predicate) -> Faces:
+        """Faces of the boundary for whose centres (m, d) a function gives True (m,)."""
+        return self.boundary().where(_chosen(predicate, self.boundary().centres(self.points)))
+
+    def select_cells(self, predicate: Predicate) -> Ints:
+        """Cells for whose centres (m, d) a function gives True (m,)."""
+        return np.flatnonzero(_chosen(predicate, self.centres))
+
+    def with_nodes(self, name: str, nodes: Predicate | ArrayLike) -> Mesh:
+        """The mesh with a further set of nodes, given by numbers or by a function of positions."""
+        numbers = self.select_nodes(nodes) if callable(nodes) else np.asarray(nodes)
+        return replace(self, node_sets={**self.node_sets, name: numbers})
+
+    def with_faces(self, name: str, chosen: Predicate | Faces) -> Mesh:
+        """The mesh with a further set of faces, given or chosen on the boundary by their centres."""
+        found = chosen if isinstance(chosen, Faces) else self.select_faces(chosen)
+        return replace(self, face_sets={**self.face_sets, name: found})
+
+    def with_cells(self, name: str, cells: Predicate | ArrayLike) -> Mesh:
+        """The mesh with a further set of cells, given by numbers or by a function of their centres."""
+        numbers = self.select_cells(cells) if callable(cells) else np.asarray(cells)
+        return replace(self, cell_sets={**self.cell_sets, name: numbers})
+
+    # --- other meshes ---------------------------------------------------------------------------------------
+    def moved(self, by: ArrayLike) -> Mesh:
+        """The mesh moved by a vector (d,)."""
+        return replace(self, points=self.points + np.asarray(by, dtype=float))
+
+    def rotated(self, angle: float, axis: ArrayLike = (0, 0, 1), about: ArrayLike | None = None) -> Mesh:
+        """The mesh rotated by an angle in radians about an axis through a point; a plane mesh in its plane.
+
+        Examples
+        --------
+        >>> mesh = Mesh([(0, 0), (2, 0), (2, 1), (0, 1)], {"quad4": [(0, 1, 2, 3)]})
+        >>> mesh.rotated(np.pi / 2).bounding_box.round(12).tolist()
+        [[-1.0, 0.0], [0.0, 2.0]]
+        """
+        from scipy.spatial.transform import Rotation
+
+        d = self.points.shape[1]
+        centre = np.zeros(d) if about is None else np.asarray(about, dtype=float)
+        unit = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+        R = Rotation.from_rotvec(angle * unit).as_matrix()[:d, :d]
+        return replace(self, points=(self.points - centre) @ R.T + centre)
+
+    def scaled(self, factor: ArrayLike, about: ArrayLike | None = None) -> Mesh:
+        """The mesh scaled by a positive factor, or one for every direction (d,), about a point."""
+        if not np.all(np.asarray(factor) > 0):
+            raise InputError(f"a mesh cannot be scaled by {factor!r}: give positive factors")
+        centre = np.zeros(self.points.shape[1]) if about is None else np.asarray(about, dtype=float)
+        return replace(self, points=(self.points - centre) * factor + centre)
+
+    def merged(self, other: Mesh, weld: float | None = None) -> Mesh:
+        """Both meshes as one, sets of the same name united.
+
+        Parameters
+        ----------
+        other : Mesh
+        weld : float, optional
+            Distance below which nodes become one; without it the meshes stay apart.
+        """
+        both = convert.joined([self, other])
+        return both if weld is None else convert.welded(both, weld)
+
+    def quadratic(self, cell: str) -> Mesh:
+        """The mesh with cells of second order, new nodes in the middle of edges, faces and cells.
+
+        Parameters
+        ----------
+        cell : str
+            New type: tri6, quad8, quad9, tet10, hex20 or hex27, for cells tri3, quad4, tet4 or hex8.
+
+        Examples
+        --------
+        >>> from visviva import BoxMesh
+        >>> BoxMesh(size=(1, 1, 1), counts=(2, 1, 1)).build().quadratic("hex20")
+        <Mesh: 32 nodes, 2 hex20; sets: x0, x1, y0, y1, z0, z1>
+        """
+        return convert.quadratic(self, cell)
+
+    def without_orphans(self) -> Mesh:
+        """The mesh without nodes that belong to no cell."""
+        return convert.without_orphans(self)
+
+    def renumbered(self) -> Mesh:
+        """The mesh with nodes and cells so numbered that neighbours are close: reverse Cuthill-McKee."""
+        return convert.renumbered(self)
+
+    # --- quality, files -------------------------------------------------------------------------------------
+    def quality(self) -> Array:
+        """Least scaled Jacobian of every cell (n_cells,): 1 is best, 0 degenerate, below 0 inverted."""
+        return quality.scaled_jacobians(self)
+
+    def check(self) -> Mesh:
+        """Return the mesh if elements can be built on it.
+
+        Raises
+        ------
+        InputError
+            For inverted or degenerate cells, with number and place, nodes that belong to no cell, nodes that
+            are twice in a cell, points that are not finite, cells of several dimensions.
+        """
+        quality.check(self)
+        return self
+
+
+def _fixed(array: Any) -> Any:
+    array.flags.writeable = False
+    return array
+
+
+def _numbers(what: str, given: ArrayLike, n: int) -> Ints:
+    """Numbers of nodes or cells: integers from 0 to n - 1."""
+    found = np.array(given, order="C")
+    if found.size == 0:
+        found = found.astype(np.int64)
+    if not np.issubdtype(found.dtype, np.integer):
+        raise InputError(f"{what} holds {found.dtype} instead of whole numbers")
+    if found.size and (found.min() < 0 or found.max() >= n):
+        raise InputError(f"{what} names number {found.max() if found.min() >= 0 else found.min()} of {n}")
+    return np.asarray(_fixed(found.astype(np.int64)))
+
+
+def _cells(name: str, rows: ArrayLike, n: int) -> Ints:
+    found = _numbers(f"the nodes of the cells {name}", rows, n)
+    k = cell_type(name).n_nodes
+    if found.ndim != 2 or found.shape[1] != k:
+        raise InputError(f"cells of type {name} are an array (m, {k}), not {found.shape}")
+    return found
+
+
+def _chosen(predicate: Predicate, points: Array) -> NDArray[np.bool_]:
+    found = np.asarray(predicate(points))
+    if found.shape != (len(points),) or found.dtype != bool:
+        raise InputError(
+            f"the function gives {found.dtype} {found.shape} for points {points.shape}: "
+            f"it has to give one True or False for each, ({len(points)},), e.g. lambda X: X[:, 0] < 1e-9"
+        )
+    return found
