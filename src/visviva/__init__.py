@@ -3,6 +3,7 @@
 from visviva.adaptive import Adaptive
 from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
+from visviva.body.solid import Solid
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
@@ -26,6 +27,11 @@ from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
+from visviva.material.base import Material
+from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
+from visviva.material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
+from visviva.material.tissue import HolzapfelGasserOgden
+from visviva.material.user import UserMaterial
 from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import (
@@ -61,6 +67,7 @@ from visviva.user import Constraint, GeneralizedForce, Potential, UserTerm
 __all__ = [
     "Adaptive",
     "BackwardEuler",
+    "BlatzKo",
     "Box",
     "BoxMesh",
     "Bushing",
@@ -81,21 +88,28 @@ __all__ = [
     "Gear",
     "GeneralizedAlpha",
     "GeneralizedForce",
+    "Gent",
     "Gravity",
     "Ground",
     "HollowCylinderMesh",
     "HollowTorusMesh",
+    "HolzapfelGasserOgden",
     "InputError",
     "JointCoordinate",
     "JointDamper",
     "JointForce",
     "JointSpring",
+    "LinearElastic",
+    "Material",
     "Mesh",
     "Midpoint",
     "Modes",
+    "MooneyRivlin",
     "Motor",
+    "NeoHooke",
     "Newton",
     "Offset",
+    "Ogden",
     "Planar",
     "PointMass",
     "PointOnLine",
@@ -114,9 +128,11 @@ __all__ = [
     "RigidBody",
     "RopeOverWinch",
     "RunError",
+    "SaintVenantKirchhoff",
     "Scheme",
     "Screw",
     "Servo",
+    "Solid",
     "Sphere",
     "SphereMesh",
     "Spherical",
@@ -132,9 +148,11 @@ __all__ = [
     "Torque",
     "TorquePair",
     "Universal",
+    "UserMaterial",
     "UserTerm",
     "VariationalMidpoint",
     "VisvivaError",
+    "Yeoh",
     "equilibrium",
     "march",
     "modes",

@@ -51,6 +51,15 @@ class Component:
         """Masses with the points they hang on: what uniform gravity acts upon."""
         return []
 
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        """Add the potential of uniform gravity."""
+        from visviva.law import linear
+
+        for mass, centre in self.weights():
+            e = centre.along(-mass * acceleration)
+            if e.weights:
+                model.potential(self, "gravity", e, linear(1.0))
+
     def surface(self) -> Any:
         """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None

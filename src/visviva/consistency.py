@@ -72,7 +72,7 @@ class Instant:
 
     def __init__(self, system: System) -> None:
         self.system = system
-        unknown = system.pattern[2]
+        unknown = system.free_unknowns
         is_multiplier = np.zeros(len(system.x), dtype=bool)
         for f in system.model.fields:
             is_multiplier[f.start : f.start + f.size] = f.multiplier

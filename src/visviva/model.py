@@ -39,6 +39,8 @@ class Field:
         Unknowns of equal block are eliminated together; by default the component.
     fixed : bool array
         Unknowns that keep their values and have no equation.
+    node : int
+        So many consecutive unknowns make up a node of a mesh.
     """
 
     component: Component
@@ -52,6 +54,7 @@ class Field:
     multiplier: bool
     block: Any
     fixed: NDArray[np.bool_]
+    node: int = 1
 
     @property
     def size(self) -> int:
@@ -104,6 +107,7 @@ class Model:
     elements: list[Element] = field(default_factory=list)
     masses: list[tuple[Any, ...]] = field(default_factory=list)
     terms: list[tuple[Term, int]] = field(default_factory=list)
+    batches: list[_core.Term] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -138,6 +142,7 @@ class Model:
         multiplier: bool = False,
         block: Any = None,
         fixed: ArrayLike = False,
+        node: int = 1,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -148,7 +153,7 @@ class Model:
         scales[:], held[:] = scale, fixed
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
-        new = Field(component, name, order, start, x, v, scales, stage, multiplier, block, held)
+        new = Field(component, name, order, start, x, v, scales, stage, multiplier, block, held, node)
         self.fields.append(new)
         self._remember(new)
         return new
@@ -257,6 +262,32 @@ class Model:
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
+
+    def batch(self, term: _core.Term) -> None:
+        """A term of the core that stands for many elements."""
+        self.batches.append(term)
+
+    def dead_forces(self, component: Component, kind: str, first: NDArray[np.int32], force: Array) -> None:
+        """Potential ``-f . x`` of constant forces (n, d) on nodes whose unknowns begin at `first` (n,)."""
+        n, d = force.shape
+        term = _core.StrainTerm(
+            [d, 1, 1, 0, LawKind.LINEAR],
+            np.array([[0, c] for c in range(d)], dtype=np.int32),
+            np.zeros((0, 3), dtype=np.int32),
+            np.zeros(0),
+            np.zeros((1, 2), dtype=np.int32),
+            np.ones(1),
+            np.ascontiguousarray(np.asarray(first)[None, :] + np.arange(d)[:, None], dtype=np.int32),
+            np.ascontiguousarray(-force.T),
+            np.zeros((1, n)),
+            np.zeros((1, n)),
+            np.ones((1, n)),
+            np.full((1, n), -1, dtype=np.int32),
+        )
+        term.name = component.label
+        account = self.account(component, kind, "potential")
+        book(term, [account] * n, [self.index(component)] * n, n)
+        self.batch(term)
 
     def _element(
         self,

@@ -159,7 +159,7 @@ class System:
         fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
         core = self.core = _core.System(order, fixed, scale)
         self.order = order
-        terms = [*inertia_terms(self.model), *strain_terms(self.model)]
+        terms = [*inertia_terms(self.model), *strain_terms(self.model), *self.model.batches]
         terms += [term.build(self.model, component) for term, component in self.model.terms]
         core.set_accounts(
             len(self.model.accounts), len(self.components)
@@ -169,6 +169,7 @@ class System:
         core.set_signal_count(max(len(self.model.signals), 1))
         core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
         core.set_blocks(*self._blocks())
+        core.set_nodes(self._nodes())
         core.finalize()
         core.use_solver(self._use_null_space(), self.newton.regularization)
         core.x[:] = np.concatenate([f.values for f in fields])
@@ -189,6 +190,11 @@ class System:
         rigid = np.array(self.model.rigid, dtype=np.int32).reshape(-1, 18)
         self.block_sizes = np.bincount(block)
         return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+    def _nodes(self) -> NDArray[np.int32]:
+        """First unknown of the node of each unknown."""
+        starts = [f.start + np.arange(f.size) // f.node * f.node for f in self.model.fields]
+        return np.concatenate(starts).astype(np.int32)
 
     def _use_null_space(self) -> bool:
         if self.newton.null_space is not None:
@@ -325,6 +331,17 @@ class System:
         row, col, unknown = self.core.csr
         return np.array(row, dtype=np.int64), np.array(col, dtype=np.int32), np.array(unknown, dtype=np.int64)
 
+    @cached_property
+    def free_equations(self) -> NDArray[np.int64]:
+        """Equations of free unknowns; fixed components of mesh nodes have equations too."""
+        fixed = np.concatenate([f.fixed for f in self.model.fields])
+        return np.flatnonzero(~fixed[self.pattern[2]])
+
+    @property
+    def free_unknowns(self) -> NDArray[np.int64]:
+        """The unknowns of the tangent's rows."""
+        return self.pattern[2][self.free_equations]
+
     def residual(self, step: Any, signals: Array | None = None) -> Array:
         """Residual by unknown at the present trial state."""
         residual = np.zeros(len(self.x))
@@ -341,7 +358,9 @@ class System:
         residual = np.zeros(len(self.x))
         self.core.assemble(step, self.signals(step), residual, values)
         n = len(unknown)
-        return residual, sp.csr_array((values, col, row), shape=(n, n))
+        K = sp.csr_array((values, col, row), shape=(n, n))
+        free = self.free_equations
+        return residual, K if len(free) == n else K[free][:, free]
 
     def check(self, repair: bool = True) -> CheckReport:
         """Look the system over before its first step; see `visviva.check.check`."""
@@ -357,6 +376,7 @@ def characteristic_length(components: Sequence[Component]) -> float:
     places += [getattr(c, "at", None) for c in components]
     given = np.array([p for p in places if p is not None and np.shape(p) == (3,)], dtype=float)
     sizes = [np.linalg.norm(np.ptp(given, axis=0)) if len(given) else 0.0]
+    sizes += [float(getattr(c, "extent", 0.0)) for c in components]
     for c in components:
         m = getattr(c, "mass_properties", None)
         if m is not None:

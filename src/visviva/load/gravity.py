@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from pydantic.dataclasses import dataclass
 
 from visviva.component import Component, settings
-from visviva.law import linear
 from visviva.values import Vector3
 
 if TYPE_CHECKING:
@@ -23,7 +22,4 @@ class Gravity(Component):
 
     def contribute(self, model: Model) -> None:
         for component in model.components:
-            for mass, centre in component.weights():
-                e = centre.along(-mass * self.acceleration)
-                if e.weights:
-                    model.potential(component, "gravity", e, linear(1.0))
+            component.weigh(model, self.acceleration)

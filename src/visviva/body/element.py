@@ -1,0 +1,101 @@
+"""Geometry of solid elements in the reference configuration: what the core's kernels need of a cell type."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.mesh.cells import CELLS
+from visviva.mesh.geometry import jacobians, measure
+from visviva.mesh.quadrature import Rule, mass_rule, stiffness_rule
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Gradients of the shape functions at the quadrature points of elements of one type.
+
+    Attributes
+    ----------
+    gradients : array, (m, q, k, d)
+        ``dN_a/dX`` of m elements at q points for k nodes.
+    volume : array, (m, q)
+        Reference volume of each point: weight, Jacobian, thickness or circumference.
+    hoop : array, (m, q, k) or None
+        ``N_a / R``, the weights of the hoop stretch of axisymmetric elements.
+    """
+
+    gradients: Array
+    volume: Array
+    hoop: Array | None
+
+
+def depth(points: Array, nodes: Ints, N: Array, thickness: float, axisymmetric: bool) -> Array:
+    """Extent (m, q) across the plane: the thickness, or the circumference at the radius of a point."""
+    radius: Array = points[nodes, 0] @ N.T
+    return 2 * np.pi * radius if axisymmetric else np.full_like(radius, thickness)
+
+
+def geometry(
+    points: Array,
+    nodes: Ints,
+    cell: str,
+    *,
+    rule: Rule | None = None,
+    thickness: float = 1.0,
+    axisymmetric: bool = False,
+) -> Geometry:
+    """Gradients and volumes of elements `nodes` (m, k) among `points` (n, d).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    >>> float(geometry(square, np.array([[0, 1, 2, 3]]), "quad4").volume.sum())
+    4.0
+    """
+    xi, w = rule or stiffness_rule(cell)
+    kind = CELLS[cell]
+    J = jacobians(points, nodes, kind.dN(xi))
+    gradients = kind.dN(xi) @ np.linalg.inv(J)
+    volume = w * measure(J)
+    hoop = None
+    if points.shape[1] == 2:
+        N = kind.N(xi)
+        volume = volume * depth(points, nodes, N, thickness, axisymmetric)
+        if axisymmetric:
+            hoop = N / (points[nodes, 0] @ N.T)[:, :, None]
+    return Geometry(np.ascontiguousarray(gradients), volume, hoop)
+
+
+def masses(
+    points: Array,
+    nodes: Ints,
+    cell: str,
+    density: float,
+    *,
+    thickness: float = 1.0,
+    axisymmetric: bool = False,
+    lumped: bool = False,
+) -> Array:
+    """Mass matrices (m, k (k + 1) / 2) of elements, packed upper triangles by rows.
+
+    Lumped masses scale the diagonal of the consistent matrix (Hinton, Rock & Zienkiewicz 1976), so that they stay
+    positive for elements of higher order.
+    """
+    xi, w = mass_rule(cell)
+    N = CELLS[cell].N(xi)
+    volume = w * measure(jacobians(points, nodes, CELLS[cell].dN(xi)))
+    if points.shape[1] == 2:
+        volume = volume * depth(points, nodes, N, thickness, axisymmetric)
+    a, b = np.triu_indices(N.shape[1])
+    packed: Array = density * volume @ (N[:, a] * N[:, b])
+    if lumped:
+        diagonal = packed[:, a == b]
+        scale = density * volume.sum(axis=1) / diagonal.sum(axis=1)
+        packed = np.where(a == b, packed * scale[:, None], 0.0)
+    return packed

@@ -1,0 +1,232 @@
+"""Deformable solids: a mesh, a material, and the strains between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.body.element import geometry, masses
+from visviva.component import Attachable, settings
+from visviva.errors import InputError
+from visviva.form import Form, Vector
+from visviva.material.base import Material
+from visviva.mesh.generate import MeshSource
+from visviva.mesh.locate import locate
+from visviva.mesh.mesh import Mesh
+from visviva.values import Number, Vector3, VectorOrFunction
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Plane = Literal["strain", "axisymmetric"]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Solid(Attachable):
+    """A body of finite elements, in the total Lagrangian description of the paper's section 2.2.
+
+    Parameters
+    ----------
+    mesh : Mesh, or a generator or file that gives one
+        Three-dimensional, or plane.
+    material : Material
+        Its energy; several solids may share one.
+    density : float
+        Mass per reference volume; 0 for statics without gravity.
+    plane : {'strain', 'axisymmetric'}
+        What a plane mesh means. Axisymmetric meshes have the coordinates (radius, axis), and all quantities are those
+        of the whole revolution.
+    thickness : float
+        Of a plane solid.
+    velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
+    angular_velocity : (3,)
+        Initial rotation about the centre of mass.
+    lumped : bool
+        Diagonal mass matrix instead of the consistent one.
+    mass_damping, stiffness_damping : float
+        Rayleigh damping: forces ``mass_damping * M v``, and stresses ``stiffness_damping`` times the moduli of small
+        strains times the rate of Green's strain, which leave rigid motions alone.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> block = Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), material=vv.NeoHooke(young=1e3, poisson=0.3))
+    >>> vv.System([block]).n_coordinates
+    81
+    """
+
+    mesh: Mesh | MeshSource
+    material: Material
+    density: Number = 0.0
+    plane: Plane = "strain"
+    thickness: Number = 1.0
+    velocity: VectorOrFunction = (0.0, 0.0, 0.0)
+    angular_velocity: Vector3 = (0.0, 0.0, 0.0)
+    lumped: bool = False
+    mass_damping: Number = 0.0
+    stiffness_damping: Number = 0.0
+
+    has_directions = False
+
+    def __post_init__(self) -> None:
+        for name in ("density", "mass_damping", "stiffness_damping"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is negative")
+        if not self.thickness > 0:
+            raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
+        self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
+            raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
+
+    # --- geometry ------------------------------------------------------------------------------------------
+    @property
+    def dimension(self) -> int:
+        """Of the mesh: 2 or 3."""
+        return self.grid.points.shape[1]
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether a plane mesh stands for a revolution."""
+        return self.plane == "axisymmetric"
+
+    @property
+    def points(self) -> Array:
+        """Reference positions (n, 3) of the nodes."""
+        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
+
+    @property
+    def extent(self) -> float:
+        """Size of the reference configuration."""
+        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
+
+    @cached_property
+    def nodal_mass(self) -> Array:
+        """Share (n,) of every node in the mass: row sums of the mass matrix."""
+        total = np.zeros(self.grid.n_nodes)
+        for cell, nodes in self.grid.cells.items():
+            k = nodes.shape[1]
+            a, b = np.triu_indices(k)
+            m = self._masses(cell, nodes)
+            for pair in range(len(a)):
+                np.add.at(total, nodes[:, a[pair]], m[:, pair])
+                if a[pair] != b[pair]:
+                    np.add.at(total, nodes[:, b[pair]], m[:, pair])
+        return total
+
+    @property
+    def mass(self) -> float:
+        """Total mass."""
+        return float(self.nodal_mass.sum())
+
+    def _masses(self, cell: str, nodes: Ints) -> Array:
+        options = {"thickness": self.thickness, "axisymmetric": self.axisymmetric, "lumped": self.lumped}
+        return masses(self.grid.points, nodes, cell, self.density, **options)
+
+    def initial_velocities(self) -> Array:
+        """Velocities (n, d) of the nodes at the start."""
+        X = self.points
+        if callable(self.velocity):
+            v = np.array(self.velocity(X), dtype=float)
+            if v.shape != X.shape or not np.all(np.isfinite(v)):
+                raise InputError(
+                    f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
+                    f"positions {X.shape}"
+                )
+        else:
+            v = np.tile(np.asarray(self.velocity, dtype=float), (len(X), 1))
+        if np.any(self.angular_velocity):
+            w = self.nodal_mass if self.density > 0 else np.ones(len(X))
+            v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())
+        if self.dimension == 2 and np.any(v[:, 2] != 0):
+            raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
+        return v[:, : self.dimension]
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        d = self.dimension
+        self.motion = model.field(
+            self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
+        )
+
+    def contribute(self, model: Model) -> None:
+        first = 0
+        for cell, nodes in self.grid.cells.items():
+            model.batch(self._term(model, cell, nodes, first))
+            first += len(nodes)
+
+    def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
+        """First unknown of each node."""
+        return np.asarray(self.motion.start + self.dimension * np.asarray(nodes), dtype=np.int32)
+
+    def _term(self, model: Model, cell: str, nodes: Ints, first: int) -> Any:
+        g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
+        damped = self.mass_damping > 0 or self.stiffness_damping > 0
+        term = _core.SolidTerm(
+            int(self.material.kind),
+            self.material.small,
+            self.node_unknowns(nodes),
+            g.gradients,
+            g.volume,
+            self.material.parameters(len(nodes)),
+            g.hoop,
+            self._masses(cell, nodes) if self.density > 0 else None,
+            self._damping(len(nodes)) if damped else None,
+        )
+        term.name = self.label
+        if self.material.energy is not None:
+            from visviva.callback import energy_callback
+
+            self.callback = energy_callback(self.material.energy, 6, f"{self.label}: energy of its material")
+            term.set_callback(self.callback)  # the core does not keep it alive
+        kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
+        damping = model.account(self, "damping", "dissipation") if damped else -1
+        strain = model.account(self, "strain", "potential")
+        term.book_solid(strain, kinetic, damping, model.index(self), first)
+        return term
+
+    def _damping(self, n: int) -> Array:
+        lam, mu = self.material.lame
+        return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        m = self.nodal_mass
+        if np.any(m > 0):
+            force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
+            model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
+
+    # --- attachment ----------------------------------------------------------------------------------------
+    def place(self, X: Array) -> Vector:
+        nodes, N = locate(self.grid, X[: self.dimension], self.label)
+        return self.combination(nodes, N)
+
+    def combination(self, nodes: Any, weights: Any) -> Vector:
+        """Weighted sum of nodal positions as a vector form."""
+        kept = [
+            (int(u), float(w)) for u, w in zip(self.node_unknowns(nodes), weights, strict=True) if w != 0.0
+        ]
+        parts = [Form(tuple((u + c, w) for u, w in kept)) for c in range(self.dimension)]
+        x, y, z = (*parts, Form())[:3]
+        return Vector((x, y, z))
+
+    def local(self, x: Array) -> Array:
+        return x
+
+    def positions(self, x: Array) -> Array:
+        """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
+        p = x[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
+        return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
+
+    def surface(self) -> Any:
+        return None
+
+    def each_cell(self) -> Iterator[tuple[str, Ints]]:
+        """Cell types with the nodes of their cells."""
+        yield from self.grid.cells.items()

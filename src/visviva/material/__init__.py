@@ -1,0 +1,1 @@
+"""Materials: an energy each, nothing else."""

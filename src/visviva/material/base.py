@@ -1,0 +1,158 @@
+"""What a material is: an energy of the strain, given to the core by its number and parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.errors import InputError
+from visviva.values import Number
+
+Array = NDArray[np.float64]
+
+Volumetric = Literal["logarithmic", "quadratic", "simo"]
+"""Energy of the volume change per bulk stiffness: ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``."""
+
+VOLUMETRIC = {"logarithmic": 0.0, "quadratic": 1.0, "simo": 2.0}
+
+
+class Kind(IntEnum):
+    """Numbers of the energies in the core (cpp/core/material.hpp)."""
+
+    HOOKE = 0
+    NEO_HOOKE = 1
+    MOONEY = 2
+    ISOCHORIC = 3
+    GENT = 4
+    HOLZAPFEL = 5
+    OGDEN = 6
+    BLATZ_KO = 7
+    USER = 8
+
+
+@dataclass(config=settings, kw_only=True)
+class Material:
+    """Base of all materials; a material knows nothing of elements or time."""
+
+    kind: ClassVar[Kind]
+    small: ClassVar[bool] = False
+
+    def parameters(self, n: int) -> Array:
+        """Parameters of the energy for `n` elements, (n, n_par)."""
+        return np.broadcast_to(np.array(self.constants(), dtype=float), (n, len(self.constants()))).copy()
+
+    def constants(self) -> list[float]:
+        """Parameters that all elements share."""
+        raise NotImplementedError
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        """Lame's constants ``lambda, mu`` of small strains about rest."""
+        raise NotImplementedError
+
+    @property
+    def energy(self) -> Callable[[Any], Any] | None:
+        """A user's energy, if it is one."""
+        return None
+
+    def refuse(self, text: str) -> InputError:
+        """An error with the material's name."""
+        return InputError(f"{type(self).__name__}: {text}")
+
+    def positive(self, *names: str) -> None:
+        """Refuse parameters that are not positive."""
+        for name in names:
+            value = getattr(self, name)
+            if not value > 0:
+                raise self.refuse(f"{name} = {value:g} is not positive")
+
+
+@dataclass(config=settings, kw_only=True)
+class Elastic(Material):
+    """Base of materials with two elastic constants: give any two of five.
+
+    Parameters
+    ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small strains.
+    """
+
+    young: Number | None = None
+    poisson: Number | None = None
+    shear: Number | None = None
+    bulk: Number | None = None
+    lame_lambda: Number | None = None
+
+    def __post_init__(self) -> None:
+        given = {
+            n: getattr(self, n)
+            for n in ("young", "poisson", "shear", "bulk", "lame_lambda")
+            if getattr(self, n) is not None
+        }
+        if len(given) != 2:
+            raise self.refuse(
+                f"give exactly two of young, poisson, shear, bulk, lame_lambda; given are {sorted(given) or 'none'}"
+            )
+        nu = given.get("poisson")
+        if nu is not None and nu >= 0.5:
+            raise self.refuse(
+                f"poisson = {nu:g} is incompressible, which elements of displacements alone cannot carry; use "
+                "formulation='mixed' of the solid with a finite bulk modulus, e.g. poisson = 0.4999"
+            )
+        if nu is not None and nu <= -1:
+            raise self.refuse(f"poisson = {nu:g} is outside -1 ... 0.5")
+        self._lame = two_constants(given)
+        if not (self._lame[1] > 0 and self._lame[0] + 2 / 3 * self._lame[1] > 0):
+            raise self.refuse(
+                f"shear modulus {self._lame[1]:g} and bulk modulus {self._lame[0] + 2 / 3 * self._lame[1]:g} that follow "
+                f"from {given} must be positive"
+            )
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        return self._lame
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Bulk modulus of small strains."""
+        return self._lame[0] + 2 / 3 * self._lame[1]
+
+
+def two_constants(given: dict[str, float]) -> tuple[float, float]:
+    """Lame's constants from any two elastic constants.
+
+    Examples
+    --------
+    >>> two_constants({"young": 2.5, "poisson": 0.25})
+    (1.0, 1.0)
+    """
+    E, nu, G, K, L = (given.get(n) for n in ("young", "poisson", "shear", "bulk", "lame_lambda"))
+    if G is None:
+        if E is not None and nu is not None:
+            G = E / (2 * (1 + nu))
+        elif E is not None and K is not None:
+            G = 3 * K * E / (9 * K - E)
+        elif E is not None and L is not None:
+            G = (E - 3 * L + np.sqrt(E * E + 9 * L * L + 2 * E * L)) / 4
+        elif nu is not None and K is not None:
+            G = 3 * K * (1 - 2 * nu) / (2 * (1 + nu))
+        elif nu is not None and L is not None:
+            G = L * (1 - 2 * nu) / (2 * nu) if nu else np.nan
+        else:
+            assert K is not None and L is not None
+            G = 1.5 * (K - L)
+    if L is None:
+        if K is not None:
+            L = K - 2 / 3 * G
+        elif nu is not None:
+            L = 2 * G * nu / (1 - 2 * nu)
+        else:
+            assert E is not None
+            L = G * (E - 2 * G) / (3 * G - E)
+    return float(L), float(G)

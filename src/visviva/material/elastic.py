@@ -1,0 +1,85 @@
+"""Linear elasticity and the materials that extend it to finite strains."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.material.base import VOLUMETRIC, Elastic, Kind, Volumetric
+
+
+@dataclass(config=settings, kw_only=True)
+class LinearElastic(Elastic):
+    """Hooke's law for small strains and rotations: ``W = lambda/2 (tr e)^2 + mu e:e`` of ``e = sym(F) - I``.
+
+    Not frame-indifferent: for parts that turn, take `SaintVenantKirchhoff`.
+
+    Examples
+    --------
+    >>> LinearElastic(young=2.5, poisson=0.25).lame
+    (1.0, 1.0)
+    """
+
+    kind: ClassVar[Kind] = Kind.HOOKE
+    small: ClassVar[bool] = True
+
+    def constants(self) -> list[float]:
+        return list(self.lame)
+
+
+@dataclass(config=settings, kw_only=True)
+class SaintVenantKirchhoff(Elastic):
+    """``W = lambda/2 (tr E)^2 + mu E:E`` of Green's strain ``E = (C - I)/2``: large rotations, small strains."""
+
+    kind: ClassVar[Kind] = Kind.HOOKE
+
+    def constants(self) -> list[float]:
+        return list(self.lame)
+
+
+@dataclass(config=settings, kw_only=True)
+class NeoHooke(Elastic):
+    """Compressible neo-Hooke ``W = mu/2 (tr C - 3 - 2 ln J) + lambda U(J)``.
+
+    Parameters
+    ----------
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
+    isochoric : bool
+        The split form ``W = mu/2 (J^(-2/3) tr C - 3) + kappa U(J)`` with the bulk modulus ``kappa`` instead.
+
+    Examples
+    --------
+    >>> NeoHooke(shear=1.0, bulk=2.0, isochoric=True).constants()
+    [0.5, 0.0, 0.0, 0.0, 2.0, 0.0]
+    """
+
+    volumetric: Volumetric = "logarithmic"
+    isochoric: bool = False
+
+    @property
+    def kind(self) -> Kind:  # type: ignore[override]
+        return Kind.ISOCHORIC if self.isochoric else Kind.NEO_HOOKE
+
+    def constants(self) -> list[float]:
+        L, mu = self.lame
+        U = VOLUMETRIC[self.volumetric]
+        return [mu / 2, 0.0, 0.0, 0.0, self.bulk_modulus, U] if self.isochoric else [mu, L, U]
+
+
+@dataclass(config=settings, kw_only=True)
+class BlatzKo(Elastic):
+    """``W = mu/2 (tr C - 3) + mu/beta (J^-beta - 1)`` with ``beta = 2 nu / (1 - 2 nu)`` (Blatz & Ko 1962)."""
+
+    kind: ClassVar[Kind] = Kind.BLATZ_KO
+
+    def __post_init__(self) -> None:
+        Elastic.__post_init__(self)
+        if not self.lame[0] > 0:
+            raise self.refuse(f"it needs a positive Poisson's ratio, lambda is {self.lame[0]:g}")
+
+    def constants(self) -> list[float]:
+        L, mu = self.lame
+        return [mu, L / mu]  # 2 nu / (1 - 2 nu) = lambda / mu

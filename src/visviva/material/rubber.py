@@ -1,0 +1,140 @@
+"""Rubber-like materials."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic.dataclasses import dataclass
+
+from visviva.component import settings
+from visviva.material.base import VOLUMETRIC, Kind, Material, Volumetric
+from visviva.values import Number
+
+
+@dataclass(config=settings, kw_only=True)
+class MooneyRivlin(Material):
+    """Mooney-Rivlin, compressible or split.
+
+    ``W = c10 (I1 - 3) + c01 (I2 - 3) - (2 c10 + 4 c01) ln J + bulk U(J)``, or with `isochoric`
+    ``W = c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3) + bulk U(J)``.
+
+    Parameters
+    ----------
+    c10, c01, bulk : float
+        Constants; the shear modulus of small strains is ``2 (c10 + c01)``.
+    """
+
+    c10: Number
+    c01: Number
+    bulk: Number
+    volumetric: Volumetric = "quadratic"
+    isochoric: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.c10 + self.c01 > 0:
+            raise self.refuse(f"c10 + c01 = {self.c10 + self.c01:g} is not positive: no stiffness in shear")
+        if self.bulk < 0 or (self.isochoric and self.bulk == 0):
+            raise self.refuse(f"bulk = {self.bulk:g} is not positive")
+
+    @property
+    def kind(self) -> Kind:  # type: ignore[override]
+        return Kind.ISOCHORIC if self.isochoric else Kind.MOONEY
+
+    def constants(self) -> list[float]:
+        a, b, U = self.c10, self.c01, VOLUMETRIC[self.volumetric]
+        return [a, 0.0, 0.0, b, self.bulk, U] if self.isochoric else [a, b, 2 * (a + 2 * b), self.bulk, U]
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        mu = 2 * (self.c10 + self.c01)
+        if self.isochoric:
+            return self.bulk - 2 / 3 * mu, mu
+        return self.bulk + 4 * self.c01, mu
+
+
+@dataclass(config=settings, kw_only=True)
+class Yeoh(Material):
+    """Yeoh: ``W = sum_k c_k (J^(-2/3) I1 - 3)^k + bulk U(J)``, k = 1, 2, 3."""
+
+    c1: Number
+    c2: Number
+    c3: Number
+    bulk: Number
+    volumetric: Volumetric = "simo"
+    kind: ClassVar[Kind] = Kind.ISOCHORIC
+
+    def __post_init__(self) -> None:
+        self.positive("c1", "bulk")
+
+    def constants(self) -> list[float]:
+        return [self.c1, self.c2, self.c3, 0.0, self.bulk, VOLUMETRIC[self.volumetric]]
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        return self.bulk - 4 / 3 * self.c1, 2 * self.c1
+
+
+@dataclass(config=settings, kw_only=True)
+class Gent(Material):
+    """Gent: ``W = -mu Jm/2 ln(1 - (J^(-2/3) I1 - 3)/Jm) + bulk U(J)`` with limiting stretch `Jm` = `limit`."""
+
+    shear: Number
+    limit: Number
+    bulk: Number
+    volumetric: Volumetric = "simo"
+    kind: ClassVar[Kind] = Kind.GENT
+
+    def __post_init__(self) -> None:
+        self.positive("shear", "limit", "bulk")
+
+    def constants(self) -> list[float]:
+        return [self.shear, self.limit, self.bulk, VOLUMETRIC[self.volumetric]]
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        return self.bulk - 2 / 3 * self.shear, self.shear
+
+
+@dataclass(config=settings, kw_only=True)
+class Ogden(Material):
+    """Ogden with up to three terms: ``W = sum_k mu_k/alpha_k (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3) + bulk U(J)``.
+
+    Parameters
+    ----------
+    mu, alpha : tuples of float
+        The shear modulus of small strains is ``sum mu_k alpha_k / 2``.
+    isochoric : bool
+        Stretches ``l_i`` are divided by ``J^(1/3)``; if not, ``- sum mu_k ln J`` makes the rest stress-free.
+
+    Examples
+    --------
+    >>> Ogden(mu=(1.0,), alpha=(2.0,), bulk=10.0).lame[1]
+    1.0
+    """
+
+    mu: tuple[Number, ...]
+    alpha: tuple[Number, ...]
+    bulk: Number
+    volumetric: Volumetric = "simo"
+    isochoric: bool = True
+    kind: ClassVar[Kind] = Kind.OGDEN
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.mu) == len(self.alpha) <= 3:
+            raise self.refuse(f"give one to three pairs, not mu = {self.mu}, alpha = {self.alpha}")
+        if 0 in self.alpha:
+            raise self.refuse(f"alpha = {self.alpha} must not be zero")
+        if not self.lame[1] > 0:
+            raise self.refuse(f"the shear modulus sum mu alpha / 2 = {self.lame[1]:g} is not positive")
+        if self.bulk < 0 or (self.isochoric and self.bulk == 0):
+            raise self.refuse(f"bulk = {self.bulk:g} is not positive")
+
+    def constants(self) -> list[float]:
+        pairs = [*zip(self.mu, self.alpha, strict=True), (0.0, 1.0), (0.0, 1.0)][:3]
+        split = 1.0 if self.isochoric else 0.0
+        return [self.bulk, VOLUMETRIC[self.volumetric], split, *(x for pair in pairs for x in pair)]
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        mu = sum(m * a for m, a in zip(self.mu, self.alpha, strict=True)) / 2
+        return (self.bulk - 2 / 3 * mu if self.isochoric else self.bulk), mu

@@ -1,0 +1,72 @@
+"""Finding the cell that a material point lies in."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from visviva.errors import InputError
+from visviva.mesh.cells import CELLS, Array, Cell, Ints
+from visviva.mesh.mesh import Mesh
+
+TOLERANCE = 1e-8
+"""How far outside a cell, in its reference coordinates, a point still counts as inside."""
+
+
+def inverse(cell: Cell, corners: Array, x: Array) -> Array | None:
+    """Reference coordinates (dim,) of the place `x` (d,) in a cell with nodes (k, d); None if Newton fails."""
+    xi = cell.centre.copy()
+    for _ in range(30):
+        gap = x - cell.N(xi[None])[0] @ corners
+        J = corners.T @ cell.dN(xi[None])[0]
+        try:
+            step = np.linalg.solve(J, gap)
+        except np.linalg.LinAlgError:
+            return None
+        xi = xi + step
+        if np.abs(step).max() < 1e-13:
+            return xi
+        if np.abs(xi).max() > 10:
+            return None
+    return xi if np.abs(step).max() < 1e-9 else None
+
+
+def outside(cell: Cell, xi: Array) -> float:
+    """How far reference coordinates are outside the cell; negative inside."""
+    corners = np.array(cell.family.corners, dtype=float)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    excess = float(np.maximum(low - xi, xi - high).max())
+    flat = {3: 2, 6: 2, 4: 3}.get(len(corners), 0) if cell.name[0] in "tw" else 0
+    return max(excess, float(xi[:flat].sum()) - 1) if flat else excess
+
+
+def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
+    """Nodes (k,) and weights (k,) that interpolate at the reference position `X` (d,).
+
+    Raises
+    ------
+    InputError
+        If the point lies in no cell, with the nearest node.
+
+    Examples
+    --------
+    >>> from visviva import BoxMesh
+    >>> nodes, N = locate(BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build(), np.array([0.5, 0.5, 0.0]))
+    >>> sorted(N.round(12).tolist())
+    [0.0, 0.0, 0.0, 0.0, 0.25, 0.25, 0.25, 0.25]
+    """
+    distance = np.linalg.norm(mesh.points - X, axis=1)
+    nearest, size = int(np.argmin(distance)), float(np.ptp(mesh.points, axis=0).max())
+    if distance[nearest] <= 1e-12 * size:
+        return np.array([nearest]), np.ones(1)
+    for name, rows in mesh.cells.items():
+        cell, corners = CELLS[name], mesh.points[rows]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        margin = 0.1 * (high - low).max(axis=1, keepdims=True)
+        for row in np.flatnonzero(np.all((X >= low - margin) & (X <= high + margin), axis=1)):
+            xi = inverse(cell, corners[row], X)
+            if xi is not None and outside(cell, xi) <= TOLERANCE:
+                return rows[row], cell.N(xi[None])[0]
+    raise InputError(
+        f"{label}: the point {X.tolist()} lies in none of its elements; the nearest node is number {nearest} at "
+        f"{mesh.points[nearest].tolist()}"
+    )
