@@ -290,6 +290,18 @@ static void bind_system(nb::module_& m) {
                 s.assemble(step, signals_of(signals), residual.data(), k);
             },
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
+        .def("linearise",
+             [](System& s, const Step& step, const Doubles& signals, Array residual) {
+                 nb::gil_scoped_release release;
+                 return s.linearise(step, signals_of(signals), residual.data());
+             })
+        .def("linear_solve",
+             [](System& s, const Step& step, const Doubles& residual, Array d) {
+                 nb::gil_scoped_release release;
+                 s.linear_solve(step, residual.data(), d.data());
+             })
+        .def("refuse", [](System& s, const Step& step,
+                          const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
         .def_prop_ro("csr",
                      [](const System& s) {
                          const Csr& c = s.csr();

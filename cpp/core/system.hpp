@@ -64,6 +64,13 @@ class System {
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
+    // Residual and factorised tangent at the trial state, and solutions with it, for iterations other than
+    // Newton's loop; false if the tangent is singular.
+    bool linearise(const Step& step, const Signals& signals, double* residual);
+    void linear_solve(const Step& step, const double* residual, double* d);
+    // Why the trial state is no solution though its residual may vanish; empty if it can be one.
+    std::string refuse(const Step& step, const Signals& signals);
+
     // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how
     // many it found (0 from solvers that cannot). Without `on` it forgets them.
     int find_redundant(const Step& step, const Signals& signals, bool on);

@@ -3,8 +3,8 @@
 from visviva.adaptive import Adaptive
 from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
-from visviva.body.solid import Solid
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
+from visviva.body.solid import Solid
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
 from visviva.joint.lower_pairs import (
@@ -27,6 +27,7 @@ from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
+from visviva.loading import ArcLength, Statics, arc_length, quasi_static
 from visviva.material.base import Material
 from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from visviva.material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
@@ -66,6 +67,7 @@ from visviva.user import Constraint, GeneralizedForce, Potential, UserTerm
 
 __all__ = [
     "Adaptive",
+    "ArcLength",
     "BackwardEuler",
     "BlatzKo",
     "Box",
@@ -139,6 +141,7 @@ __all__ = [
     "Spring",
     "SquaredDistance",
     "Static",
+    "Statics",
     "StepFailure",
     "Study",
     "SurfaceMesh",
@@ -153,9 +156,11 @@ __all__ = [
     "VariationalMidpoint",
     "VisvivaError",
     "Yeoh",
+    "arc_length",
     "equilibrium",
     "march",
     "modes",
+    "quasi_static",
     "reaction",
     "simulate",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -108,6 +108,7 @@ class Model:
     masses: list[tuple[Any, ...]] = field(default_factory=list)
     terms: list[tuple[Term, int]] = field(default_factory=list)
     batches: list[_core.Term] = field(default_factory=list)
+    prescribed: list[tuple[NDArray[np.int32], Callable[[float], Array]]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -262,6 +263,10 @@ class Model:
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
+
+    def prescribe(self, unknowns: NDArray[np.int32], values: Callable[[float], Array]) -> None:
+        """Values (n,) that fixed unknowns (n,) take at a time."""
+        self.prescribed.append((unknowns, values))
 
     def batch(self, term: _core.Term) -> None:
         """A term of the core that stands for many elements."""

@@ -275,8 +275,14 @@ class System:
         self.accept(attempt, scheme)
         return attempt.report
 
+    def prescribe(self, step: Any) -> None:
+        """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
+        for unknowns, values in self.model.prescribed:
+            self.core.dx[unknowns] = values(step.t1) - self.x[unknowns]
+
     def attempt(self, step: Any) -> Attempt:
         """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
+        self.prescribe(step)
         signals = self.signals(step).copy()
         try:
             report = self.core.solve(

@@ -62,7 +62,7 @@ def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
         cell, corners = CELLS[name], mesh.points[rows]
         low, high = corners.min(axis=1), corners.max(axis=1)
         margin = 0.1 * (high - low).max(axis=1, keepdims=True)
-        for row in np.flatnonzero(np.all((X >= low - margin) & (X <= high + margin), axis=1)):
+        for row in np.flatnonzero(np.all((low - margin <= X) & (high + margin >= X), axis=1)):
             xi = inverse(cell, corners[row], X)
             if xi is not None and outside(cell, xi) <= TOLERANCE:
                 return rows[row], cell.N(xi[None])[0]

@@ -1,0 +1,412 @@
+"""Statics of structures under loads that grow: load steps with line search, and the arc length through limit points.
+
+Time is the load parameter: whatever depends on it (loads, prescribed motion) is followed. Nothing has inertia here,
+so what is not held by supports, springs or its own stiffness makes the tangent singular, and is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError, RunError
+from visviva.ledger import Bookkeeper
+from visviva.result import Result
+from visviva.scheme import Static
+from visviva.solve import begin, keep
+from visviva.system import Attempt, System
+
+Array = NDArray[np.float64]
+
+TINY = 1e-7
+"""Relative length of the differences that linearise prescribed motion and loads in time."""
+
+
+@dataclass(frozen=True)
+class Statics:
+    """How equilibria are found.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest increment of an accepted iterate, relative to the size of the model and of the load step.
+    max_iterations : int
+    halvings : int
+        A load step that fails is tried again with half its length so many times.
+    line_search : bool
+        Shorten increments that overshoot along their own direction.
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 25
+    halvings: int = 8
+    line_search: bool = True
+
+
+class NoEquilibrium(RunError):
+    """A load step whose iteration did not converge."""
+
+
+@dataclass
+class Equilibrium:
+    """The equations of equilibrium of a system at load parameters from `start` on, at the trial state of its core."""
+
+    system: System
+    options: Statics
+    start: float = field(init=False)
+    free: NDArray[np.bool_] = field(init=False)
+    inverse_scale: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        fields = self.system.model.fields
+        self.start = self.system.time
+        self.free = ~np.concatenate([f.fixed for f in fields])
+        scale = np.concatenate([f.scale for f in fields])
+        self.inverse_scale = np.where(scale > 0, 1 / np.where(scale > 0, scale, 1.0), 0.0)
+
+    @property
+    def dx(self) -> Array:
+        """Increment of the trial state."""
+        return self.system.core.dx
+
+    def at(self, time: float) -> Any:
+        """The step that leads to the load parameter `time`; prescribed unknowns are moved to it."""
+        step = Static().step(self.system.time, time - self.system.time)
+        self.system.prescribe(step)
+        return step
+
+    def residual(self, time: float) -> Array:
+        """Residual at the trial state under the loads of `time`."""
+        return self.system.residual(self.at(time))
+
+    def linearise(self, time: float) -> Array:
+        """Factorise the tangent at the trial state; returns the residual."""
+        step = self.at(time)
+        residual = np.zeros(len(self.dx))
+        if not self.system.core.linearise(step, self.system.signals(step), residual):
+            raise NoEquilibrium(
+                f"the tangent stiffness is singular at the load parameter {time:.6g}: something is not held, or this is "
+                "a limit point (follow it with vv.arc_length)"
+            )
+        return residual
+
+    def solve(self, time: float, residual: Array) -> Array:
+        """Increment that the factorised tangent gives for a residual; zero where prescribed."""
+        d = np.zeros(len(residual))
+        self.system.core.linear_solve(Static().step(self.system.time, time - self.system.time), residual, d)
+        return np.where(self.free, d, 0.0)
+
+    def size(self, d: Array) -> float:
+        """Largest entry relative to the unknowns' scales."""
+        return float(np.abs(d * self.inverse_scale).max(initial=0.0))
+
+    def slope(self, time: float, h: float) -> Array:
+        """Derivative of the residual by the load parameter at the trial state."""
+        kept, eps = self.dx.copy(), TINY * h
+        r0 = self.residual(time)
+        r1 = self.residual(time + eps)
+        self.dx[:] = kept
+        return (r1 - r0) / eps
+
+    def predict(self, time: float) -> None:
+        """First increment of a load step: linear, so that prescribed motion spreads through the body at once."""
+        residual = self.linearise(self.system.time)
+        h = time - self.system.time
+        slope = self.slope(self.system.time, h)
+        d = self.solve(self.system.time, residual + h * slope)
+        self.at(time)
+        self.dx[self.free] += d[self.free]
+
+    def iterate(self, time: float) -> int:
+        """Newton's iteration at the loads of `time` from the trial state; returns the number of iterations."""
+        o, last = self.options, np.inf
+        extent = min(1.0, self.size(self.dx)) or 1.0
+        r = self.linearise(time)
+        for k in range(o.max_iterations):
+            d = self.solve(time, r)
+            size = self.size(d)
+            if not np.isfinite(size) or size > 1e3:
+                raise NoEquilibrium(f"the iteration diverges at the load parameter {time:.6g}")
+            self.dx[:] += d
+            if size <= o.tolerance * extent or (size > 0.5 * last and size <= 1e-13):
+                self.residual(time)
+                return k + 1
+            if o.line_search and size < last * 1e3:
+                self._search(time, d, float(d @ r))
+            r, last = self.linearise(time), size
+        raise NoEquilibrium(
+            f"no equilibrium in {o.max_iterations} iterations at the load parameter {time:.6g}: the last relative "
+            f"increment is {size:.1e}"
+        )
+
+    def _search(self, time: float, d: Array, g0: float) -> None:
+        """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen."""
+        s = 1.0
+        for _ in range(5):
+            g = float(d @ self.residual(time))
+            if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
+                return
+            shorter = s * np.clip(g0 / (g0 - g), 0.1, 0.5) if np.isfinite(g) and g0 != g else 0.25 * s
+            self.dx[:] += (shorter - s) * d
+            s = shorter
+
+    def _refused(self, time: float) -> str:
+        step = Static().step(self.system.time, time - self.system.time)
+        return str(self.system.core.refuse(step, self.system.signals(step)))
+
+    def accept(self, time: float) -> None:
+        """Make the trial state the new state."""
+        step = self.at(time)
+        if reason := self._refused(time):
+            raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
+        self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())
+
+
+def quasi_static(
+    system: System, *, until: float, step: float, options: Statics | None = None, every: int = 1
+) -> Result:
+    """Follow the equilibrium of a structure while its loads grow in time.
+
+    Parameters
+    ----------
+    system : System
+        At rest in equilibrium at its present time, or close to it.
+    until, step : float
+        Last load parameter, and length of the first load step. A step that fails is halved; steps grow again, up to
+        `step`, when they converge fast.
+    options : Statics
+        Tolerances of the iteration.
+    every : int
+        Keep the states of every so many load steps.
+
+    Returns
+    -------
+    Result
+        States and ledger by load step; times are load parameters.
+
+    Raises
+    ------
+    NoEquilibrium
+        If the smallest load step fails; the system keeps the last equilibrium.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0, position=(0, 0, -1))
+    >>> spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
+    >>> guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
+    >>> pull = vv.Force(at=ball.point(), force=(0, 0, -20), time="t")
+    >>> result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=1.0, step=0.5)
+    >>> round(float(result.states[-1][2]), 9)
+    -1.2
+    """
+    options = options or Statics()
+    if not step > 0:
+        raise InputError(f"step = {step} is not positive")
+    if not until > system.time:
+        raise InputError(f"until = {until} is not after the present time {system.time:g}")
+    result, books = begin(system, Static())
+    h, tiny = step, step / 2**options.halvings
+    while until - system.time > 1e-9 * step:
+        equations = Equilibrium(system, options)
+        target = min(system.time + h, until)
+        if until - target < 1e-9 * step:
+            target = until
+        try:
+            equations.predict(target)
+            iterations = equations.iterate(target)
+            equations.accept(target)
+        except NoEquilibrium as failure:
+            system.core.discard()
+            system.rejected += 1
+            h = (target - system.time) / 2
+            if h < tiny:
+                raise NoEquilibrium(
+                    f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {options.halvings} "
+                    "times"
+                ) from failure
+            continue
+        h = min(step, 2 * h if iterations <= 6 else h)
+        record(result, books, iterations)
+        if result.statistics.steps % every == 0 or system.time >= until:
+            keep(result)
+    return result
+
+
+def record(result: Result, books: Bookkeeper, iterations: int) -> None:
+    """Enter a load step into statistics and ledger."""
+    s = result.statistics
+    s.steps, s.iterations, s.factorizations = (
+        s.steps + 1,
+        s.iterations + iterations,
+        s.factorizations + iterations,
+    )
+    books.book(result.system.time, result.system.core)
+
+
+@dataclass(frozen=True)
+class ArcLength:
+    """How an equilibrium path is followed through limit points (Riks 1979, Crisfield 1981).
+
+    Parameters
+    ----------
+    load_weight : float
+        Weight of the load parameter, relative to `step`, in the arc length; displacements count relative to the size of
+        the model, as root mean square over the moving unknowns. 0 is the cylindrical method.
+    iterations : int
+        Wanted number of iterations; the arc grows or shrinks to meet it.
+    longest : float
+        Largest growth of the arc, relative to the first.
+    """
+
+    load_weight: float = 0.0
+    iterations: int = 5
+    longest: float = 8.0
+    statics: Statics = field(default_factory=lambda: Statics(line_search=False))
+
+
+def arc_length(
+    system: System,
+    *,
+    step: float,
+    until: float | None = None,
+    steps: int = 200,
+    rule: ArcLength | None = None,
+    stop: Any = None,
+) -> Result:
+    """Follow an equilibrium path by its length, through limit points of load and of displacement.
+
+    Parameters
+    ----------
+    system : System
+        In equilibrium at its present load parameter (time).
+    step : float
+        Load parameter of the first step, which fixes the length of the arc.
+    until : float
+        Stop when the load parameter has passed this value.
+    steps : int
+        Largest number of steps.
+    rule : ArcLength
+    stop : callable
+        Called with the system after each step; the path ends when it returns True.
+
+    Returns
+    -------
+    Result
+        The times are the load parameters of the kept states; they need not grow.
+    """
+    rule = rule or ArcLength()
+    if not step > 0:
+        raise InputError(f"step = {step} is not positive")
+    result, books = begin(system, Static())
+    for iterations in _follow(system, step, steps, rule):
+        record(result, books, iterations)
+        keep(result)
+        if (until is not None and system.time >= until) or (stop is not None and stop(system)):
+            break
+    return result
+
+
+def _follow(system: System, first: float, steps: int, rule: ArcLength) -> Iterator[int]:
+    """Steps along the path; yields the iterations of each."""
+    arc = shortest = longest = 0.0
+    previous: tuple[Array, float] | None = None
+    for _ in range(steps):
+        while True:
+            equations = Equilibrium(system, rule.statics)
+            path = Path(equations, first, rule.load_weight)
+            try:
+                arc = path.predict(arc, previous)
+                if longest == 0.0:
+                    longest, shortest = rule.longest * arc, arc / 2**rule.statics.halvings
+                iterations = path.correct(arc)
+                increment = equations.dx.copy(), path.time - system.time
+                equations.accept(path.time)
+            except NoEquilibrium as failure:
+                system.core.discard()
+                system.rejected += 1
+                arc /= 2
+                if arc < shortest or longest == 0.0:
+                    raise NoEquilibrium(
+                        f"{failure}; the arc was cut {rule.statics.halvings} times"
+                    ) from failure
+                continue
+            break
+        previous = increment
+        arc = min(arc * np.sqrt(rule.iterations / iterations), longest)
+        yield iterations
+
+
+@dataclass
+class Path:
+    """The extended system of an arc-length step: equilibrium and a sphere around the last one."""
+
+    equations: Equilibrium
+    unit: float
+    load_weight: float
+    time: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        e = self.equations
+        self.time = e.system.time
+        moving = e.free & (e.system.order > 0)
+        self.metric = np.where(moving, e.inverse_scale**2, 0.0) / max(int(moving.sum()), 1)
+
+    def length(self, dx: Array, dt: float) -> float:
+        """Length of an increment."""
+        return float(np.sqrt(self.metric @ dx**2 + (self.load_weight * dt / self.unit) ** 2))
+
+    def predict(self, arc: float, previous: tuple[Array, float] | None) -> float:
+        """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
+        e = self.equations
+        e.linearise(self.time)
+        d = e.solve(self.time, e.slope(self.time, self.unit))
+        dt = self.unit
+        if previous is not None:
+            ahead = self.metric @ (d * previous[0]) + self.load_weight**2 * previous[1] / self.unit**2
+            dt = np.sign(ahead) * arc / self.length(d, 1.0)
+        else:
+            arc = arc or self.length(d * dt, dt)
+            dt = arc / self.length(d, 1.0)
+        self.time = e.system.time + dt
+        e.at(self.time)
+        e.dx[e.free] += (dt * d)[e.free]
+        return arc
+
+    def correct(self, arc: float) -> int:
+        """Newton's iteration of the extended system."""
+        e, o, last = self.equations, self.equations.options, np.inf
+        for k in range(o.max_iterations):
+            r = e.linearise(self.time)
+            slope = e.slope(self.time, self.unit)
+            d1, d2 = e.solve(self.time, r), e.solve(self.time, slope)
+            dt = self.time - e.system.time
+            w = (self.load_weight / self.unit) ** 2
+            gap = self.metric @ e.dx**2 + w * dt**2 - arc**2
+            denominator = 2 * (self.metric @ (e.dx * d2) + w * dt)
+            change = -(gap + 2 * self.metric @ (e.dx * d1)) / denominator if denominator else np.inf
+            if not np.isfinite(change):
+                raise NoEquilibrium(
+                    f"the arc-length iteration breaks down at the load parameter {self.time:.6g}"
+                )
+            d = d1 + change * d2
+            size = e.size(d)
+            if not np.isfinite(size) or size > 1e3:
+                raise NoEquilibrium(
+                    f"the arc-length iteration diverges at the load parameter {self.time:.6g}"
+                )
+            self.time += change
+            e.at(self.time)
+            e.dx[e.free] += d[e.free]
+            done = size <= o.tolerance * max(min(1.0, e.size(e.dx)), 1e-12)
+            if done or (size > 0.5 * last and size <= 1e-13):
+                e.residual(self.time)
+                return k + 1
+            last = size
+        raise NoEquilibrium(
+            f"no convergence of the arc-length iteration at the load parameter {self.time:.6g}"
+        )
