@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
-from pydantic import ValidationError
 
 from visviva.errors import InputError, VisvivaError
 
@@ -267,12 +266,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except InputError as error:
         say(str(error))
-        return BAD_INPUT
-    except ValidationError as error:
-        from visviva.scene.read import told
-
-        where, message = told(error)
-        say(f"{error.title}: {''.join(f'{part}: ' for part in where)}{message}")
         return BAD_INPUT
     except VisvivaError as error:
         say(str(error))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import Validated
 from visviva.errors import InputError
 from visviva.form import Vector
 
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True)
+settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True, defer_build=True)
 """How the constructors of components validate: unknown arguments are refused."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Component:
+class Component(metaclass=Validated):
     """Base of everything that a system is composed of.
 
     A component takes part in a system in two rounds: `declare` makes its fields, `contribute` adds its terms,

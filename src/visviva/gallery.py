@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import pkgutil
 from collections.abc import Callable, Iterable, Mapping
@@ -11,7 +10,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from visviva.errors import InputError
+from visviva.errors import InputError, nearest
 
 if TYPE_CHECKING:
     from visviva.result import Result
@@ -26,24 +25,6 @@ class Source:
     name: str
     parameters: Mapping[str, Any]
     check: Callable[[Result], None] | None = None
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """End of a message about an unknown name: the nearest known one, or all if there are few.
-
-    Examples
-    --------
-    >>> nearest("omga", ["omega", "radius"])
-    "; did you mean 'omega'?"
-    """
-    listed = sorted(known)
-    close = difflib.get_close_matches(name, listed, n=1, cutoff=0.5)
-    if not close:
-        lower = {k.lower(): k for k in listed}
-        close = [lower[k] for k in difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.5)]
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return f"; there are {', '.join(listed[:12])}{', ...' if len(listed) > 12 else ''}" if listed else ""
 
 
 def example_names() -> list[str]:

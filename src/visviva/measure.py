@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import Validated
 from visviva.component import settings
 from visviva.errors import InputError
 from visviva.form import Strain, dot, squared, strain
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Director = Literal[1, 2, 3]
 
 
-class Measure:
+class Measure(metaclass=Validated):
     """Base: something with `strains`, numbers that are at most quadratic in the unknowns; also a probe."""
 
     def __call__(self, system: System) -> Any:
@@ -92,7 +92,7 @@ class JointCoordinate(Measure):
     """Angle or stroke of a joint, which becomes a coordinate of the system."""
 
     joint: Joint
-    coordinate: Literal["angle", "stroke"] | None = Field(default=None)
+    coordinate: Literal["angle", "stroke"] | None = None
 
     def __post_init__(self) -> None:
         self.joint.want(self.name)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import Validated
 from visviva.component import settings
 from visviva.joint.base import Joint
 
@@ -44,7 +45,7 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
     return own
 
 
-class Reaction:
+class Reaction(metaclass=Validated):
     """Base of probes that record what joints transmit."""
 
 

@@ -3,7 +3,7 @@
 Every shape lives in a frame of its own, lengths in the unit of the model; the axis of round shapes is e3.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat, GetPydanticSchema, NonNegativeInt
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import Validated
 from visviva.body.inertia import MassProperties, euler_tensor, inertia_tensor
 from visviva.body.triangles import Array, Surface, arc, check_closed, halve, load_trimesh, read, revolve
 from visviva.errors import InputError
@@ -33,10 +34,10 @@ Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Lengths = Annotated[tuple[Length, Length, Length], BeforeValidator(_plain)]
 PointRows = Annotated[ArrayLike, _rows_of(FiniteFloat)]
 TriangleRows = Annotated[ArrayLike, _rows_of(NonNegativeInt)]
-CONFIG = ConfigDict(extra="forbid")
+CONFIG = ConfigDict(extra="forbid", defer_build=True)
 
 
-class Shape(ABC):
+class Shape(metaclass=Validated):
     """What a shape must give; the rest follows."""
 
     @property

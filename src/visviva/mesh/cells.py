@@ -2,8 +2,8 @@
 
 Nodes are ordered as in VTK, faces as Abaqus numbers them (S1, S2, ...). Lines, quadrilaterals and hexahedra
 have the reference coordinates -1 to 1, triangles and tetrahedra the unit simplex, wedges a triangle
-times -1 to 1. A type is corners, further nodes that lie in the middle of groups of corners, and the monomials that
-span its shape functions: one line in `TYPES`.
+times -1 to 1. A type is corners, further nodes that lie in the middle of groups of corners, and the monomials
+that span its shape functions: one line in `TYPES`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
-from visviva.gallery import nearest
+from visviva.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -37,7 +37,7 @@ Places4 = Annotated[tuple[Place2, Place2, Place2, Place2], LISTED]
 Angle = Annotated[float, Field(gt=0, le=2 * np.pi)]
 PlaneCell = Literal["quad4", "quad8", "quad9", "tri3", "tri6"]
 SolidCell = Literal["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6"]
-CONFIG = ConfigDict(extra="forbid")
+CONFIG = ConfigDict(extra="forbid", defer_build=True)
 FULL = 2 * np.pi
 WELD = 1e-9  # of the size: distance below which nodes of neighbouring blocks are one
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, TypeAdapter, ValidationError
 
+from visviva.arguments import ArgumentError, told
 from visviva.component import Attachable, Component
-from visviva.errors import InputError
-from visviva.gallery import Source, nearest, plain_value
+from visviva.errors import InputError, nearest
+from visviva.gallery import Source, plain_value
 from visviva.scene import language
 from visviva.scene.text import Document, Key, parse
 from visviva.scheme import Scheme
@@ -228,6 +229,8 @@ class Reader:
                 return cls(**arguments, **more)
             checked = {n: TypeAdapter(hints[n]).validate_python(value) for n, value in arguments.items()}
             return cls(**checked, **more)
+        except ArgumentError as error:
+            raise self.document.error((*key, *error.where), error.complaint) from None
         except ValidationError as error:
             where, message = told(error)
             raise self.document.error((*key, *where), message) from None
@@ -305,17 +308,3 @@ class Reader:
         if found.shape != shape or not np.isfinite(found).all():
             wanted = "3 finite numbers" if shape == (3,) else "3 rows of 3 finite numbers"
             raise self.document.error(key, f"expected {wanted}, not {given!r}")
-
-
-def told(error: ValidationError) -> tuple[Key, str]:
-    """Key and message of the first error of a validation, in one line."""
-    first = error.errors()[0]
-    message = first["msg"].removeprefix("Value error, ")
-    # parts of unions have names of their own, which are not keys of the file
-    where = tuple(part for part in first["loc"] if isinstance(part, int) or part.isidentifier())[:2]
-    shown = (
-        ""
-        if isinstance(first["input"], dict) or first["type"] == "value_error"
-        else f", not {first['input']!r}"
-    )
-    return where, f"{message[:1].lower()}{message[1:]}{shown}"

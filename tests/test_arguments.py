@@ -1,0 +1,49 @@
+"""Constructors refuse wrong arguments with an error that names the class, the argument and the value."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import visviva as vv
+
+
+class Lift(vv.Force):
+    """A component of a user's own, whose class does nothing about validation."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "arguments", "message"),
+    [
+        (vv.PointMass, {"mass": "heavy"}, "PointMass: mass: input should be a valid number.*, not 'heavy'"),
+        (
+            vv.PointMass,
+            {"mass": 1, "name": "load", "position": (1, 2)},
+            r"PointMass 'load': position: .*3 numbers",
+        ),
+        (vv.PointMass, {"mass": float("nan")}, "PointMass: mass: .*finite number, not nan"),
+        (vv.PointMass, {}, "PointMass: mass: this argument is needed"),
+        (vv.RigidBody, {"densty": 1.0}, "RigidBody: densty: .*did you mean 'density'"),
+        (vv.RigidBody, {"mass": 1, "name": 3}, "RigidBody: name: .*string, not 3"),
+        (vv.Gravity, {"acceleration": (0, "down", 0)}, "Gravity: acceleration: expected numbers, not"),
+        (vv.ReactionForce, {"joint": 3}, "ReactionForce: joint: .*Joint"),
+        (vv.JointCoordinate, {"joint": None}, "JointCoordinate: joint: .*Joint"),
+        (vv.Motor, {"joint": None, "motion": "2*t"}, "Motor"),
+        (Lift, {"on": vv.PointMass(mass=1), "force": "up"}, "Lift: force: expected numbers, not 'up'"),
+    ],
+)
+def test_what_is_wrong_is_named(kind: type, arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(vv.InputError, match=message):
+        kind(**arguments)
+
+
+def test_checks_of_the_constructor_itself_speak_for_themselves() -> None:
+    with pytest.raises(vv.InputError) as caught:
+        vv.PointMass(mass=-1.0, name="load")
+    assert str(caught.value) == "PointMass 'load': mass -1 is not positive"
+
+
+def test_input_errors_are_value_errors() -> None:
+    with pytest.raises(ValueError, match="valid number"):
+        vv.PointMass(mass="heavy")
