@@ -45,6 +45,7 @@ from visviva.mesh.generate import (
     SphereMesh,
 )
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.read import MeshFile
 from visviva.modes import Modes, modes
 from visviva.reaction import ReactionForce, ReactionTorque, reaction
 from visviva.result import Result
@@ -104,6 +105,7 @@ __all__ = [
     "LinearElastic",
     "Material",
     "Mesh",
+    "MeshFile",
     "Midpoint",
     "Modes",
     "MooneyRivlin",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -270,6 +271,15 @@ class Mesh:
         """
         quality.check(self)
         return self
+
+    def write(self, path: str | Path) -> None:
+        """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp`` or one of meshio.
+
+        Sets are written with it, so that `MeshFile` finds them again.
+        """
+        from visviva.mesh.write import write
+
+        write(self, Path(path))
 
 
 def _fixed(array: Any) -> Any:

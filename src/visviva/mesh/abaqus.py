@@ -1,0 +1,277 @@
+"""Abaqus input files (.inp): nodes, elements, NSET, ELSET and SURFACE, both ways."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from visviva.errors import InputError
+from visviva.gallery import nearest
+from visviva.mesh.cells import CELLS, Ints
+from visviva.mesh.collect import Collection
+from visviva.mesh.convert import cell_numbers
+from visviva.mesh.faces import Faces
+from visviva.mesh.mesh import Mesh
+
+SOLID = {"4": "tet4", "6": "wedge6", "8": "hex8", "10": "tet10", "20": "hex20", "27": "hex27"}
+PLANE = {"3": "tri3", "4": "quad4", "6": "tri6", "8": "quad8", "9": "quad9"}
+PATTERNS = (
+    (re.compile(r"(?:C3D|DC3D)(\d+)"), SOLID),
+    (re.compile(r"(?:CPS|CPE|CPEG|CAX|CGAX|DC2D|DCAX|M3D|SFM3D|R3D|S)(\d)"), PLANE),
+)
+WRITTEN = {name: f"C3D{n}" for n, name in SOLID.items()} | {name: f"CPE{n}" for n, name in PLANE.items()}
+WRITTEN["quad9"] = "M3D9"  # Abaqus has no plane element of nine nodes
+# Places of the nodes of a C3D27 in the order of VTK: the cell's middle comes first, then those of S1 to S6.
+HEX27 = np.array([*range(20), 26, 24, 23, 25, 21, 22, 20])
+
+
+@dataclass
+class Section:
+    """A keyword with its parameters and lines of data."""
+
+    keyword: str
+    parameters: dict[str, str]
+    lines: list[list[str]] = field(default_factory=list)
+
+
+def sections(path: Path) -> Iterator[Section]:
+    """Keywords of a file in order, names and parameters in capitals; included files are entered."""
+    now: Section | None = None
+    continued = False
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for raw in file:
+            line = raw.strip()
+            if not line or line.startswith("**"):
+                continue
+            if line.startswith("*") or continued:
+                words = [word.strip() for word in line.lstrip("*").split(",")]
+                if not continued:
+                    if now is not None:
+                        yield from _entered(now, path)
+                    now = Section(words.pop(0).upper(), {})
+                assert now is not None
+                pairs = [word.partition("=") for word in words if word]
+                now.parameters |= {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+                continued = line.endswith(",")
+            elif now is not None:
+                now.lines.append([word.strip() for word in line.split(",") if word.strip()])
+    if now is not None:
+        yield from _entered(now, path)
+
+
+def _entered(section: Section, path: Path) -> Iterator[Section]:
+    if section.keyword != "INCLUDE":
+        yield section
+        return
+    target = path.parent / section.parameters.get("INPUT", "")
+    if not target.is_file():
+        raise InputError(f"{path} includes {target}, which does not exist")
+    yield from sections(target)
+
+
+class Reader:
+    """Collects what the sections say."""
+
+    def __init__(self) -> None:
+        self.node_of: dict[int, int] = {}
+        self.entry_of: dict[int, int] = {}
+        self.points: list[list[float]] = []
+        self.types: list[str] = []
+        self.blocks: list[Ints] = []
+        self.node_sets: dict[str, list[Ints]] = {}
+        self.cell_sets: dict[str, list[Ints]] = {}
+        self.sides: dict[str, list[tuple[Ints, int | None]]] = {}
+        self.n_parts = 0
+
+    def read(self, path: Path) -> Collection:
+        """All of a file."""
+        known = {
+            "NODE": self.node,
+            "ELEMENT": self.element,
+            "NSET": self.nset,
+            "ELSET": self.elset,
+            "SURFACE": self.surface,
+            "PART": self.part,
+            "INSTANCE": self.instance,
+        }
+        for section in sections(path):
+            if section.keyword in known:
+                known[section.keyword](section)
+        if not self.points:
+            raise InputError("there are no nodes in it")
+        if len({len(point) for point in self.points}) > 1:
+            raise InputError("some nodes have two coordinates, others three")
+        return Collection(
+            np.array(self.points),
+            self.types,
+            self.blocks,
+            {name: np.concatenate(parts) for name, parts in self.cell_sets.items()},
+            {name: np.unique(np.concatenate(parts)) for name, parts in self.node_sets.items()},
+            self.sides,
+        )
+
+    def node(self, section: Section) -> None:
+        """Nodes, in the plane or in space."""
+        start = len(self.points)
+        for row in section.lines:
+            if int(row[0]) in self.node_of:
+                raise InputError(f"node {row[0]} is there twice")
+            self.node_of[int(row[0])] = len(self.points)
+            self.points.append([float(word) for word in row[1:4]])
+        if "NSET" in section.parameters:
+            added = np.arange(start, len(self.points))
+            self.node_sets.setdefault(section.parameters["NSET"], []).append(added)
+
+    def element(self, section: Section) -> None:
+        """Cells of one type."""
+        name = cell_of(section.parameters.get("TYPE", ""))
+        width = 1 + CELLS[name].n_nodes
+        words = [int(word) for row in section.lines for word in row]
+        if len(words) % width:
+            raise InputError(
+                f"elements of type {section.parameters['TYPE']} do not have {width - 1} nodes each"
+            )
+        rows = np.array(words, dtype=np.int64).reshape(-1, width)
+        entries = np.arange(len(rows)) + sum(map(len, self.blocks))
+        self.entry_of |= dict(zip(rows[:, 0].tolist(), entries.tolist(), strict=True))
+        nodes = self.found(rows[:, 1:].ravel(), self.node_of, "node").reshape(-1, width - 1)
+        self.types.append(name)
+        self.blocks.append(nodes[:, HEX27] if name == "hex27" else nodes)
+        if "ELSET" in section.parameters:
+            self.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
+
+    def nset(self, section: Section) -> None:
+        """A set of nodes, by numbers, by other sets, or by a set of elements."""
+        found = self.members(section, self.node_of, self.node_sets, "node")
+        if "ELSET" in section.parameters:
+            entries = self.named(section.parameters["ELSET"], self.cell_sets, "ELSET")
+            every = [nodes for block in self.blocks for nodes in block]
+            found = np.unique(np.concatenate([every[k] for k in entries]))
+        self.node_sets.setdefault(section.parameters["NSET"], []).append(found)
+
+    def elset(self, section: Section) -> None:
+        """A set of elements."""
+        found = self.members(section, self.entry_of, self.cell_sets, "element")
+        self.cell_sets.setdefault(section.parameters["ELSET"], []).append(found)
+
+    def surface(self, section: Section) -> None:
+        """A set of faces by elements and labels S1, S2, ..., or a set of nodes."""
+        name = section.parameters["NAME"]
+        if section.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
+            parts = [self.one(row[0], self.node_of, self.node_sets, "node") for row in section.lines]
+            self.node_sets.setdefault(name, []).extend(parts)
+            return
+        for row in section.lines:
+            entries = self.one(row[0], self.entry_of, self.cell_sets, "element")
+            label = row[1].upper() if len(row) > 1 else None
+            if label is not None and not re.fullmatch(r"S[1-6]", label):
+                raise InputError(
+                    f"surface {name!r} takes side {label}: only S1 to S6 of solid elements are known"
+                )
+            self.sides.setdefault(name, []).append((entries, int(label[1:]) - 1 if label else None))
+
+    def part(self, section: Section) -> None:
+        """Numbers would not be unique in several parts."""
+        self.n_parts += 1
+        if self.n_parts > 1:
+            raise InputError("it has several parts: write it flat, without parts and assemblies")
+
+    def instance(self, section: Section) -> None:
+        """A part may be used in place only."""
+        if section.lines:
+            raise InputError("it moves an instance of a part: write it flat, without parts and assemblies")
+
+    def members(
+        self, section: Section, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str
+    ) -> Ints:
+        """Members of a set: numbers, names of other sets, or first, last and step."""
+        if "GENERATE" in section.parameters:
+            ranges = [[int(word) for word in row] for row in section.lines]
+            listed = [np.arange(r[0], r[1] + 1, r[2] if len(r) > 2 else 1) for r in ranges]
+            return self.found(np.concatenate(listed), numbers, what)
+        words = [word for row in section.lines for word in row]
+        parts = [self.one(word, numbers, sets, what) for word in words]
+        return np.concatenate([np.zeros(0, np.int64), *parts])
+
+    def one(self, word: str, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str) -> Ints:
+        """What a number or the name of a set stands for."""
+        word = word.rpartition(".")[2] if not word.isdigit() else word  # without the name of an instance
+        if word.isdigit():
+            return self.found(np.array([int(word)]), numbers, what)
+        return self.named(word, sets, f"set of {what}s")
+
+    def named(self, name: str, sets: Mapping[str, list[Ints]], what: str) -> Ints:
+        """A set by its name; capitals do not matter."""
+        for known, parts in sets.items():
+            if known.upper() == name.upper():
+                return np.concatenate(parts)
+        raise InputError(f"there is no {what} {name!r} before its use{nearest(name, sets)}")
+
+    def found(self, ids: Ints, numbers: Mapping[int, int], what: str) -> Ints:
+        """Rows of numbered nodes or elements."""
+        try:
+            return np.array([numbers[k] for k in ids.tolist()], dtype=np.int64)
+        except KeyError as error:
+            raise InputError(f"there is no {what} {error.args[0]} before its use") from None
+
+
+def cell_of(element: str) -> str:
+    """Cell type of an element type of Abaqus.
+
+    Examples
+    --------
+    >>> [cell_of(name) for name in ("C3D10M", "C3D8R", "CPE4", "CAX8R", "S4R")]
+    ['tet10', 'hex8', 'quad4', 'quad8', 'quad4']
+    """
+    for pattern, cells in PATTERNS:
+        match = pattern.match(element.upper())
+        if match and match[1] in cells:
+            return cells[match[1]]
+    known = ", ".join(WRITTEN.values())
+    raise InputError(f"elements of type {element!r} are unknown; known are {known} and their variants")
+
+
+def write_abaqus(mesh: Mesh, path: Path) -> None:
+    """Write a mesh with all its sets; elements are named C3D... and CPE...."""
+    lines = ["*NODE"]
+    lines += [", ".join([str(k + 1), *map(repr, x)]) for k, x in enumerate(mesh.points.tolist())]
+    numbers = cell_numbers(mesh.cells)
+    for name, rows in mesh.cells.items():
+        if name not in WRITTEN:
+            raise InputError(f"Abaqus files of visviva cannot hold cells {name}; write .vtu or .msh")
+        nodes = rows[:, np.argsort(HEX27)] if name == "hex27" else rows
+        lines.append(f"*ELEMENT, TYPE={WRITTEN[name]}")
+        for row in (np.column_stack([numbers[name], nodes]) + 1).tolist():
+            lines += _wrapped(row)
+    for name, members in mesh.node_sets.items():
+        lines += [f'*NSET, NSET="{name}"', *_wrapped((members + 1).tolist())]
+    for name, members in mesh.cell_sets.items():
+        lines += [f'*ELSET, ELSET="{name}"', *_wrapped((members + 1).tolist())]
+    for name, faces in mesh.face_sets.items():
+        lines += [f'*SURFACE, TYPE=ELEMENT, NAME="{name}"', *_labels(mesh, faces)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _wrapped(numbers: list[int]) -> list[str]:
+    """Lines of at most sixteen numbers; a comma at the end goes on."""
+    rows = [numbers[k : k + 16] for k in range(0, len(numbers), 16)]
+    return [", ".join(map(str, row)) + ("," if row is not rows[-1] else "") for row in rows]
+
+
+def _labels(mesh: Mesh, faces: Faces) -> list[str]:
+    """Lines ``element, Sk`` of faces."""
+    lines = []
+    for kind, nodes in faces.cells.items():
+        for name, numbers in cell_numbers(mesh.cells).items():
+            mine = np.isin(faces.owners[kind], numbers)
+            owners = faces.owners[kind][mine]
+            given = np.sort(nodes[mine], axis=1)
+            for k, local in enumerate(CELLS[name].faces):
+                if local.type == kind:
+                    own = np.sort(mesh.cells[name][owners - numbers[0]][:, local.nodes], axis=1)
+                    lines += [f"{owner + 1}, S{k + 1}" for owner in owners[(own == given).all(axis=1)]]
+    return lines
