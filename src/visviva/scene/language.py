@@ -12,6 +12,7 @@ import visviva
 from visviva.body.shape import Shape
 from visviva.component import Component
 from visviva.measure import Measure
+from visviva.mesh.generate import MeshSource
 from visviva.reaction import Reaction
 from visviva.scheme import Scheme
 
@@ -46,8 +47,8 @@ def components() -> dict[str, type[Component]]:
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes and measures."""
-    return {**public(Shape), **public(Measure)}
+    """What can stand as an argument: shapes, meshes and measures."""
+    return {**public(Shape), **public(MeshSource), **public(Measure)}
 
 
 def probes() -> dict[str, type[Any]]:

@@ -13,6 +13,7 @@ from pydantic import TypeAdapter
 
 from visviva.body.shape import Shape
 from visviva.component import settings
+from visviva.mesh.generate import MeshSource
 from visviva.scene import language
 from visviva.system import Newton
 from visviva.values import VECTOR_SCHEMA
@@ -21,6 +22,7 @@ Schema = dict[str, Any]
 
 TEXT: Schema = {"type": "string"}
 POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
+CHOICES: dict[str, type[Any]] = {"shape": Shape, "mesh": MeshSource}
 AXES: Schema = {"type": "array", "items": VECTOR_SCHEMA, "minItems": 3, "maxItems": 3}
 
 
@@ -41,7 +43,8 @@ def scene_schema() -> Schema:
         "probe": one_of(probes),
         "scheme": one_of(language.schemes()),
     }
-    definitions |= {"shape": one_of(language.public(Shape)), "reference": reference()}
+    definitions |= {name: one_of(language.public(base)) for name, base in CHOICES.items()}
+    definitions |= {"reference": reference()}
     run = {"until": POSITIVE, "step": POSITIVE, "scheme": {"$ref": "#/$defs/scheme"}}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -123,8 +126,9 @@ def argument(hint: Any) -> Schema:
     if language.is_reference(hint):
         return ref("reference")
     leaves = [leaf for leaf in language.leaves(hint) if leaf is not types.NoneType]
-    if any(isinstance(leaf, type) and issubclass(leaf, Shape) for leaf in leaves):
-        return ref("shape")
+    for name, base in CHOICES.items():
+        if any(isinstance(leaf, type) and issubclass(leaf, base) for leaf in leaves):
+            return ref(name)
     if language.is_path(hint):
         return dict(TEXT)
     parts = typing.get_args(hint)
