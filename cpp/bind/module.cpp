@@ -8,8 +8,10 @@
 #include <nanobind/stl/vector.h>
 
 #include "core/dispatch.hpp"
+#include "core/linear_choice.hpp"
 #include "core/solid_term.hpp"
 #include "core/system.hpp"
+#include "linear.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;
@@ -251,8 +253,12 @@ static void bind_system(nb::module_& m) {
                  solver->regularization = regularization;
                  s.set_solver(std::move(solver));
              })
+        .def("use_linear",
+             [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def_prop_ro("solver",
-                     [](const System& s) { return std::string(s.solver() ? s.solver()->name() : ""); })
+                     [](const System& s) { return s.solver() ? s.solver()->name() : std::string(); })
+        .def_prop_ro("linear_message",
+                     [](const System& s) { return s.solver() ? s.solver()->message() : std::string(); })
         .def("solve",
              [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
                 double keep_factor) {
@@ -315,6 +321,7 @@ NB_MODULE(_core, m) {
     m.doc() = "Compiled core of visviva; use the package, not this module.";
     bind_terms(m);
     bind_step(m);
+    bind_linear(m);
     bind_system(m);
     m.def("instruction_set", [] { return std::string(kernels().name); });
 }

@@ -2,6 +2,7 @@
 // VISVIVA_ISA=base|v3|v4 in the environment forces one.
 #pragma once
 #include "block_lu.hpp"
+#include "block_rows.hpp"
 #include "inertia.hpp"
 #include "rigid.hpp"
 #include "strain.hpp"
@@ -27,6 +28,9 @@ struct Kernels {
     void (*rigid_balance)(const RigidView&, const double* r, const Place&, double* dx, double* x1);
     void (*rigid_expand)(const RigidView&, const double* s, const double* r, const Place&, double* d);
     LuKernels lu;
+    // y = A x for the block rows begin .. end.
+    void (*block_multiply)(const BlockView<double>&, const double* x, double* y, int begin, int end);
+    void (*block_multiply_single)(const BlockView<float>&, const float* x, float* y, int begin, int end);
 };
 
 const Kernels& kernels();

@@ -4,6 +4,7 @@
 #include "dispatch.hpp"
 #include "inertia_kernel.hpp"
 #include "rigid_kernel.hpp"
+#include "sparse_kernel.hpp"
 #include "strain_kernel.hpp"
 #include "vector_kernel.hpp"
 
@@ -28,6 +29,8 @@ const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA),
                        rigid_force,
                        rigid_balance,
                        rigid_expand,
-                       {lu_factor, lu_solve}};
+                       {lu_factor, lu_solve},
+                       block_multiply<double>,
+                       block_multiply<float>};
 
 }  // namespace visviva::VISVIVA_ISA

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "rigid.hpp"
@@ -29,6 +31,16 @@ struct Blocks {
     std::vector<int> block, stage;
     std::vector<char> multiplier;  // per unknown: 1 where a redundant constraint may be regularised
     std::vector<RigidUnknowns> rigid;
+    // For iterative solvers: the first equation of every node and n at the end (empty: every equation alone),
+    std::vector<int> node;
+    // and what the tangent hardly resists, for multigrid: [equation][n_modes], rigid-body modes of solids.
+    std::vector<double> modes;
+    int n_modes = 0;
+};
+
+// Factors that would not fit into memory; said before they are made.
+struct MemoryShortage : std::runtime_error {
+    using std::runtime_error::runtime_error;
 };
 
 class LinearSolver {
@@ -41,8 +53,18 @@ class LinearSolver {
     // that they do not lag one iteration behind and the tangent is exact.
     virtual void balance(const double* /*r*/, const Place& /*place*/, double* /*dx*/, double* /*x1*/) {}
     virtual bool factor(const double* values, const Place& place) = 0;
-    // From the residual r to the increment d, both by unknown (fixed entries untouched).
-    virtual void solve(const double* r, const Place& place, double* d) = 0;
+    // From the residual r to the increment d, both by unknown (fixed entries untouched). False: not solved.
+    virtual bool solve(const double* r, const Place& place, double* d) = 0;
+    // Why the last factorisation or solution failed, or what was notable about it.
+    virtual std::string message() const { return {}; }
+    // Of the last solution; direct solvers need none.
+    virtual int n_iterations() const { return 0; }
+    // Negative eigenvalues of the factored matrix, where the solver knows them, else -1.
+    virtual int n_negative() const { return -1; }
+    // Bytes that the factors or the preconditioner take, where known.
+    virtual double memory() const { return 0; }
+    // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
+    virtual void forget() {}
     // After a failed factorisation: one unknown of the singular part, or -1.
     virtual int singular_unknown() const { return -1; }
     // Redundant constraints: `on`, the next factorisation finds out where they are, to be handled from then
@@ -51,7 +73,7 @@ class LinearSolver {
     virtual int n_redundant() const { return 0; }
     // Whether it keeps rigid bodies rigid by itself: r then comes without their orthonormality constraints.
     virtual bool keeps_rigidity() const { return false; }
-    virtual const char* name() const = 0;
+    virtual std::string name() const = 0;
     double regularization = 0;
 };
 

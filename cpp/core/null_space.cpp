@@ -117,7 +117,7 @@ class NullSpace : public LinearSolver {
         return lu_.factor(regularization);
     }
 
-    void solve(const double* r, const Place& place, double* d) override {
+    bool solve(const double* r, const Place& place, double* d) override {
         double* s = right_.data();
         for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
         kernels().rigid_force(view_, r, place, s);
@@ -125,6 +125,7 @@ class NullSpace : public LinearSolver {
         lu_.solve(s);
         for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
         kernels().rigid_expand(view_, s, r, place, d);
+        return true;
     }
 
     void find_redundant(bool on) override { lu_.find_dependent(on); }
@@ -136,7 +137,7 @@ class NullSpace : public LinearSolver {
     }
 
     bool keeps_rigidity() const override { return true; }
-    const char* name() const override { return "block LU of the null-space reduced system"; }
+    std::string name() const override { return "block LU of the null-space reduced system"; }
 
   private:
     struct Group {

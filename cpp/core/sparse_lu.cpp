@@ -45,13 +45,14 @@ class SparseLu : public LinearSolver {
         return lu_.info() == Eigen::Success;
     }
 
-    void solve(const double* r, const Place&, double* d) override {
+    bool solve(const double* r, const Place&, double* d) override {
         for (int i = 0; i < csr_->n; ++i) right_[i] = -r[csr_->unknown[i]] * row_[i];
         const Eigen::VectorXd s = lu_.solve(right_);
         for (int i = 0; i < csr_->n; ++i) d[csr_->unknown[i]] = s[i] * col_[i];
+        return true;
     }
 
-    const char* name() const override { return "sparse LU of the saddle-point system"; }
+    std::string name() const override { return "sparse LU of the saddle-point system"; }
 
   private:
     // Ruiz scaling: rows and columns to unit largest entry.

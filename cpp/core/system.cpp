@@ -265,11 +265,14 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             ++report.factorizations;
             stale_factor_ = true;
             solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
-            if (!refactor(context, step)) return fail("the tangent is singular", solver_->singular_unknown());
+            if (!refactor(context, step)) {
+                const std::string why = solver_->message();
+                return fail(why.empty() ? "the tangent is singular" : why, solver_->singular_unknown());
+            }
             stale_factor_ = false, fresh = std::min(fresh, k), latest = k, contraction_ = 0;
         }
         for (int u : held_) r_[u] = 0;
-        solver_->solve(r_.data(), place(step), d_.data());
+        if (!solver_->solve(r_.data(), place(step), d_.data())) return fail(solver_->message(), -1);
         const double size = iterate(step);
         report.increments.push_back(size);
         report.iterations = k + 1;

@@ -21,6 +21,7 @@ from visviva.joint.lower_pairs import (
     Universal,
 )
 from visviva.joint.servo import Servo
+from visviva.linear import Automatic, Direct, Iterative
 from visviva.load.bushing import Bushing
 from visviva.load.drive import JointDamper, JointForce, JointSpring, Motor
 from visviva.load.force import FollowerForce, Force
@@ -69,6 +70,7 @@ from visviva.user import Constraint, GeneralizedForce, Potential, UserTerm
 __all__ = [
     "Adaptive",
     "ArcLength",
+    "Automatic",
     "BackwardEuler",
     "BlatzKo",
     "Box",
@@ -81,6 +83,7 @@ __all__ = [
     "CylinderMesh",
     "Cylindrical",
     "Damper",
+    "Direct",
     "DirectorProduct",
     "Distance",
     "EnergyMomentum",
@@ -98,6 +101,7 @@ __all__ = [
     "HollowTorusMesh",
     "HolzapfelGasserOgden",
     "InputError",
+    "Iterative",
     "JointCoordinate",
     "JointDamper",
     "JointForce",

@@ -1,0 +1,174 @@
+// Choices of linear solvers, and the solvers on their own for tests and benchmarks.
+#include "linear.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+
+#include "core/linear_choice.hpp"
+#include "core/system.hpp"
+
+namespace nb = nanobind;
+using namespace visviva;
+
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Out = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
+using Longs = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
+
+namespace {
+
+template <class T>
+nb::ndarray<nb::numpy, const T> constant(const T* data, std::initializer_list<std::size_t> shape) {
+    return {data, shape.size(), shape.begin(), nb::none()};
+}
+
+// Python writes blocks by rows, (block, row, column); the core by columns.
+BlockRows<double> rows_of(nb::handle parts) {
+    const auto row = nb::cast<Longs>(parts[0]), col = nb::cast<Longs>(parts[1]);
+    const auto value = nb::cast<Doubles>(parts[2]);
+    BlockRows<double> a;
+    a.rows = static_cast<int>(value.shape(1)), a.cols = static_cast<int>(value.shape(2));
+    if (a.rows > 6 || a.cols > 6) throw nb::value_error("multigrid takes at most 6 near-null vectors");
+    a.row.assign(row.data(), row.data() + row.size());
+    a.col.assign(col.data(), col.data() + col.size());
+    a.allocate();
+    for (std::size_t k = 0; k < a.col.size(); ++k)
+        for (int r = 0; r < a.rows; ++r)
+            for (int c = 0; c < a.cols; ++c)
+                a.block(k)[c * a.rows + r] = value.data()[(k * a.rows + r) * a.cols + c];
+    return a;
+}
+
+// The function returns one tuple (matrix, prolongation, restriction) per grid, each None or a tuple
+// (row, col, values).
+GridBuilder builder_of(nb::object function) {
+    if (function.is_none()) return {};
+    // Copies of a choice are made and destroyed where the interpreter's lock may not be held.
+    auto release = [](nb::object* f) {
+        nb::gil_scoped_acquire gil;
+        delete f;
+    };
+    const std::shared_ptr<nb::object> shared(new nb::object(std::move(function)), release);
+    return [shared](const BlockRows<double>& a, const double* modes, int n_modes) {
+        nb::gil_scoped_acquire gil;
+        const auto m = static_cast<std::size_t>(a.rows), k = static_cast<std::size_t>(n_modes);
+        const nb::object grids =
+            (*shared)(constant(a.row.data(), {a.row.size()}), constant(a.col.data(), {a.col.size()}),
+                      constant(a.value.data(), {a.col.size(), m, m}), constant(modes, {a.size(), k}));
+        std::vector<Grid> all;
+        for (nb::handle grid : grids) {
+            Grid g;
+            if (!grid[0].is_none()) g.matrix = rows_of(grid[0]);
+            if (!grid[1].is_none()) g.prolongation = rows_of(grid[1]), g.restriction = rows_of(grid[2]);
+            all.push_back(std::move(g));
+        }
+        return all;
+    };
+}
+
+// A linear solver on a matrix given in compressed rows.
+struct Linear {
+    Linear(const std::vector<LinearChoice>& choices, const Longs& row, const Ints& col, const Ints& node,
+           const Doubles& modes, const Ints& multiplier)
+        : solver(make_linear(choices)) {
+        csr.row.assign(row.data(), row.data() + row.size());
+        csr.col.assign(col.data(), col.data() + col.size());
+        csr.n = static_cast<int>(row.size()) - 1;
+        for (int i = 0; i < csr.n; ++i) csr.equation.push_back(i), csr.unknown.push_back(i);
+        blocks.node.assign(node.data(), node.data() + node.size());
+        blocks.modes.assign(modes.data(), modes.data() + modes.size());
+        blocks.n_modes = csr.n ? static_cast<int>(modes.size()) / csr.n : 0;
+        blocks.multiplier.assign(multiplier.data(), multiplier.data() + multiplier.size());
+        solver->analyze(csr, blocks);
+    }
+
+    bool factor(const Doubles& values) {
+        if (values.size() != csr.col.size()) throw nb::value_error("one value per entry of the pattern");
+        nb::gil_scoped_release release;
+        return solver->factor(values.data(), {});
+    }
+
+    bool solve(const Doubles& rhs, Out& x) {
+        if (rhs.size() != static_cast<std::size_t>(csr.n) || x.size() != rhs.size())
+            throw nb::value_error("one number per equation");
+        nb::gil_scoped_release release;
+        std::vector<double> r(rhs.data(), rhs.data() + csr.n);
+        for (double& a : r) a = -a;
+        return solver->solve(r.data(), {}, x.data());
+    }
+
+    Csr csr;
+    Blocks blocks;
+    std::unique_ptr<LinearSolver> solver;
+};
+
+void bind_choice(nb::module_& m) {
+    nb::enum_<Backend>(m, "Backend")
+        .value("sparse_lu", Backend::sparse_lu)
+        .value("cholesky", Backend::cholesky)
+        .value("pardiso", Backend::pardiso)
+        .value("krylov", Backend::krylov);
+    nb::enum_<MatrixKind>(m, "MatrixKind")
+        .value("definite", MatrixKind::definite)
+        .value("symmetric", MatrixKind::symmetric)
+        .value("general", MatrixKind::general);
+    nb::enum_<KrylovMethod>(m, "KrylovMethod")
+        .value("cg", KrylovMethod::cg)
+        .value("gmres", KrylovMethod::gmres)
+        .value("bicgstab", KrylovMethod::bicgstab);
+    nb::enum_<Preconditioner>(m, "Preconditioner")
+        .value("none", Preconditioner::none)
+        .value("diagonal", Preconditioner::diagonal)
+        .value("block", Preconditioner::block)
+        .value("incomplete", Preconditioner::incomplete)
+        .value("multigrid", Preconditioner::multigrid);
+    nb::class_<LinearChoice>(m, "LinearChoice")
+        .def(nb::init<>())
+        .def_rw("backend", &LinearChoice::backend)
+        .def_rw("kind", &LinearChoice::kind)
+        .def_rw("regularization", &LinearChoice::regularization)
+        .def_rw("memory_limit", &LinearChoice::memory_limit)
+        .def_rw("library", &LinearChoice::library)
+        .def_rw("threads", &LinearChoice::threads)
+        .def_rw("method", &LinearChoice::method)
+        .def_rw("preconditioner", &LinearChoice::preconditioner)
+        .def_rw("tolerance", &LinearChoice::tolerance)
+        .def_rw("max_iterations", &LinearChoice::max_iterations)
+        .def_rw("restart", &LinearChoice::restart)
+        .def("set_grids", [](LinearChoice& c, nb::object f) { c.grids = builder_of(f); });
+}
+
+void bind_solver(nb::module_& m) {
+    nb::class_<Linear>(m, "Linear")
+        .def(nb::init<const std::vector<LinearChoice>&, const Longs&, const Ints&, const Ints&,
+                      const Doubles&, const Ints&>())
+        .def("factor", &Linear::factor)
+        .def("solve", &Linear::solve)
+        .def("forget", [](Linear& l) { l.solver->forget(); })
+        .def_prop_ro("name", [](const Linear& l) { return l.solver->name(); })
+        .def_prop_ro("message", [](const Linear& l) { return l.solver->message(); })
+        .def_prop_ro("iterations", [](const Linear& l) { return l.solver->n_iterations(); })
+        .def_prop_ro("n_negative", [](const Linear& l) { return l.solver->n_negative(); })
+        .def_prop_ro("memory", [](const Linear& l) { return l.solver->memory(); })
+        .def_prop_ro("singular_unknown", [](const Linear& l) { return l.solver->singular_unknown(); });
+}
+
+}  // namespace
+
+void bind_linear(nb::module_& m) {
+    nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+        try {
+            std::rethrow_exception(p);
+        } catch (const MemoryShortage& e) {
+            PyErr_SetString(nb::module_::import_("visviva.errors").attr("InputError").ptr(), e.what());
+        }
+    });
+    bind_choice(m);
+    bind_solver(m);
+    m.def("missing_pardiso", &missing_pardiso, nb::arg("library"));
+    m.def("available_memory", &available_memory);
+}

@@ -1,0 +1,40 @@
+// Sparse matrices of small dense blocks, and grids of multigrid made of them.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace visviva {
+
+// What the kernels see: block row i holds blocks row[i] .. row[i + 1], stored by columns.
+template <class T>
+struct BlockView {
+    int rows, cols;  // of a block
+    const std::int64_t* row;
+    const int* col;
+    const T* value;
+};
+
+template <class T>
+struct BlockRows {
+    static constexpr int padding = 8;  // vector loads reach beyond the last block
+
+    int rows = 1, cols = 1;
+    std::vector<std::int64_t> row = {0};
+    std::vector<int> col;
+    std::vector<T> value;  // [block][column][row], then padding
+
+    int n() const { return static_cast<int>(row.size()) - 1; }
+    std::size_t size() const { return static_cast<std::size_t>(n()) * rows; }
+    std::size_t n_values() const { return col.size() * rows * cols; }
+    T* block(std::int64_t k) { return value.data() + k * rows * cols; }
+    const T* block(std::int64_t k) const { return value.data() + k * rows * cols; }
+    void allocate() { value.assign(n_values() + padding, T(0)); }
+    BlockView<T> view() const { return {rows, cols, row.data(), col.data(), value.data()}; }
+};
+
+// A level of multigrid: its matrix, and the way to the next coarser level (empty on the coarsest).
+struct Grid {
+    BlockRows<double> matrix, prolongation, restriction;
+};
+
+}  // namespace visviva

@@ -1,0 +1,105 @@
+// Solvers in the order of preference: where one fails, the next takes over, and says so.
+#include "linear_choice.hpp"
+
+namespace visviva {
+
+namespace {
+
+class Cascade : public LinearSolver {
+  public:
+    explicit Cascade(const std::vector<LinearChoice>& choices) : choices_(choices) {}
+
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        pattern_ = &pattern, blocks_ = &blocks;
+        forget();
+    }
+
+    // After the present solver has served for long enough, the preferred one is tried again: with twice the
+    // patience every time that it fails.
+    bool factor(const double* values, const Place& place) override {
+        values_.assign(values, values + pattern_->col.size());
+        message_.clear();
+        if (at_ > 0 && ++served_ > patience_) at_ = 0, served_ = 0, patience_ *= 2;
+        return attempt([&] { return solver_->factor(values_.data(), place); });
+    }
+
+    bool solve(const double* r, const Place& place, double* d) override {
+        if (solver_->solve(r, place, d)) return true;
+        if (at_ + 1 == choices_.size()) return message_ = solver_->message(), false;
+        note(solver_->message());
+        ++at_;
+        return attempt([&] { return solver_->factor(values_.data(), place) && solver_->solve(r, place, d); });
+    }
+
+    void forget() override {
+        solver_.reset();
+        at_ = 0, served_ = 0, patience_ = 16;
+    }
+    int singular_unknown() const override { return solver_ ? solver_->singular_unknown() : -1; }
+    int n_iterations() const override { return solver_ ? solver_->n_iterations() : 0; }
+    int n_negative() const override { return solver_ ? solver_->n_negative() : -1; }
+    double memory() const override { return solver_ ? solver_->memory() : 0; }
+    std::string message() const override { return message_; }
+    std::string name() const override { return solver_ ? solver_->name() : "none yet"; }
+
+  private:
+    // From the present solver on, until one succeeds.
+    template <class F>
+    bool attempt(F&& works) {
+        for (;; ++at_) {
+            const bool last = at_ + 1 == choices_.size();
+            try {
+                prepare();
+                if (works()) return true;
+                if (last) return message_ = solver_->message(), false;
+                note(solver_->message());
+            } catch (const MemoryShortage& shortage) {
+                if (last) throw;
+                note(shortage.what());
+            }
+        }
+    }
+
+    void prepare() {
+        if (solver_ && prepared_ == at_) return;
+        solver_ = make_linear({choices_[at_]});
+        prepared_ = at_;
+        solver_->analyze(*pattern_, *blocks_);
+    }
+
+    void note(const std::string& why) { message_ += solver_->name() + " was left: " + why + "; "; }
+
+    std::vector<LinearChoice> choices_;
+    std::unique_ptr<LinearSolver> solver_;
+    const Csr* pattern_ = nullptr;
+    const Blocks* blocks_ = nullptr;
+    std::vector<double> values_;
+    std::size_t at_ = 0, prepared_ = 0;
+    int served_ = 0, patience_ = 16;
+    std::string message_;
+};
+
+std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
+    switch (choice.backend) {
+        case Backend::cholesky:
+            return make_cholesky(choice);
+        case Backend::pardiso:
+            return make_pardiso(choice);
+        case Backend::krylov:
+            return make_krylov(choice);
+        case Backend::sparse_lu:
+            break;
+    }
+    auto lu = make_sparse_lu();
+    lu->regularization = choice.regularization;
+    return lu;
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_linear(const std::vector<LinearChoice>& in_order) {
+    if (in_order.size() == 1) return make_one(in_order.front());
+    return std::make_unique<Cascade>(in_order);
+}
+
+}  // namespace visviva

@@ -1,0 +1,26 @@
+// Krylov's methods for A x = b, right-preconditioned.
+#pragma once
+#include "precondition.hpp"
+
+namespace visviva {
+
+// A run from x with residual r = b - A x; both are brought along (r may carry rounding).
+struct KrylovRun {
+    const NodeMatrix& matrix;
+    Preconditioning& preconditioning;
+    double target;       // of |r|
+    int max_iterations;  // of this run
+    std::vector<double>&x, &r;
+    int iterations = 0;
+    const char* trouble = nullptr;  // why it stopped early
+};
+
+void conjugate_gradients(KrylovRun&);
+void gmres(KrylovRun&, int restart);
+void bicgstab(KrylovRun&);
+
+// Sums in pieces of fixed length: the same bits however the pieces are shared out.
+double dot(const std::vector<double>& a, const std::vector<double>& b);
+double norm(const std::vector<double>& a);
+
+}  // namespace visviva

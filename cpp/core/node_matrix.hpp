@@ -1,0 +1,36 @@
+// The tangent as a matrix of equal blocks, one per node; nodes that have fewer free unknowns are filled up
+// with equations of nothing (a unit diagonal).
+#pragma once
+#include "block_rows.hpp"
+#include "linear.hpp"
+
+namespace visviva {
+
+class NodeMatrix {
+  public:
+    void analyze(const Csr& pattern, const Blocks& blocks);
+    bool fill(const double* values);  // false: some value is not finite
+
+    const BlockRows<double>& blocks() const { return a_; }
+    std::size_t size() const { return a_.size(); }
+    const std::vector<double>& modes() const { return modes_; }  // [slot][n_modes]
+    int n_modes() const { return n_modes_; }
+    void multiply(const double* x, double* y) const;
+
+    // -r from the unknowns into slots, and slots back to the unknowns.
+    void gather(const double* r, double* b) const;
+    void scatter(const double* x, double* d) const;
+
+  private:
+    void partition(const std::vector<int>& node);
+    void make_pattern();
+
+    const Csr* csr_ = nullptr;
+    BlockRows<double> a_;
+    std::vector<int> slot_;   // of every equation
+    std::vector<int> first_;  // equation of every block row, and n
+    std::vector<double> modes_;
+    int n_modes_ = 0;
+};
+
+}  // namespace visviva

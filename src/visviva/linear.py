@@ -1,0 +1,296 @@
+"""Linear solvers of the Newton iteration: what to use, chosen by the problem or by the user.
+
+Every choice names solvers in the order of preference: where one fails (a matrix that is not positive definite
+after all, no convergence, not enough memory) the next takes over and says so.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+from visviva import _core
+from visviva.errors import InputError
+
+SMALL = 3000
+"""Up to so many equations the solver that is always there is as fast as any."""
+
+DENSE_ROWS = 40
+"""So many entries per row mean a three-dimensional mesh, whose factors fill."""
+
+LARGE = 60_000
+"""From so many equations of a three-dimensional mesh multigrid is faster than factors."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What a choice depends on.
+
+    Parameters
+    ----------
+    n, n_entries : int
+        Equations, and entries of the tangent's pattern.
+    symmetric : bool
+        The tangent is symmetric.
+    definite : bool
+        It is expected to be positive definite as well (statics and dynamics of stable solids).
+    n_multipliers : int
+        Constraints among the equations; they make the matrix indefinite.
+    has_modes : bool
+        Rigid-body modes are known, so multigrid is effective.
+    regularization : float
+        Taken off the scaled diagonal of redundant constraints.
+    """
+
+    n: int
+    n_entries: int
+    symmetric: bool = False
+    definite: bool = False
+    n_multipliers: int = 0
+    has_modes: bool = False
+    regularization: float = 0.0
+
+    @property
+    def kind(self) -> _core.MatrixKind:
+        """Kind of the matrix."""
+        if not self.symmetric:
+            return _core.MatrixKind.general
+        definite = self.definite and self.n_multipliers == 0
+        return _core.MatrixKind.definite if definite else _core.MatrixKind.symmetric
+
+    @property
+    def is_definite(self) -> bool:
+        """Symmetric, positive definite and without constraints."""
+        return self.kind == _core.MatrixKind.definite
+
+    def __str__(self) -> str:
+        kind = {"definite": "symmetric positive definite", "symmetric": "symmetric", "general": "unsymmetric"}
+        text = f"{self.n} equations with {self.n_entries / max(self.n, 1):.0f} entries each, "
+        text += kind[self.kind.name]
+        return text + (f", {self.n_multipliers} constraints" if self.n_multipliers else "")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Solvers in the order of preference, and the reason.
+
+    Parameters
+    ----------
+    in_order : tuple
+        What the core is told.
+    explanation : str
+        Why these.
+    """
+
+    in_order: tuple[_core.LinearChoice, ...]
+    explanation: str
+
+
+class LinearOptions(ABC):
+    """Which linear solver to use; `Automatic`, `Direct` or `Iterative`."""
+
+    @abstractmethod
+    def choose(self, problem: Problem) -> Choice:
+        """Solvers for a problem."""
+
+
+@dataclass(frozen=True)
+class Direct(LinearOptions):
+    """Factorise the tangent.
+
+    Parameters
+    ----------
+    library : {"auto", "pardiso", "eigen"}
+        PARDISO of oneMKL (``pip install visviva[mkl]``) or Eigen, which is always there; "auto" takes PARDISO
+        for more than a few thousand equations if it is installed.
+    threads : int
+        Threads of PARDISO.
+    memory_limit : float
+        Factors estimated to need more bytes are refused; 0 means what the machine has available.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> print(vv.Direct(library="eigen").choose(vv.linear.Problem(n=100, n_entries=700)).explanation)
+    100 equations with 7 entries each, unsymmetric: sparse LU of Eigen
+    """
+
+    library: Literal["auto", "pardiso", "eigen"] = "auto"
+    threads: int = 1
+    memory_limit: float = 0.0
+
+    def __post_init__(self) -> None:
+        _one_of(self.library, "library", ("auto", "pardiso", "eigen"))
+        if self.threads < 1:
+            raise InputError(f"threads = {self.threads}: at least one thread must work")
+
+    def choose(self, problem: Problem) -> Choice:
+        """Solvers for a problem."""
+        missing = missing_pardiso()
+        if self.library == "pardiso" and missing:
+            raise InputError(f"PARDISO cannot be used: {missing}. Install it with pip install visviva[mkl]")
+        small = self.library == "auto" and problem.n <= SMALL
+        if self.library == "eigen" or small or missing:
+            return self._eigen(problem, missing if self.library == "auto" and not small else "")
+        return self._pardiso(problem)
+
+    def _eigen(self, problem: Problem, missing: str) -> Choice:
+        lu = self._core(problem, _core.Backend.sparse_lu, _core.MatrixKind.general)
+        because = f" (PARDISO is missing: {missing})" if missing else ""
+        if not problem.is_definite:
+            return Choice((lu,), f"{problem}: sparse LU of Eigen{because}")
+        first = self._core(problem, _core.Backend.cholesky, problem.kind)
+        text = "Cholesky factors by Eigen, or sparse LU where the tangent is not positive definite"
+        return Choice((first, lu), f"{problem}: {text}{because}")
+
+    def _pardiso(self, problem: Problem) -> Choice:
+        kinds = [_core.MatrixKind.definite, _core.MatrixKind.symmetric, _core.MatrixKind.general]
+        kinds = kinds[kinds.index(problem.kind) :]
+        words = {
+            "definite": "Cholesky",
+            "symmetric": "symmetric indefinite factors",
+            "general": "LU",
+        }
+        choices = tuple(self._core(problem, _core.Backend.pardiso, k) for k in kinds)
+        text = ", or where that fails ".join(words[k.name] for k in kinds)
+        return Choice(choices, f"{problem}: PARDISO of oneMKL with {text}")
+
+    def _core(self, problem: Problem, backend: Any, kind: Any) -> _core.LinearChoice:
+        c = _core.LinearChoice()
+        c.backend, c.kind, c.regularization = backend, kind, problem.regularization
+        c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
+        return c
+
+
+@dataclass(frozen=True)
+class Iterative(LinearOptions):
+    """Solve by a Krylov method; a solution that misses the tolerance fails the step.
+
+    Parameters
+    ----------
+    method : {"auto", "cg", "gmres", "bicgstab"}
+        "auto": conjugate gradients for positive definite tangents, else GMRES.
+    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid"}
+        "block": the diagonal blocks of the nodes, best for small time steps; "incomplete": block ILU(0);
+        "multigrid": smoothed aggregation (``pip install visviva[amg]``), best for statics. "auto" takes
+        multigrid where it can, else blocks.
+    tolerance : float
+        Of the residual, relative to the right-hand side.
+    max_iterations, restart : int
+        Limit of iterations, and length of a cycle of GMRES.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.Iterative(preconditioner="block", tolerance=1e-8).max_iterations
+    500
+    """
+
+    method: Literal["auto", "cg", "gmres", "bicgstab"] = "auto"
+    preconditioner: Literal["auto", "none", "diagonal", "block", "incomplete", "multigrid"] = "auto"
+    tolerance: float = 1e-6
+    max_iterations: int = 500
+    restart: int = 50
+
+    def __post_init__(self) -> None:
+        _one_of(self.method, "method", ("auto", "cg", "gmres", "bicgstab"))
+        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid")
+        _one_of(self.preconditioner, "preconditioner", known)
+        if not 0 < self.tolerance < 1:
+            raise InputError(f"tolerance = {self.tolerance} of a linear solver is not between 0 and 1")
+        if self.max_iterations < 1 or self.restart < 1:
+            raise InputError("max_iterations and restart must be at least 1")
+
+    def choose(self, problem: Problem) -> Choice:
+        """Solvers for a problem."""
+        method = self.method if self.method != "auto" else "cg" if problem.is_definite else "gmres"
+        fits = problem.n_multipliers == 0 and problem.has_modes
+        auto = "multigrid" if fits and has_multigrid() else "block"
+        preconditioner = self.preconditioner if self.preconditioner != "auto" else auto
+        if preconditioner == "multigrid" and not has_multigrid():
+            raise InputError("multigrid needs PyAMG: pip install visviva[amg]")
+        c = _core.LinearChoice()
+        c.backend, c.kind = _core.Backend.krylov, problem.kind
+        c.method = getattr(_core.KrylovMethod, method)
+        c.preconditioner = getattr(_core.Preconditioner, preconditioner)
+        c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
+        if preconditioner == "multigrid":
+            from visviva.multigrid import grids
+
+            c.set_grids(grids)
+        words = {"cg": "conjugate gradients", "gmres": "GMRES", "bicgstab": "BiCGStab"}
+        text = f"{problem}: {words[method]} to {self.tolerance:g}, preconditioner {preconditioner}"
+        return Choice((c,), text)
+
+
+@dataclass(frozen=True)
+class Automatic(LinearOptions):
+    """Choose by size, kind of the matrix and what is installed.
+
+    Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
+    should that fail, by factors; everything else by factors.
+
+    Parameters
+    ----------
+    threads : int
+        Threads of direct solvers.
+    tolerance : float
+        Of iterative solvers.
+    """
+
+    threads: int = 1
+    tolerance: float = 1e-6
+
+    def choose(self, problem: Problem) -> Choice:
+        """Solvers for a problem."""
+        direct = Direct(threads=self.threads).choose(problem)
+        solid = problem.is_definite and problem.has_modes and problem.n_entries > DENSE_ROWS * problem.n
+        if not (solid and problem.n >= LARGE and has_multigrid()):
+            return direct
+        limit = 100  # beyond it factors are cheaper
+        first = Iterative(preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit)
+        best = first.choose(problem)
+        instead = direct.explanation.removeprefix(f"{problem}: ")
+        return Choice(
+            best.in_order + direct.in_order, f"{best.explanation}; should it not converge, {instead}"
+        )
+
+
+def _one_of(value: str, name: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise InputError(f"{name} = {value!r} is none of {', '.join(known)}")
+
+
+@cache
+def mkl_library() -> str:
+    """Path of oneMKL's single dynamic library; empty if it is not beside Python."""
+    return next((str(p) for p in _mkl_places() if p.exists()), "")
+
+
+def _mkl_places() -> Iterator[Path]:
+    try:
+        files = importlib.metadata.files("mkl") or []
+    except importlib.metadata.PackageNotFoundError:
+        files = []
+    yield from (Path(os.path.normpath(f.locate())) for f in files if f.name.startswith("libmkl_rt.so"))
+    yield from sorted((Path(sys.prefix) / "lib").glob("libmkl_rt.so*"))
+
+
+@cache
+def missing_pardiso() -> str:
+    """Why PARDISO cannot be used; empty if it can."""
+    return _core.missing_pardiso(mkl_library())
+
+
+@cache
+def has_multigrid() -> bool:
+    """Whether PyAMG is installed."""
+    return importlib.util.find_spec("pyamg") is not None
