@@ -48,23 +48,19 @@ class Cascade : public LinearSolver {
     bool attempt(F&& works) {
         for (;; ++at_) {
             const bool last = at_ + 1 == choices_.size();
-            try {
-                prepare();
-                if (works()) return true;
-                if (last) return message_ = solver_->message(), false;
-                note(solver_->message());
-            } catch (const MemoryShortage& shortage) {
-                if (last) throw;
-                note(shortage.what());
-            }
+            prepare();
+            if (works()) return true;
+            if (last) return message_ = solver_->message(), false;
+            note(solver_->message());
         }
     }
 
     void prepare() {
         if (solver_ && prepared_ == at_) return;
-        solver_ = make_linear({choices_[at_]});
-        prepared_ = at_;
-        solver_->analyze(*pattern_, *blocks_);
+        solver_.reset();  // its memory first
+        auto solver = make_linear({choices_[at_]});
+        solver->analyze(*pattern_, *blocks_);
+        solver_ = std::move(solver), prepared_ = at_;
     }
 
     void note(const std::string& why) { message_ += solver_->name() + " was left: " + why + "; "; }
@@ -90,7 +86,7 @@ std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
         case Backend::sparse_lu:
             break;
     }
-    auto lu = make_sparse_lu();
+    auto lu = make_sparse_lu(true);
     lu->regularization = choice.regularization;
     return lu;
 }

@@ -48,7 +48,6 @@ class Cholesky : public LinearSolver {
         matrix_.right_hand_side(r, b_.data());
         const Eigen::VectorXd s = permutation_ * b_;
         s_ = inverse_ * ldlt_.solve(s).eval();
-        if (!s_.allFinite()) return message_ = "the right-hand side is not finite", false;
         matrix_.increment(s_.data(), d);
         return true;
     }

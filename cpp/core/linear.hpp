@@ -77,7 +77,8 @@ class LinearSolver {
     double regularization = 0;
 };
 
-std::unique_ptr<LinearSolver> make_sparse_lu();
+// `careful`: the first matrix is tested for being singular to working precision, which pivots do not show.
+std::unique_ptr<LinearSolver> make_sparse_lu(bool careful = false);
 std::unique_ptr<LinearSolver> make_null_space();
 
 }  // namespace visviva

@@ -10,9 +10,8 @@ namespace visviva {
 
 namespace {
 
-constexpr double singular_growth = 1e12;  // of a solution over its right-hand side, both scaled
-constexpr double accurate = 1e-8;         // a residual above it asks for a new analysis
-constexpr double useless = 1e-4;          // a residual above it is no solution
+constexpr double accurate = 1e-8;  // a residual above it asks for a new analysis
+constexpr double useless = 1e-4;   // a residual above it is no solution
 enum { analysis = 11, factorization = 22, solution = 33, release_all = -1 };
 enum { sequential_layer = 1, gnu_layer = 3 };  // of MKL_Set_Threading_Layer
 
@@ -186,8 +185,7 @@ class Pardiso : public LinearSolver {
         if (!run_solution()) return false;
         const auto largest = std::max_element(s_.begin(), s_.end(),
                                               [](double a, double b) { return std::abs(a) < std::abs(b); });
-        if (std::abs(*largest) < singular_growth && matrix_.residual(b_.data(), s_.data()) < useless)
-            return true;
+        if (!is_singular(s_, matrix_.residual(b_.data(), s_.data()), regularization)) return true;
         singular_ = static_cast<int>(largest - s_.begin());
         return message_ = "the tangent is singular", false;
     }

@@ -1,5 +1,6 @@
 #include "scaled.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -14,6 +15,14 @@ std::vector<double> arbitrary_vector(int n) {
         a = static_cast<double>(state >> 11) * 0x1p-52 - 1;
     }
     return v;
+}
+
+bool is_singular(const std::vector<double>& solution, double residual, double regularization) {
+    const double growth = regularization > 0 ? std::max(1e12, 100 / regularization) : 1e12;
+    double largest = 0;
+    for (double a : solution)
+        if (!(std::abs(a) <= largest)) largest = std::isnan(a) ? INFINITY : std::abs(a);
+    return !(largest < growth && residual < 1e-4);
 }
 
 void ScaledMatrix::analyze(const Csr& pattern, const Blocks& blocks, MatrixKind kind) {

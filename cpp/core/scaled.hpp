@@ -49,4 +49,8 @@ class ScaledMatrix {
 // Pseudo-random numbers in (-1, 1), the same in every run.
 std::vector<double> arbitrary_vector(int n);
 
+// Whether the solution to an arbitrary right-hand side, and its relative residual, show a matrix (with
+// entries of unit size) that is singular to working precision.
+bool is_singular(const std::vector<double>& solution, double residual, double regularization);
+
 }  // namespace visviva

@@ -4,7 +4,7 @@
 #include <Eigen/SparseLU>
 #include <cmath>
 
-#include "linear.hpp"
+#include "scaled.hpp"
 
 namespace visviva {
 
@@ -12,8 +12,10 @@ namespace {
 
 class SparseLu : public LinearSolver {
   public:
+    explicit SparseLu(bool careful) : careful_(careful) {}
+
     void analyze(const Csr& pattern, const Blocks& blocks) override {
-        csr_ = &pattern, blocks_ = &blocks;
+        csr_ = &pattern, blocks_ = &blocks, tested_ = false;
         const int n = pattern.n;
         std::vector<Eigen::Triplet<double>> entries;
         for (int i = 0; i < n; ++i) {
@@ -42,7 +44,10 @@ class SparseLu : public LinearSolver {
             for (int i = 0; i < csr_->n; ++i)
                 if (blocks_->multiplier[csr_->unknown[i]]) a[diagonal_[i]] -= regularization;
         lu_.factorize(matrix_);
-        return lu_.info() == Eigen::Success;
+        singular_ = -1;
+        if (lu_.info() != Eigen::Success) return false;
+        if (!careful_ || tested_) return true;
+        return tested_ = regular();
     }
 
     bool solve(const double* r, const Place&, double* d) override {
@@ -52,9 +57,21 @@ class SparseLu : public LinearSolver {
         return true;
     }
 
+    void forget() override { tested_ = false; }
+    int singular_unknown() const override { return singular_ < 0 ? -1 : csr_->unknown[singular_]; }
     std::string name() const override { return "sparse LU of the saddle-point system"; }
 
   private:
+    bool regular() {
+        const std::vector<double> any = arbitrary_vector(csr_->n);
+        const Eigen::Map<const Eigen::VectorXd> b(any.data(), csr_->n);
+        const Eigen::VectorXd s = lu_.solve(b);
+        const double residual = (b - matrix_ * s).norm() / b.norm();
+        if (!is_singular({s.data(), s.data() + s.size()}, residual, regularization)) return true;
+        s.cwiseAbs().maxCoeff(&singular_);
+        return false;
+    }
+
     // Ruiz scaling: rows and columns to unit largest entry.
     void equilibrate() {
         const int n = csr_->n;
@@ -89,10 +106,12 @@ class SparseLu : public LinearSolver {
     Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>> lu_;
     std::vector<std::ptrdiff_t> to_, diagonal_;
     Eigen::VectorXd row_, col_, right_;
+    bool careful_, tested_ = false;
+    Eigen::Index singular_ = -1;
 };
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_sparse_lu() { return std::make_unique<SparseLu>(); }
+std::unique_ptr<LinearSolver> make_sparse_lu(bool careful) { return std::make_unique<SparseLu>(careful); }
 
 }  // namespace visviva

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-COARSEST = 400
-"""Unknowns at which the coarsest grid is solved directly."""
+COARSEST = 60
+"""Blocks at which the coarsest grid is solved directly."""
 
 
 def grids(row: Ints, col: Ints, values: Array, modes: Array) -> list[tuple[Any, Any, Any]]:
