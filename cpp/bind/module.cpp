@@ -273,6 +273,10 @@ static void bind_system(nb::module_& m) {
         .def("discard", &System::discard)
         .def("set_signal_count", &System::set_signal_count)
         .def("set_driven", &System::set_driven)
+        .def("set_prescribed",
+             [](System& s, const Ints& unknown, const Ints& account) {
+                 s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account));
+             })
         .def("memory",
              [](const System& s) {
                  auto* m = new std::vector<double>(s.memory());

@@ -232,6 +232,37 @@ bool same_matrix(const Step& a, const Step& b) {
 }
 }  // namespace
 
+// Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
+// follow it here by the tangent of the state before.
+bool System::lead(const Context& c) {
+    constexpr double little = 1e-6;
+    std::vector<double> motion;
+    double largest = 0;
+    for (int u : prescribed_) {
+        motion.push_back(dx[u]);
+        largest = std::max(largest, std::abs(dx[u]));
+    }
+    if (largest == 0 || c.step.motion[0][0] != 0) return true;
+    auto residual_at = [&](double part) {
+        for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = part * motion[k];
+        update_vectors(c.step);
+        evaluate_residual(c, !solver_->keeps_rigidity());
+    };
+    residual_at(little);
+    const std::vector<double> moved = r_;
+    residual_at(0);
+    const bool solvable = refactor(c, c.step);
+    stale_factor_ = true;
+    for (int i = 0; i < n_; ++i) r_[i] += (moved[i] - r_[i]) / little;
+    for (int u : held_) r_[u] = 0;
+    if (solvable) {
+        solver_->solve(r_.data(), place(c.step), d_.data());
+        iterate(c.step);
+    }
+    for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = motion[k];
+    return solvable;
+}
+
 Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report;
     predict(step);
@@ -242,6 +273,10 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
     const bool full = options.keep_factor <= 0;
+    if (!lead(context)) {
+        report.reason = "the tangent is singular", report.worst_unknown = solver_->singular_unknown();
+        return report;
+    }
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     int fresh = options.max_iterations, latest = -1;  // first and last iteration that made a tangent
@@ -334,7 +369,12 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     }
     stale_begin_ = true;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    if (ledger) book(context, v_next_.data());
+    if (ledger) {
+        if (!prescribed_.empty()) evaluate_residual(context, true);  // before the terms go on to the end
+        book(context, v_next_.data());
+        for (std::size_t k = 0; k < prescribed_.size(); ++k)
+            sums.work[prescribed_account_[k]] += r_[prescribed_[k]] * dx[prescribed_[k]];
+    }
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     std::copy(v_next_.begin(), v_next_.end(), v.begin());

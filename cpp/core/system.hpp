@@ -47,6 +47,11 @@ class System {
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
     void set_signal_count(std::size_t n) { n_signals_ = n; }
     void set_driven(bool driven) { driven_ = driven; }
+    // Fixed unknowns that move as prescribed: their increments are put into dx before a step is solved, and
+    // the work of what moves them is booked on these accounts.
+    void set_prescribed(std::vector<int> unknown, std::vector<int> account) {
+        prescribed_ = std::move(unknown), prescribed_account_ = std::move(account);
+    }
     void accept(const Step& step, const Signals& signals, bool ledger);
     void discard();
     // The ledger of the present state (no work done).
@@ -87,6 +92,7 @@ class System {
   private:
     void hold(const Pattern&);
     void predict(const Step&);
+    bool lead(const Context&);
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
     void evaluate_residual(const Context&, bool all);
@@ -107,6 +113,7 @@ class System {
     std::vector<std::shared_ptr<Term>> terms_;
     Blocks blocks_;
     std::vector<int> node_, held_;  // held: fixed unknowns with equations
+    std::vector<int> prescribed_, prescribed_account_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::unique_ptr<LinearSolver> solver_;

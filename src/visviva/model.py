@@ -83,6 +83,34 @@ class Account:
 
 
 @dataclass(eq=False)
+class Prescription:
+    """Fixed unknowns that move as a function of time says.
+
+    Attributes
+    ----------
+    unknowns : int array (k,)
+    values : callable
+        Their values (k,) at a time.
+    rates : callable
+        Their rates (k,) just after a time.
+    account : int
+        Where the work of what moves them is booked.
+    """
+
+    component: Component
+    unknowns: NDArray[np.int32]
+    values: Callable[[float], Array]
+    rates: Callable[[float], Array]
+    account: int
+
+    def acceleration(self, time: float) -> Array:
+        """Second derivatives (k,) of the values just after a time, by differences forward."""
+        d = 1e-3 * max(1.0, abs(time))
+        f = [self.values(time + k * d) for k in range(5)]
+        return (35 * f[0] - 104 * f[1] + 114 * f[2] - 56 * f[3] + 11 * f[4]) / (12 * d * d)
+
+
+@dataclass(eq=False)
 class Element:
     """Strains under a law, with the multipliers and signals it needs.
 
@@ -111,6 +139,7 @@ class Model:
     prescribed: list[tuple[NDArray[np.int32], Callable[[float], Array]]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
+    prescriptions: list[Prescription] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -164,6 +193,45 @@ class Model:
         if end > self._initial.shape[1]:
             self._initial = np.hstack([self._initial, np.zeros((2, end))])
         self._initial[:, new.start : end] = new.values, new.rates
+
+    def hold(self, held: Field, numbers: ArrayLike, values: ArrayLike | None = None) -> None:
+        """Fix unknowns of a field, given by their numbers in it, at their initial or other values, at rest."""
+        k = np.asarray(numbers, dtype=int)
+        held.fixed[k] = True
+        held.rates[k] = 0.0
+        if values is not None:
+            held.values[k] = values
+        self._remember(held)
+
+    def prescribe(
+        self,
+        component: Component,
+        moved: Field,
+        numbers: ArrayLike,
+        values: Callable[[float], Array],
+        rates: Callable[[float], Array],
+    ) -> None:
+        """Let unknowns of a field, given by their numbers in it, move as functions of time with values (k,) say.
+
+        Raises
+        ------
+        InputError
+            If something holds or moves one of them already.
+        """
+        k = np.asarray(numbers, dtype=int)
+        if np.any(moved.fixed[k]):
+            first = int(k[np.argmax(moved.fixed[k])])
+            others = [p.component.label for p in self.prescriptions if moved.start + first in p.unknowns]
+            raise InputError(
+                f"{component.label} prescribes {moved.name}[{first}] of {moved.component.label}, which "
+                f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
+            )
+        self.hold(moved, k, values(0.0))
+        moved.rates[k] = rates(0.0)
+        self._remember(moved)
+        account = self.account(component, "prescribed motion", "work")
+        unknowns = np.asarray(moved.start + k, dtype=np.int32)
+        self.prescriptions.append(Prescription(component, unknowns, values, rates, account))
 
     @property
     def initial(self) -> tuple[Array, Array]:

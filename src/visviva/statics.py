@@ -90,6 +90,7 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
         h = 0.0 if until is None else start + (k + 1) * (until - start) / steps - system.time
         relax(system, result, books, h, most)
         keep(result)
+    system.follow_prescribed()
     system.touch()
     system.has_acceleration = False
     return result

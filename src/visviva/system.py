@@ -170,6 +170,11 @@ class System:
         core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
         core.set_blocks(*self._blocks())
         core.set_nodes(self._nodes())
+        prescribed = self.model.prescriptions
+        core.set_prescribed(
+            np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
+            np.concatenate([np.zeros(0, np.int32), *(np.full_like(p.unknowns, p.account) for p in prescribed)]),
+        )
         core.finalize()
         core.use_solver(self._use_null_space(), self.newton.regularization)
         core.x[:] = np.concatenate([f.values for f in fields])
@@ -284,6 +289,7 @@ class System:
         """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
         self.prescribe(step)
         signals = self.signals(step).copy()
+        self._lead(step.t1)
         try:
             report = self.core.solve(
                 step, signals, self.newton.tolerance, self.newton.max_iterations, self._keep_factor
@@ -296,6 +302,20 @@ class System:
             self.core.discard()
             raise failure
         return Attempt(step, signals, report)
+
+    def _lead(self, time: float) -> None:
+        """Set the increments of prescribed unknowns."""
+        for p in self.model.prescriptions:
+            values = p.values(time)
+            if not np.isfinite(values).all():
+                raise RunError(f"{p.component.label}: its motion is not finite at t = {time:g}")
+            self.core.dx[p.unknowns] = values - self.core.x[p.unknowns]
+
+    def follow_prescribed(self) -> None:
+        """Give prescribed unknowns the rates that they have from the present time on."""
+        for p in self.model.prescriptions:
+            self.v[p.unknowns] = p.rates(self.time)
+        self.touch()
 
     @property
     def _keep_factor(self) -> float:

@@ -121,6 +121,17 @@ class TimeFunction:
     def __hash__(self) -> int:
         return hash(repr(self.source))
 
+    def rate_after(self, t: float) -> float:
+        """Rate just after time `t`: where a function has a kink, what it goes on with."""
+        if isinstance(self.source, list):
+            table = self.source
+            k = bisect.bisect_right(self._times, t)
+            if k in (0, len(table)):
+                return 0.0
+            (t0, f0), (t1, f1) = table[k - 1], table[k]
+            return (f1 - f0) / (t1 - t0)
+        return forward_rate(self._value, t) if callable(self.source) else self.rate(t)
+
     # --- a Python function: rate by differences of fourth order ---------------------------------------------
     def _difference(self, t: float) -> float:
         d, f = 2e-4 * max(1.0, abs(t)), self._value
@@ -158,6 +169,19 @@ class TimeFunction:
 
     def _slope(self, t: float) -> float:
         return self._piece(t)[2]
+
+
+def forward_rate(f: Callable[[float], Any], t: float) -> Any:
+    """Rate of a function just after time `t`, by differences of fourth order; arrays as well.
+
+    Examples
+    --------
+    >>> round(forward_rate(lambda t: max(t, 0.0), 0.0), 9)
+    1.0
+    """
+    d = 2e-4 * max(1.0, abs(t))
+    f0, f1, f2, f3, f4 = (f(t + k * d) for k in range(5))
+    return (-25 * f0 + 48 * f1 - 36 * f2 + 16 * f3 - 3 * f4) / (12 * d)
 
 
 def _plain(source: Any) -> Source:
