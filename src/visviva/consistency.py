@@ -25,6 +25,7 @@ from visviva.errors import InputError
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
+    from visviva.model import Prescription
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -114,6 +115,9 @@ class Instant:
         system, total = self.system, np.zeros(len(self.multipliers))
         if system.model.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
+        if system.model.prescribed:
+            along = self.prescribed(lambda p: system.v[p.unknowns])
+            total = total + 0.5 * (self._at(along) - self._at(-along))
         if self._sees_clock:
             total = total + difference(lambda s: self.violation(s), 1e-4)
         return total
@@ -137,6 +141,8 @@ class Instant:
             functions = system.model.signals
             bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), 1e-3)
             total = total + self._by_signals(bend)
+        if system.model.prescribed:
+            total = total + self._prescribed_convection()
         if self._sees_clock:
             d = 5e-4
             values = [self.violation(k * d) for k in (-2, -1, 0, 1, 2)]
@@ -145,6 +151,49 @@ class Instant:
             )
             total = total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 1e-4)
         return total
+
+    # --- prescribed unknowns --------------------------------------------------------------------------------
+    def prescribed(self, of: Callable[[Prescription], Array]) -> Array:
+        """A vector of all unknowns with what `of` gives for the prescribed ones, zero elsewhere."""
+        full = np.zeros(len(self.system.x))
+        for p in self.system.model.prescribed:
+            full[p.unknowns] = of(p)
+        return full
+
+    def prescribed_acceleration(self) -> Array:
+        """Accelerations of the prescribed unknowns, zero elsewhere."""
+        return self.prescribed(lambda p: p.acceleration(self.system.time))
+
+    def prescribed_inertia(self) -> Array:
+        """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""
+        system, a = self.system, self.prescribed_acceleration()
+        factor = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
+        step = instant(system.time, leading=factor)
+        system.core.dx[:] = a / factor
+        moved = system.residual(step)
+        system.core.dx[:] = 0.0
+        force: Array = (moved - system.residual(step))[self.coordinates]
+        return force
+
+    def _at(self, dx: Array) -> Array:
+        """Values (m,) of the constraints at a trial increment of all unknowns."""
+        self.system.core.dx[:] = dx
+        values = self.violation()
+        self.system.core.dx[:] = 0.0
+        return values
+
+    def _bend(self, v: Array) -> Array:
+        """Second derivatives (m,) of the constraints along `v`."""
+        s = 0.1 / max(float(np.abs(v).max(initial=0.0)), 1.0)
+        bend: Array = (self._at(s * v) + self._at(-s * v) - 2 * self.violation()) / s**2
+        return bend
+
+    def _prescribed_convection(self) -> Array:
+        """What prescribed rates and accelerations add to the second time derivatives (m,)."""
+        free, a = self.system.v.copy(), self.prescribed_acceleration()
+        free[~np.isin(np.arange(len(free)), self.coordinates)] = 0.0
+        moved = free + self.prescribed(lambda p: self.system.v[p.unknowns])
+        return self._bend(moved) - self._bend(free) + 0.5 * (self._at(a) - self._at(-a))
 
     # --- solution -------------------------------------------------------------------------------------------
     def factor(self, compliance: float = COMPLIANCE) -> None:
@@ -400,6 +449,8 @@ def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Arr
     saved = system.x[at.multipliers].copy()
     system.x[at.multipliers] = 0.0
     force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
+    if system.model.prescribed and not still:
+        force = force + at.prescribed_inertia()
     system.x[at.multipliers] = saved
     right = np.zeros(len(at.multipliers)) if still else -at.convection()
     return at.solve(-force, right)
@@ -415,8 +466,10 @@ def initial_acceleration(system: System, at: Instant | None = None) -> None:
         at = Instant(system)
         at.factor()
     a, multipliers = accelerations(system, at)
-    system.core.a[at.coordinates] = a
-    system.core.w[at.coordinates] = a
+    prescribed = at.prescribed_acceleration()
+    for history in (system.core.a, system.core.w):
+        history[:] = prescribed
+        history[at.coordinates] = a
     system.x[at.multipliers] = multipliers
     system.touch()
     system.has_acceleration = True

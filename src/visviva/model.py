@@ -136,10 +136,9 @@ class Model:
     masses: list[tuple[Any, ...]] = field(default_factory=list)
     terms: list[tuple[Term, int]] = field(default_factory=list)
     batches: list[_core.Term] = field(default_factory=list)
-    prescribed: list[tuple[NDArray[np.int32], Callable[[float], Array]]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
-    prescriptions: list[Prescription] = field(default_factory=list)
+    prescribed: list[Prescription] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -221,7 +220,7 @@ class Model:
         k = np.asarray(numbers, dtype=int)
         if np.any(moved.fixed[k]):
             first = int(k[np.argmax(moved.fixed[k])])
-            others = [p.component.label for p in self.prescriptions if moved.start + first in p.unknowns]
+            others = [p.component.label for p in self.prescribed if moved.start + first in p.unknowns]
             raise InputError(
                 f"{component.label} prescribes {moved.name}[{first}] of {moved.component.label}, which "
                 f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
@@ -231,7 +230,7 @@ class Model:
         self._remember(moved)
         account = self.account(component, "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
-        self.prescriptions.append(Prescription(component, unknowns, values, rates, account))
+        self.prescribed.append(Prescription(component, unknowns, values, rates, account))
 
     @property
     def initial(self) -> tuple[Array, Array]:
@@ -331,10 +330,6 @@ class Model:
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
-
-    def prescribe(self, unknowns: NDArray[np.int32], values: Callable[[float], Array]) -> None:
-        """Values (n,) that fixed unknowns (n,) take at a time."""
-        self.prescribed.append((unknowns, values))
 
     def batch(self, term: _core.Term) -> None:
         """A term of the core that stands for many elements."""

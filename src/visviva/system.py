@@ -170,7 +170,7 @@ class System:
         core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
         core.set_blocks(*self._blocks())
         core.set_nodes(self._nodes())
-        prescribed = self.model.prescriptions
+        prescribed = self.model.prescribed
         core.set_prescribed(
             np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
             np.concatenate([np.zeros(0, np.int32), *(np.full_like(p.unknowns, p.account) for p in prescribed)]),
@@ -282,15 +282,17 @@ class System:
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
-        for unknowns, values in self.model.prescribed:
-            self.core.dx[unknowns] = values(step.t1) - self.x[unknowns]
+        for p in self.model.prescribed:
+            values = p.values(step.t1)
+            if not np.isfinite(values).all():
+                raise RunError(f"{p.component.label}: its motion is not finite at t = {step.t1:g}")
+            self.core.dx[p.unknowns] = values - self.x[p.unknowns]
 
     def attempt(self, step: Any) -> Attempt:
         """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
-        self.prescribe(step)
         signals = self.signals(step).copy()
-        self._lead(step.t1)
         try:
+            self.prescribe(step)
             report = self.core.solve(
                 step, signals, self.newton.tolerance, self.newton.max_iterations, self._keep_factor
             )
@@ -303,17 +305,9 @@ class System:
             raise failure
         return Attempt(step, signals, report)
 
-    def _lead(self, time: float) -> None:
-        """Set the increments of prescribed unknowns."""
-        for p in self.model.prescriptions:
-            values = p.values(time)
-            if not np.isfinite(values).all():
-                raise RunError(f"{p.component.label}: its motion is not finite at t = {time:g}")
-            self.core.dx[p.unknowns] = values - self.core.x[p.unknowns]
-
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
-        for p in self.model.prescriptions:
+        for p in self.model.prescribed:
             self.v[p.unknowns] = p.rates(self.time)
         self.touch()
 

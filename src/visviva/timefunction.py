@@ -264,22 +264,18 @@ def _serialize(function: TimeFunction | None) -> Any:
     raise ValueError("a Python function cannot be written to a file; use an expression such as '2*sin(3*t)'")
 
 
-OfTime = Annotated[
-    Any,
-    BeforeValidator(TimeFunction),
-    PlainSerializer(_serialize),
-    WithJsonSchema(
+TIME_SCHEMA: dict[str, Any] = {
+    "anyOf": [
+        {"type": "number"},
+        {"type": "string", "description": "expression in t, e.g. 2*sin(3*t)"},
         {
-            "anyOf": [
-                {"type": "number"},
-                {"type": "string", "description": "expression in t, e.g. 2*sin(3*t)"},
-                {
-                    "type": "array",
-                    "description": "rows [t, value]",
-                    "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-                },
-            ]
-        }
-    ),
+            "type": "array",
+            "description": "rows [t, value]",
+            "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+        },
+    ]
+}
+OfTime = Annotated[
+    Any, BeforeValidator(TimeFunction), PlainSerializer(_serialize), WithJsonSchema(TIME_SCHEMA)
 ]
 """Argument of constructors that takes what `TimeFunction` takes."""

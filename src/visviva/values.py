@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
 
+from visviva.timefunction import TIME_SCHEMA, TimeFunction
+
 Array = NDArray[np.float64]
 
 NUMBER = {"type": "number"}
@@ -79,3 +81,71 @@ Function = Annotated[
 VectorOrFunction = Annotated[
     Any, BeforeValidator(_vector_or_function), PlainSerializer(_plain_vector), WithJsonSchema(VECTOR_SCHEMA)
 ]
+
+
+def _nodes(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    found = np.asarray(value)
+    if found.ndim != 1 or found.dtype.kind not in "iu" or not len(found):
+        raise ValueError(f"expected the name of a set of nodes or faces, 'all', or numbers of nodes, not {value!r}")
+    return found.astype(np.int64)
+
+
+Nodes = Annotated[
+    Any,
+    BeforeValidator(_nodes),
+    PlainSerializer(lambda nodes: nodes if isinstance(nodes, str) else nodes.tolist()),
+    WithJsonSchema(
+        {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "integer"}, "minItems": 1}]}
+    ),
+]
+"""Nodes of a solid: the name of a set of nodes or faces, 'all', or numbers."""
+
+
+def _faces(value: Any) -> Any:
+    from visviva.mesh.faces import Faces
+
+    if not isinstance(value, str | Faces):
+        raise ValueError(f"expected the name of a set of faces, 'all', or Faces, not {value!r}")
+    return value
+
+
+def _name(faces: Any) -> str:
+    if not isinstance(faces, str):
+        raise ValueError("faces without a name cannot be written to a file; give the mesh a set of them")
+    return faces
+
+
+FaceSet = Annotated[Any, BeforeValidator(_faces), PlainSerializer(_name), WithJsonSchema({"type": "string"})]
+"""Faces of a solid: the name of a set, 'all' for the boundary, or `Faces`."""
+
+
+def _motion(value: Any) -> Any:
+    if callable(value):
+        return value
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 3:
+        raise ValueError(f"expected a function of (t, X), or 3 functions of time or None, not {value!r}")
+    return tuple(None if f is None else TimeFunction(f) for f in value)
+
+
+def _plain_motion(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return [None if f is None else f.source for f in value]
+
+
+Motion = Annotated[
+    Any,
+    BeforeValidator(_motion),
+    PlainSerializer(_plain_motion),
+    WithJsonSchema(
+        {
+            "type": "array",
+            "items": {"anyOf": [TIME_SCHEMA, {"type": "null"}]},
+            "minItems": 3,
+            "maxItems": 3,
+        }
+    ),
+]
+"""Displacements: a function of time and positions, or a function of time or None for each direction."""

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
@@ -16,6 +16,7 @@ from visviva.component import Attachable, settings
 from visviva.errors import InputError
 from visviva.form import Form, Vector
 from visviva.material.base import Material
+from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
@@ -85,6 +86,46 @@ class Solid(Attachable):
         self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
+
+    # --- sets ----------------------------------------------------------------------------------------------
+    def nodes(self, chosen: str | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', or their numbers.
+
+        Raises
+        ------
+        InputError
+            If there is no such set or node, or none in it.
+        """
+        if isinstance(chosen, str):
+            everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
+            found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
+        else:
+            found = np.unique(np.asarray(chosen, dtype=np.int64))
+        if len(found) == 0:
+            raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
+        if found[0] < 0 or found[-1] >= self.grid.n_nodes:
+            raise InputError(f"{self.label}: there is no node {found[0 if found[0] < 0 else -1]}")
+        return found
+
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given.
+
+        Raises
+        ------
+        InputError
+            If there is no such set, or none in it.
+        """
+        if isinstance(chosen, Faces):
+            found = chosen
+        elif chosen == "all" and chosen not in self.grid.face_sets:
+            found = self.grid.boundary()
+        elif chosen in self.grid.node_sets and chosen not in self.grid.face_sets:
+            raise InputError(f"{self.label}: {chosen!r} is a set of nodes, but a set of faces is needed")
+        else:
+            found = self.grid.faces(chosen)
+        if found.n_faces == 0:
+            raise InputError(f"{self.label}: the set of faces {chosen!r} is empty")
+        return found
 
     # --- geometry ------------------------------------------------------------------------------------------
     @property

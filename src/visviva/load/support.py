@@ -1,0 +1,200 @@
+"""Supports of solids: nodes that are held, slide in a plane, or move as prescribed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.body.solid import Solid
+from visviva.component import Component, settings
+from visviva.errors import InputError, RunError
+from visviva.load.force import guarded
+from visviva.point import unit, vector
+from visviva.timefunction import forward_rate
+from visviva.values import Motion, Nodes, Vector3
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Directions = tuple[bool, bool, bool]
+EVERY: Directions = (True, True, True)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Support(Component):
+    """Base of supports: `nodes` of a `solid`, by the name of a set of nodes or faces, 'all', or numbers."""
+
+    solid: Solid
+    nodes: Nodes
+
+    def __post_init__(self) -> None:
+        try:
+            self._chosen = self.solid.nodes(self.nodes)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+
+    def _numbers(self, model: Model, directions: Any) -> Ints:
+        """Numbers in the solid's field of these components of the nodes, node by node."""
+        model.index(self.solid)
+        d = self.solid.dimension
+        return (d * self._chosen[:, None] + np.flatnonzero(directions[:d])).ravel()
+
+    def _refuse_nothing(self, directions: Any) -> None:
+        if not any(directions[: self.solid.dimension]):
+            raise InputError(f"{self.label}: none of the directions {tuple(directions)} can be held")
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Fixed(Support):
+    """Nodes that keep their reference positions, in all `directions` x, y, z or some.
+
+    Parameters
+    ----------
+    solid : Solid
+    nodes : str or int array
+        Name of a set of nodes or faces, 'all', or numbers.
+    directions : (3,) of bool
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3))
+    >>> vv.System([block, vv.Fixed(solid=block, nodes="z0")]).n_coordinates
+    54
+    """
+
+    directions: Directions = EVERY
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_nothing(self.directions)
+
+    def contribute(self, model: Model) -> None:
+        model.hold(self.solid.motion, self._numbers(model, self.directions))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class SymmetryPlane(Support):
+    """Nodes that stay in the planes through their reference positions, normal to `normal` (3,).
+
+    Planes across an axis cost unknowns instead of adding any; others are held by multipliers.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3))
+    >>> vv.System([block, vv.SymmetryPlane(solid=block, nodes="x0", normal=(1, 0, 0))]).n_coordinates
+    72
+    """
+
+    normal: Vector3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        n = unit(vector(self.normal))
+        if n is None:
+            raise InputError(f"{self.label}: the normal {self.normal.tolist()} has no direction")
+        if self.solid.dimension == 2 and n[2] != 0:
+            raise InputError(f"{self.label}: a plane solid cannot be held along {self.normal.tolist()}")
+        self._along = np.array(n)
+
+    def contribute(self, model: Model) -> None:
+        axis = np.abs(self._along) > 1e-12
+        numbers = self._numbers(model, axis)
+        if axis.sum() == 1:
+            model.hold(self.solid.motion, numbers)
+            return
+        forms = [self.solid.combination([k], [1.0]).along(self._along) for k in self._chosen]
+        multipliers = model.multipliers(self, "reaction", len(forms), block=self)
+        x, _ = model.initial
+        for k, form in enumerate(forms):
+            model.constrain(self, multipliers, [form - form.value(x)], first=k)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Prescribed(Support):
+    """Nodes that are moved as functions of time say.
+
+    Parameters
+    ----------
+    solid : Solid
+    nodes : str or int array
+        Name of a set of nodes or faces, 'all', or numbers.
+    motion : callable, or three of number, expression, table, callable or None
+        Displacements from the reference positions: ``f(t, X)`` of time and reference positions (n, 3) with values
+        (n, 3), or for x, y and z whatever `TimeFunction` takes, None where the nodes are free.
+    directions : (3,) of bool
+        Which components of the motion count; the others are free.
+
+    Notes
+    -----
+    The ledger books the work of what moves the nodes as "prescribed motion"; with energy-momentum and midpoint
+    rules the balance closes to round-off. Nodes start with the rates of the motion. A motion whose rate jumps makes
+    the velocities of its nodes swing about the new rate with these rules: round it off, e.g. with ``smoothstep``.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.0))
+    >>> ends = vv.Fixed(solid=block, nodes="z0"), vv.Prescribed(solid=block, nodes="z1", motion=(None, None, "0.1*t"))
+    >>> system = vv.System([block, *ends])
+    >>> _ = vv.quasi_static(system, until=1.0, step=0.5)
+    >>> system.value(block.point((0.5, 0.5, 0.5)).position).round(12).tolist()
+    [0.5, 0.5, 0.55]
+    """
+
+    motion: Motion
+    directions: Directions = EVERY
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        moved = (True,) * 3 if callable(self.motion) else tuple(f is not None for f in self.motion)
+        self._moved = np.logical_and(moved, self.directions)
+        self._refuse_nothing(self._moved)
+        self._function = guarded(self.label, "motion", self.motion) if callable(self.motion) else None
+        try:
+            start = self._displacements(0.0)
+        except RunError as error:
+            raise InputError(str(error)) from error
+        if not np.isfinite(start).all():
+            raise InputError(f"{self.label}: its motion is not finite at t = 0")
+        flat = self.solid.dimension == 2
+        if flat and ((self._function is None and moved[2]) or np.any(start[:, 2] != 0)):
+            raise InputError(f"{self.label}: a plane solid cannot be moved out of its plane")
+        self._moved[self.solid.dimension :] = False
+
+    @property
+    def _places(self) -> Array:
+        return self.solid.points[self._chosen]
+
+    def _displacements(self, time: float) -> Array:
+        """Displacements (n, 3) of the nodes."""
+        if self._function is None:
+            return np.tile([0.0 if f is None else f(time) for f in self.motion], (len(self._chosen), 1))
+        X = self._places
+        u = np.asarray(self._function(time, X), dtype=float)
+        if u.shape != X.shape:
+            raise RunError(f"{self.label}: its motion has shape {u.shape} for positions {X.shape}")
+        return u
+
+    def _values(self, time: float) -> Array:
+        return (self._places + self._displacements(time))[:, self._moved].ravel()
+
+    def _rates(self, time: float) -> Array:
+        if self._function is not None:
+            rates: Array = forward_rate(self._values, time)
+            return rates
+        components = [0.0 if f is None else f.rate_after(time) for f in self.motion]
+        return np.tile(np.array(components)[self._moved], len(self._chosen))
+
+    def contribute(self, model: Model) -> None:
+        numbers = self._numbers(model, self._moved)
+        model.prescribe(self, self.solid.motion, numbers, self._values, self._rates)
