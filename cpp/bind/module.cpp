@@ -9,6 +9,7 @@
 
 #include "core/dispatch.hpp"
 #include "core/linear_choice.hpp"
+#include "core/solid_dispatch.hpp"
 #include "core/solid_term.hpp"
 #include "core/system.hpp"
 #include "linear.hpp"
@@ -108,7 +109,23 @@ static const double* optional(const nb::object& a) {
     return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
 }
 
+// Arrays that Python owns.
+using Cube = nb::ndarray<nb::numpy, double, nb::ndim<3>>;
+static Cube owned(std::vector<double>* data, std::initializer_list<std::size_t> shape) {
+    nb::capsule owner(data, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    return Cube(data->data(), shape, owner);
+}
+static int padded(int n) { return (n + solid_lanes - 1) / solid_lanes * solid_lanes; }
+
+static void material(int kind, const Doubles& par, const Doubles& c, Array out) {
+    if (par.size() > material_max_parameters || out.size() != c.shape(0) * 28 || c.shape(1) != 6)
+        throw std::invalid_argument("a material needs its parameters, strains (n, 6) and room (n, 28)");
+    solid_kernels().material(static_cast<MaterialKind>(kind), par.data(), static_cast<int>(par.size()),
+                             static_cast<int>(c.shape(0)), c.data(), out.data());
+}
+
 static void bind_solid(nb::module_& m) {
+    m.def("material", &material, nb::arg("kind"), nb::arg("parameters"), nb::arg("c"), nb::arg("out"));
     nb::class_<SolidTerm, Term>(m, "SolidTerm")
         .def(
             "__init__",
@@ -129,6 +146,23 @@ static void bind_solid(nb::module_& m) {
             nb::arg("par"), nb::arg("hoop").none(), nb::arg("mass").none(), nb::arg("damping").none())
         .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
         .def("set_symmetric", &SolidTerm::set_symmetric)
+        .def("fields",
+             [](SolidTerm& t, const Doubles& x, int begin, int end) {
+                 const auto size = static_cast<std::size_t>(padded(end - begin)) * t.n_points() * 16;
+                 auto* out = new std::vector<double>(size);
+                 t.fields(x.data(), begin, end, out->data());
+                 return owned(out, {static_cast<std::size_t>(end - begin),
+                                    static_cast<std::size_t>(t.n_points()), 16});
+             })
+        .def("forces",
+             [](SolidTerm& t, const Doubles& x, int begin, int end) {
+                 const auto nodes = static_cast<std::size_t>(t.n_nodes()),
+                            dim = static_cast<std::size_t>(t.dim());
+                 auto* out =
+                     new std::vector<double>(static_cast<std::size_t>(padded(end - begin)) * nodes * dim);
+                 t.forces(x.data(), begin, end, out->data());
+                 return owned(out, {static_cast<std::size_t>(end - begin), nodes, dim});
+             })
         .def("book_solid", [](SolidTerm& t, int strain, int kinetic, int damping, int owner, int first) {
             t.strain_account = strain, t.kinetic_account = kinetic, t.damping_account = damping;
             t.owner = owner, t.first_element = first;
@@ -287,6 +321,8 @@ static void bind_system(nb::module_& m) {
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
         .def("touch", &System::touch)
+        .def("forces", [](System& s, const Step& step, const Doubles& signals,
+                          Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("take_stock",
              [](System& s, const Step& step, const Doubles& signals) {
                  nb::gil_scoped_release release;

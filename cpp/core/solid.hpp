@@ -40,5 +40,7 @@ struct SolidView {
 
 /// Per element: strain energy, kinetic energy, work of damping, momenta (6).
 inline constexpr int solid_ledger_rows = 9;
+/// Per point: deformation gradient (9), second Piola-Kirchhoff stress (6), energy.
+inline constexpr int solid_field_rows = 16;
 
 }  // namespace visviva

@@ -10,6 +10,9 @@ struct SolidKernels {
     void (*ledger)(const SolidView&, const Step&, const Vectors&, const double* v1, int begin, int end,
                    double* out);
     void (*strains)(const SolidView&, const Step&, const Vectors&, double* c0, double* ct, double* c1);
+    void (*fields)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+    void (*forces)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+    void (*material)(MaterialKind, const double* par, int n_par, int n, const double* c, double* out);
 };
 
 /// The kernels for the machine that runs.

@@ -491,6 +491,53 @@ void solid_strains_of(const SolidView& v, const Step& step, const Vectors& x, do
         }
 }
 
+// Deformation gradient (9), second Piola-Kirchhoff stress (6) and energy at the points of elements, from the
+// end of the step: out [element - 8 begin][point][16].
+template <int D, int N>
+void solid_fields_of(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
+                     double* out) {
+    for (int block = begin; block < end; ++block)
+        for (int lane = 0; lane < L8; lane += W) {
+            const int n = solid_active(v, block, lane);
+            if (n <= 0) break;
+            const SolidElement<D, N> e(v, step, x, block, lane);
+            V par[material_max_parameters];
+            for (int k = 0; k < v.n_par; ++k) par[k] = e.parameter(k);
+            for (int q = 0; q < v.n_points; ++q) {
+                SolidPoint p;
+                V row[solid_field_rows];
+                e.strains(q, p);
+                e.template stress<false>(q, p);
+                e.gradient(e.x1, q, 1.0, row);
+                for (int k = 0; k < 6; ++k) row[9 + k] = p.S[k];
+                row[15] = e.energy(q, p.c1, par);
+                for (int l = 0; l < n; ++l)
+                    for (int k = 0; k < solid_field_rows; ++k)
+                        out[(((block - begin) * L8 + lane + l) * static_cast<std::int64_t>(v.n_points) + q) *
+                                solid_field_rows +
+                            k] = row[k][l];
+            }
+        }
+}
+
+// Forces of the elements on their nodes: out [element - 8 begin][node][dim].
+template <int D, int N>
+void solid_forces_of(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
+                     double* out) {
+    for (int block = begin; block < end; ++block)
+        for (int lane = 0; lane < L8; lane += W) {
+            const int n = solid_active(v, block, lane);
+            if (n <= 0) break;
+            const SolidElement<D, N> e(v, step, x, block, lane);
+            V f[solid_max_nodes * D];
+            e.forces(f);
+            const int size = e.nodes() * D;
+            for (int l = 0; l < n; ++l)
+                for (int k = 0; k < size; ++k)
+                    out[((block - begin) * L8 + lane + l) * static_cast<std::int64_t>(size) + k] = f[k][l];
+        }
+}
+
 #define VISVIVA_SOLID(function, ...)                            \
     if (v.dim == 3) {                                           \
         if (v.n_nodes == 8) return function<3, 8>(__VA_ARGS__); \
@@ -514,6 +561,30 @@ void solid_strains(const SolidView& v, const Step& step, const Vectors& x, doubl
                    double* c1) {
     VISVIVA_SOLID(solid_strains_of, v, step, x, c0, ct, c1)
 }
+void solid_fields(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* out) {
+    VISVIVA_SOLID(solid_fields_of, v, step, x, begin, end, out)
+}
+void solid_forces(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* out) {
+    VISVIVA_SOLID(solid_forces_of, v, step, x, begin, end, out)
+}
 #undef VISVIVA_SOLID
+
+// Energy, its gradient and second gradient by C of one material: c = C - I (n, 6), out (n, 28).
+void material_response(MaterialKind kind, const double* par, int n_par, int n, const double* c, double* out) {
+    V p[material_max_parameters], strain[6];
+    for (int k = 0; k < n_par; ++k) p[k] = broadcast(par[k]);
+    for (int i = 0; i < n; i += W) {
+        Response r;
+        for (int k = 0; k < 6; ++k)
+            for (int l = 0; l < W; ++l) strain[k][l] = c[(i + l < n ? i + l : n - 1) * 6 + k];
+        respond<true>(kind, strain, p, r);
+        for (int l = 0; l < W && i + l < n; ++l) {
+            double* to = out + (i + l) * 28;
+            to[0] = r.W[l];
+            for (int k = 0; k < 6; ++k) to[1 + k] = r.s[k][l];
+            for (int k = 0; k < 21; ++k) to[7 + k] = r.d[k][l];
+        }
+    }
+}
 
 }  // namespace visviva::VISVIVA_ISA

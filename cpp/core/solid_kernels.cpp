@@ -6,6 +6,7 @@
 namespace visviva::VISVIVA_ISA {
 
 extern const SolidKernels solid_table;
-const SolidKernels solid_table = {solid_residual, solid_tangent, solid_ledger, solid_strains};
+const SolidKernels solid_table = {solid_residual, solid_tangent, solid_ledger,     solid_strains,
+                                  solid_fields,   solid_forces,  material_response};
 
 }  // namespace visviva::VISVIVA_ISA

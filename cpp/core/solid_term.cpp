@@ -176,6 +176,30 @@ void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
 }
 
+void SolidTerm::at_rest(At kernel, const double* x, int begin, int end, std::int64_t per_element,
+                        double* out) {
+    const Step step;
+    const Vectors vectors{x, x, nullptr, nullptr};
+    call_back({step, vectors, {}}, false);
+    Aligned<double> smallest(smallest_.size());
+    SolidView still = view_;
+    still.mass = nullptr, still.damped = false, still.smallest = smallest.data();
+    const int first = begin / L8, last = (end + L8 - 1) / L8;
+    parallel_for((last - first + task_blocks - 1) / task_blocks, [&](int task) {
+        const int from = first + task * task_blocks;
+        kernel(still, step, vectors, from, std::min(from + task_blocks, last),
+               out + (from - first) * L8 * per_element);
+    });
+}
+
+void SolidTerm::fields(const double* x, int begin, int end, double* out) {
+    at_rest(solid_kernels().fields, x, begin, end, std::int64_t{view_.n_points} * solid_field_rows, out);
+}
+
+void SolidTerm::forces(const double* x, int begin, int end, double* out) {
+    at_rest(solid_kernels().forces, x, begin, end, std::int64_t{view_.n_nodes} * view_.dim, out);
+}
+
 // Inverted elements: their energy is finite, but no body is like that.
 Refusal SolidTerm::refuse(const Context& c) {
     for (int e = 0; e < view_.n; ++e) {

@@ -37,12 +37,24 @@ class SolidTerm : public Term {
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     Refusal refuse(const Context&) override;
 
+    int n() const { return view_.n; }
+    int n_nodes() const { return view_.n_nodes; }
+    int n_points() const { return view_.n_points; }
+    int dim() const { return view_.dim; }
+    // What elements begin ... end - 1 (begin a multiple of eight) feel at the configuration x, without inertia
+    // and damping: fields at their points [element][point][solid_field_rows], or the forces on their nodes
+    // [element][node][dim].
+    void fields(const double* x, int begin, int end, double* out);
+    void forces(const double* x, int begin, int end, double* out);
+
     // Accounts and component of the whole batch: strain energy, kinetic energy, work of damping.
     int strain_account = -1, kinetic_account = -1, damping_account = -1, owner = 0;
     int first_element = 0;  // of the batch within its component, for messages
 
   private:
     void call_back(const Context&, bool want_tangent);
+    using At = void (*)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+    void at_rest(At, const double* x, int begin, int end, std::int64_t per_element, double* out);
     void colour_tasks();
     template <class F>
     void for_tasks(F f) const;

@@ -377,6 +377,7 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
     }
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
+    last_[0] = x, last_[1] = dx, last_[2] = v, last_[3] = a, last_[4] = w;
     std::copy(v_next_.begin(), v_next_.end(), v.begin());
     std::copy(a_next_.begin(), a_next_.end(), a.begin());
     std::copy(w_next_.begin(), w_next_.end(), w.begin());
@@ -452,6 +453,18 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
     assemble(step, signals, residual.data(), nullptr);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
+}
+
+void System::forces(const Step& step, const Signals& signals, double* residual) {
+    auto exchange = [&] {
+        x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]), a.swap(last_[3]), w.swap(last_[4]);
+    };
+    exchange();
+    const bool stale = stale_factor_;
+    assemble(step, signals, residual, nullptr);
+    stale_factor_ = stale;
+    exchange();
+    stale_begin_ = true;
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {

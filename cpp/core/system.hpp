@@ -76,6 +76,10 @@ class System {
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
+    // The residual of the step accepted last: at fixed unknowns, the force that holds them. History of terms is
+    // taken as it is now.
+    void forces(const Step& step, const Signals& signals, double* residual);
+
     // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how
     // many it found (0 from solvers that cannot). Without `on` it forgets them.
     int find_redundant(const Step& step, const Signals& signals, bool on);
@@ -125,6 +129,7 @@ class System {
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
+    std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;

@@ -12,9 +12,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.body.element import geometry, masses
+from visviva.body.fields import Fields, at_nodes, evaluated, of_cells
 from visviva.component import Attachable, settings
 from visviva.errors import InputError
 from visviva.form import Form, Vector
+from visviva.gallery import nearest
 from visviva.material.base import Material
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
@@ -198,6 +200,8 @@ class Solid(Attachable):
         )
 
     def contribute(self, model: Model) -> None:
+        self.terms: list[Any] = []  # of the core, one per cell type
+        self.volumes: list[Array] = []  # (m, q) of their quadrature points
         first = 0
         for cell, nodes in self.grid.cells.items():
             model.batch(self._term(model, cell, nodes, first))
@@ -231,6 +235,8 @@ class Solid(Attachable):
         damping = model.account(self, "damping", "dissipation") if damped else -1
         strain = model.account(self, "strain", "potential")
         term.book_solid(strain, kinetic, damping, model.index(self), first)
+        self.terms.append(term)
+        self.volumes.append(g.volume)
         return term
 
     def _damping(self, n: int) -> Array:
@@ -265,8 +271,71 @@ class Solid(Attachable):
         p = x[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
         return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
 
-    def surface(self) -> Any:
-        return None
+    # --- what it shows -------------------------------------------------------------------------------------
+    def displacements(self, x: Array) -> Array:
+        """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
+        return self.positions(x) - self.points
+
+    def velocities(self, v: Array) -> Array:
+        """Velocities (n, 3) of the nodes at the rates `v` of the system."""
+        return self.positions(v)
+
+    def fields(self, x: Array, cell: str | None = None) -> Fields:
+        """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.
+
+        Parameters
+        ----------
+        x : array
+            Unknowns of the system, e.g. ``system.x`` or ``result.states[k]``.
+        cell : str
+            Which cell type, if the mesh has several.
+        """
+        if cell is None and len(self.grid.cells) > 1:
+            raise InputError(f"{self.label} has the cells {', '.join(self.grid.cells)}; say of which")
+        parts = [part for name, _, _, _, part in evaluated(self, x) if cell in (None, name)]
+        if not parts:
+            raise InputError(f"{self.label} has no cells {cell!r}{nearest(str(cell), self.grid.cells)}")
+        F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
+        return Fields(F, S, W, self.material.small)
+
+    def nodal(self, name: str, x: Array) -> Array:
+        """A field smoothed to the nodes, (n,) or (n, components), at the unknowns `x`.
+
+        Parameters
+        ----------
+        name : str
+            'von_mises', 'pressure', 'cauchy' (six components 11, 22, 33, 12, 23, 31), 'principal_stresses',
+            'second_piola', 'first_piola', 'green', 'stretches', 'J' or 'energy'; see `visviva.body.fields`.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> steel = vv.LinearElastic(young=2.0, poisson=0.0)
+        >>> bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), material=steel)
+        >>> system = vv.System([bar])
+        >>> stretched = system.x.copy()
+        >>> stretched[bar.node_unknowns(range(bar.grid.n_nodes))] *= 1.1
+        >>> bar.nodal("von_mises", stretched).round(12).max()
+        0.2
+        """
+        return at_nodes(self, name, x)
+
+    def mean(self, name: str, x: Array) -> Array:
+        """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
+        return of_cells(self, name, x)
+
+    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
+        """Forces (n, 3) of the elements on the nodes, of the chosen cells (n_cells,) or all, against strain."""
+        total = np.zeros((self.grid.n_nodes, 3))
+        first = 0
+        for (_, nodes), term in zip(self.each_cell(), self.terms, strict=True):
+            force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))
+            if cells is not None:
+                force *= cells[first : first + len(nodes), None, None]
+            for c in range(self.dimension):
+                total[:, c] -= np.bincount(nodes.ravel(), force[:, :, c].ravel(), len(total))
+            first += len(nodes)
+        return total
 
     def each_cell(self) -> Iterator[tuple[str, Ints]]:
         """Cell types with the nodes of their cells."""

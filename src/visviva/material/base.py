@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva import _core
 from visviva.component import settings
 from visviva.errors import InputError
 from visviva.values import Number
@@ -20,6 +21,11 @@ Volumetric = Literal["logarithmic", "quadratic", "simo"]
 """Energy of the volume change per bulk stiffness: ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``."""
 
 VOLUMETRIC = {"logarithmic": 0.0, "quadratic": 1.0, "simo": 2.0}
+
+
+PACKED = [[a * 6 - a * (a - 1) // 2 + b - a if a <= b else b * 6 - b * (b - 1) // 2 + a - b for b in range(6)]
+          for a in range(6)]  # fmt: skip
+"""Places of the entries of a symmetric matrix (6, 6) in its upper triangle by rows."""
 
 
 class Kind(IntEnum):
@@ -55,6 +61,39 @@ class Material:
     def lame(self) -> tuple[float, float]:
         """Lame's constants ``lambda, mu`` of small strains about rest."""
         raise NotImplementedError
+
+    def respond(self, C: Array) -> tuple[Array, Array, Array]:
+        """Energy, stress and moduli at right Cauchy-Green tensors.
+
+        Symmetric tensors are given by the components 11, 22, 33, 12, 23, 31.
+
+        Parameters
+        ----------
+        C : array, (n, 6)
+            For materials of small strains ``I + 2 e``.
+
+        Returns
+        -------
+        energy : array, (n,)
+            Per reference volume.
+        stress : array, (n, 6)
+            ``S = 2 dW/dC``, second Piola-Kirchhoff.
+        moduli : array, (n, 6, 6)
+            ``4 d2W/dC2``, components of the tensor: ``dS = moduli : dC / 2`` sums pairs off the diagonal twice.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> W, S, D = vv.NeoHooke(shear=1.0, lame_lambda=1.0).respond(np.array([[1.0, 1.0, 1.0, 0.2, 0.0, 0.0]]))
+        >>> S[0].round(4).tolist()
+        [-0.0629, -0.0629, -0.0204, 0.2126, 0.0, 0.0]
+        """
+        out = np.empty((len(C), 28))
+        rest = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+        _core.material(
+            int(self.kind), np.array(self.constants(), dtype=float), np.asarray(C, float) - rest, out
+        )
+        return out[:, 0], 2 * out[:, 1:7], 4 * out[:, 7:][:, PACKED]
 
     @property
     def energy(self) -> Callable[[Any], Any] | None:

@@ -6,11 +6,14 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.material.base import Kind, Material
 from visviva.values import Function
+
+Array = NDArray[np.float64]
 
 
 @dataclass(config=settings, kw_only=True)
@@ -38,6 +41,16 @@ class UserMaterial(Material):
 
     def constants(self) -> list[float]:
         return [0.0]
+
+    def respond(self, C: Array) -> tuple[Array, Array, Array]:
+        from visviva.callback import Function as Derivatives
+
+        e = np.ascontiguousarray(np.asarray(C, dtype=float).T)
+        W = Derivatives(self.function, 6, 1, "UserMaterial")
+        share = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])  # of a derivative by one of two equal components
+        S = 2 * share[:, None] * W.gradient(e)[0]
+        D = 4 * np.outer(share, share)[:, :, None] * W.hessian(e)[0]
+        return W.value(e)[0], S.T, D.transpose(2, 0, 1)
 
     @property
     def energy(self) -> Callable[[Any], Any]:
