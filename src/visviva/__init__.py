@@ -28,6 +28,7 @@ from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
+from visviva.load.support import Fixed, Prescribed, SymmetryPlane
 from visviva.loading import ArcLength, Statics, arc_length, quasi_static
 from visviva.material.base import Material
 from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
@@ -88,6 +89,7 @@ __all__ = [
     "Distance",
     "EnergyMomentum",
     "Faces",
+    "Fixed",
     "FollowerForce",
     "FollowerTorque",
     "Force",
@@ -124,6 +126,7 @@ __all__ = [
     "PointOnPlane",
     "Position",
     "Potential",
+    "Prescribed",
     "Prismatic",
     "QuadrilateralMesh",
     "RackAndPinion",
@@ -151,6 +154,7 @@ __all__ = [
     "StepFailure",
     "Study",
     "SurfaceMesh",
+    "SymmetryPlane",
     "System",
     "Term",
     "TimeFunction",

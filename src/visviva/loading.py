@@ -89,8 +89,8 @@ class Equilibrium:
         residual = np.zeros(len(self.dx))
         if not self.system.core.linearise(step, self.system.signals(step), residual):
             raise NoEquilibrium(
-                f"the tangent stiffness is singular at the load parameter {time:.6g}: something is not held, or this is "
-                "a limit point (follow it with vv.arc_length)"
+                f"the tangent stiffness is singular at the load parameter {time:.6g}: something is not held, or "
+                "this is a limit point (follow it with vv.arc_length)"
             )
         return residual
 
@@ -199,7 +199,7 @@ def quasi_static(
     >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0, position=(0, 0, -1))
     >>> spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
     >>> guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
-    >>> pull = vv.Force(at=ball.point(), force=(0, 0, -20), time="t")
+    >>> pull = vv.Force(on=ball.point(), force=(0, 0, -20), times=lambda t: t)
     >>> result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=1.0, step=0.5)
     >>> round(float(result.states[-1][2]), 9)
     -1.2
@@ -313,7 +313,8 @@ def arc_length(
 
 def _follow(system: System, first: float, steps: int, rule: ArcLength) -> Iterator[int]:
     """Steps along the path; yields the iterations of each."""
-    arc = shortest = longest = 0.0
+    arc: float = 0.0
+    shortest = longest = 0.0
     previous: tuple[Array, float] | None = None
     for _ in range(steps):
         while True:
@@ -337,7 +338,7 @@ def _follow(system: System, first: float, steps: int, rule: ArcLength) -> Iterat
                 continue
             break
         previous = increment
-        arc = min(arc * np.sqrt(rule.iterations / iterations), longest)
+        arc = min(arc * float(np.sqrt(rule.iterations / iterations)), longest)
         yield iterations
 
 
@@ -368,7 +369,7 @@ class Path:
         dt = self.unit
         if previous is not None:
             ahead = self.metric @ (d * previous[0]) + self.load_weight**2 * previous[1] / self.unit**2
-            dt = np.sign(ahead) * arc / self.length(d, 1.0)
+            dt = float(np.sign(ahead)) * arc / self.length(d, 1.0)
         else:
             arc = arc or self.length(d * dt, dt)
             dt = arc / self.length(d, 1.0)

@@ -173,7 +173,9 @@ class System:
         prescribed = self.model.prescribed
         core.set_prescribed(
             np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
-            np.concatenate([np.zeros(0, np.int32), *(np.full_like(p.unknowns, p.account) for p in prescribed)]),
+            np.concatenate(
+                [np.zeros(0, np.int32), *(np.full_like(p.unknowns, p.account) for p in prescribed)]
+            ),
         )
         core.finalize()
         core.use_solver(self._use_null_space(), self.newton.regularization)

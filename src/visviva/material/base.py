@@ -149,8 +149,8 @@ class Elastic(Material):
         self._lame = two_constants(given)
         if not (self._lame[1] > 0 and self._lame[0] + 2 / 3 * self._lame[1] > 0):
             raise self.refuse(
-                f"shear modulus {self._lame[1]:g} and bulk modulus {self._lame[0] + 2 / 3 * self._lame[1]:g} that follow "
-                f"from {given} must be positive"
+                f"shear modulus {self._lame[1]:g} and bulk modulus {self._lame[0] + 2 / 3 * self._lame[1]:g} that "
+                f"follow from {given} must be positive"
             )
 
     @property
@@ -184,7 +184,8 @@ def two_constants(given: dict[str, float]) -> tuple[float, float]:
         elif nu is not None and L is not None:
             G = L * (1 - 2 * nu) / (2 * nu) if nu else np.nan
         else:
-            assert K is not None and L is not None
+            assert K is not None
+            assert L is not None
             G = 1.5 * (K - L)
     if L is None:
         if K is not None:

@@ -30,7 +30,8 @@ class UserMaterial(Material):
     --------
     >>> import numpy as np
     >>> def neo_hooke(C):
-    ...     J2 = (C[0] * (C[1] * C[2] - C[4]**2) - C[3] * (C[3] * C[2] - C[4] * C[5]) + C[5] * (C[3] * C[4] - C[1] * C[5]))
+    ...     J2 = (C[0] * (C[1] * C[2] - C[4]**2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    ...           + C[5] * (C[3] * C[4] - C[1] * C[5]))
     ...     return 0.5 * (C[0] + C[1] + C[2] - 3 - np.log(J2)) + 0.125 * np.log(J2) ** 2
     >>> UserMaterial(function=neo_hooke).lame
     (1.0, 1.0)
