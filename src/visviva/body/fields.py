@@ -52,7 +52,7 @@ class Fields:
     >>> system = vv.System([block])
     >>> fields = block.fields(1.1 * system.x)
     >>> fields.F.shape, float(fields.pressure[0, 0].round(6))
-    ((1, 8, 3, 3), -0.372622)
+    ((1, 8, 3, 3), -0.3726)
     """
 
     F: Array
