@@ -25,7 +25,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     "; did you mean 'omega'?"
     """
     listed = sorted(known)
-    close = difflib.get_close_matches(name, listed, n=1, cutoff=0.5)
+    close = [k for k in listed if k.lower() == name.lower()]
+    close = close or difflib.get_close_matches(name, listed, n=1, cutoff=0.5)
     if not close:
         lower = {k.lower(): k for k in listed}
         close = [lower[k] for k in difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.5)]

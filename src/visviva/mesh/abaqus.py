@@ -100,7 +100,10 @@ class Reader:
         }
         for section in sections(path):
             if section.keyword in known:
-                known[section.keyword](section)
+                try:
+                    known[section.keyword](section)
+                except (KeyError, IndexError, ValueError) as error:
+                    raise InputError(f"*{section.keyword} {section.parameters}: {error}") from error
         if not self.points:
             raise InputError("there are no nodes in it")
         if len({len(point) for point in self.points}) > 1:

@@ -49,9 +49,9 @@ class Collection:
 
         Groups of these become sets of cells, groups of their faces sets of faces, the rest sets of nodes.
         """
-        if not self.blocks:
+        dimension = max(map(dimension_of, self.types), default=0)
+        if dimension == 0:
             raise InputError("there are no cells in it")
-        dimension = max(map(dimension_of, self.types))
         cells, number = self._cells(dimension)
         face_sets = {
             name: union(self._side(cells, number, *part) for part in s) for name, s in self.sides.items()
@@ -107,6 +107,8 @@ class Collection:
         for name, numbers in cell_numbers(cells).items():
             mine = owners[np.isin(owners, numbers)]
             if len(mine):
+                if face >= len(CELLS[name].faces):
+                    raise InputError(f"a cell {name} has no side S{face + 1}")
                 local = CELLS[name].faces[face]
                 nodes = cells[name][mine - numbers[0]][:, local.nodes]
                 found.append(Faces({local.type: nodes}, {local.type: mine}))

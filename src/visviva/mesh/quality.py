@@ -67,13 +67,15 @@ def _check_numbers(mesh: Mesh) -> None:
         )
     bad = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
     if len(bad):
-        raise InputError(f"{_several(len(bad), 'point')} of the mesh not finite, the first is node {bad[0]}")
+        raise InputError(
+            f"{_several(len(bad), 'point', 'of the mesh')} not finite, the first is node {bad[0]}"
+        )
     for name, nodes in mesh.cells.items():
         ordered = np.sort(nodes, axis=1)
         twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
         if len(twice):
             raise InputError(
-                f"{_several(len(twice), 'cell')} of type {name} with a node twice, the first is "
+                f"{_several(len(twice), 'cell', f'of type {name}')} collapsed, with a node twice, the first is "
                 f"{_cell(mesh, name, int(twice[0]))}, nodes {nodes[twice[0]].tolist()}: mesh the place "
                 "without collapsed cells"
             )
@@ -83,7 +85,7 @@ def _check_numbers(mesh: Mesh) -> None:
     if not used.all():
         first = int(np.flatnonzero(~used)[0])
         raise InputError(
-            f"{_several(int((~used).sum()), 'node')} of the mesh in no cell, the first is node {first} at "
+            f"{_several(int((~used).sum()), 'node', 'of the mesh')} in no cell, the first is node {first} at "
             f"{_place(mesh.points[first])}: delete them with mesh.without_orphans()"
         )
 
@@ -96,7 +98,7 @@ def _check_shape(mesh: Mesh) -> None:
             first = int(bad[0])
             site = int(found[first].argmin())
             raise InputError(
-                f"{_several(len(bad), 'cell')} of type {name} inverted or degenerate, the first is "
+                f"{_several(len(bad), 'cell', f'of type {name}')} inverted or degenerate, the first is "
                 f"{_cell(mesh, name, first)}: its scaled Jacobian is {found[first, site]:.3g} at "
                 f"{_place(_position(mesh, name, nodes[first], site))}. "
                 + _advice(CELLS[name], bool((found[bad].max(axis=1) < 0).all()), len(bad) == len(nodes))
@@ -111,8 +113,9 @@ def _advice(cell: Cell, all_negative: bool, every: bool) -> str:
     return "Mesh the place anew, or move its nodes"
 
 
-def _several(n: int, what: str) -> str:
-    return f"{n} {what}s are" if n > 1 else f"1 {what} is"
+def _several(n: int, what: str, which: str) -> str:
+    """Beginning of a sentence: how many are what follows."""
+    return f"{n} {what}s {which} are" if n > 1 else f"1 {what} {which} is"
 
 
 def _place(point: Array) -> str:

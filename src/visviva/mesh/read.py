@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from pydantic import ConfigDict
@@ -68,7 +69,7 @@ class MeshFile(MeshSource):
             raise InputError(f"there is no mesh file {self.path}: check the path, relative to {Path.cwd()}")
         try:
             mesh = self._collection().mesh()
-        except (InputError, ValueError, IndexError, KeyError) as error:
+        except ValueError as error:
             raise InputError(f"{self.path} cannot be used as a mesh: {error}") from error
         return mesh.without_orphans() if self.drop_orphans else mesh
 
@@ -79,7 +80,11 @@ class MeshFile(MeshSource):
         if suffix == ".geo":
             with tempfile.TemporaryDirectory() as folder:
                 return _of_meshio(_meshio_read(_meshed(self.path, Path(folder) / "mesh.msh")))
-        return _of_meshio(_meshio_read(self.path))
+        read = _meshio_read(self.path)
+        if suffix == ".vtk":  # its names are written without blanks
+            read.point_data = {unquote(name): data for name, data in read.point_data.items()}
+            read.cell_data = {unquote(name): data for name, data in read.cell_data.items()}
+        return _of_meshio(read)
 
 
 def _meshed(script: Path, target: Path) -> Path:
@@ -136,7 +141,8 @@ def _groups(read: Any) -> Iterator[tuple[str, int, Ints]]:
     """Name, number of the block and rows in it of all groups of cells."""
     for name, blocks in read.cell_sets.items():
         if not name.startswith("gmsh:"):
-            yield from ((name, k, np.asarray(rows)) for k, rows in enumerate(blocks) if np.size(rows))
+            parts = enumerate(blocks)
+            yield from ((name, k, np.asarray(rows, np.int64)) for k, rows in parts if np.size(rows))
     physical = read.cell_data.get("gmsh:physical")
     if physical is not None:
         called = {(int(tag), int(dim)): name for name, (tag, dim) in _tags(read).items()}

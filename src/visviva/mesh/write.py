@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 
@@ -31,14 +32,15 @@ def write(mesh: Mesh, path: Path) -> None:
         return
     meshio = load_meshio()
     gmsh = path.suffix.lower() == ".msh"
-    made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh)
+    legacy = path.suffix.lower() == ".vtk"  # where names are written without blanks
+    made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh, quote if legacy else str)
     try:
         meshio.write(path, made, file_format="gmsh22" if gmsh else None)
     except (Exception, SystemExit) as error:  # its writers raise many kinds, or exit
         raise InputError(f"meshio cannot write {path} ({type(error).__name__}: {error})") from error
 
 
-def _marked(meshio: Any, mesh: Mesh) -> Any:
+def _marked(meshio: Any, mesh: Mesh, encoded: Callable[[str], str]) -> Any:
     """With sets as arrays of zeros and ones; sets of faces are cells of their own, each face once."""
     numbers = cell_numbers(mesh.cells)
     blocks = [(CELLS[name].meshio, rows) for name, rows in mesh.cells.items()]
@@ -53,7 +55,9 @@ def _marked(meshio: Any, mesh: Mesh) -> Any:
         cell_data[name][len(mesh.cells) + k] = np.ones(len(rows), np.int8)
     nodes = np.arange(mesh.n_nodes)
     point_data = {name: np.isin(nodes, members).astype(np.int8) for name, members in mesh.node_sets.items()}
-    return meshio.Mesh(_in_space(mesh), blocks, point_data=point_data, cell_data=cell_data)
+    on_points = {encoded(name): data for name, data in point_data.items()}
+    on_cells = {encoded(name): data for name, data in cell_data.items()}
+    return meshio.Mesh(_in_space(mesh), blocks, point_data=on_points, cell_data=on_cells)
 
 
 def _tagged(meshio: Any, mesh: Mesh) -> Any:

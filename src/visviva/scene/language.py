@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import visviva
 from visviva.body.shape import Shape
 from visviva.component import Component
+from visviva.material.base import Material
 from visviva.measure import Measure
 from visviva.mesh.generate import MeshSource
 from visviva.reaction import Reaction
@@ -27,6 +28,10 @@ ATTACHMENTS: dict[str, tuple[str, ...]] = {
     "frame_at": ("x", "axis", "first"),
 }
 """Methods of components that give points and frames, with their arguments."""
+
+
+CHOICES: dict[str, type[Any]] = {"shape": Shape, "mesh": MeshSource, "material": Material}
+"""Kinds of values among which an argument chooses, by their names in the schema."""
 
 
 def public(base: type[T]) -> dict[str, type[T]]:
@@ -47,8 +52,9 @@ def components() -> dict[str, type[Component]]:
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes, meshes and measures."""
-    return {**public(Shape), **public(MeshSource), **public(Measure)}
+    """What can stand as an argument: shapes, meshes, materials and measures."""
+    choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
+    return {**choices, **public(Measure)}
 
 
 def probes() -> dict[str, type[Any]]:

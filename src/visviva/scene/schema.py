@@ -11,9 +11,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from visviva.body.shape import Shape
 from visviva.component import settings
-from visviva.mesh.generate import MeshSource
 from visviva.scene import language
 from visviva.system import Newton
 from visviva.values import VECTOR_SCHEMA
@@ -22,7 +20,6 @@ Schema = dict[str, Any]
 
 TEXT: Schema = {"type": "string"}
 POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
-CHOICES: dict[str, type[Any]] = {"shape": Shape, "mesh": MeshSource}
 AXES: Schema = {"type": "array", "items": VECTOR_SCHEMA, "minItems": 3, "maxItems": 3}
 
 
@@ -43,7 +40,7 @@ def scene_schema() -> Schema:
         "probe": one_of(probes),
         "scheme": one_of(language.schemes()),
     }
-    definitions |= {name: one_of(language.public(base)) for name, base in CHOICES.items()}
+    definitions |= {name: one_of(language.public(base)) for name, base in language.CHOICES.items()}
     definitions |= {"reference": reference()}
     run = {"until": POSITIVE, "step": POSITIVE, "scheme": {"$ref": "#/$defs/scheme"}}
     return {
@@ -126,7 +123,7 @@ def argument(hint: Any) -> Schema:
     if language.is_reference(hint):
         return ref("reference")
     leaves = [leaf for leaf in language.leaves(hint) if leaf is not types.NoneType]
-    for name, base in CHOICES.items():
+    for name, base in language.CHOICES.items():
         if any(isinstance(leaf, type) and issubclass(leaf, base) for leaf in leaves):
             return ref(name)
     if language.is_path(hint):

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from visviva.body.shape import Shape
 from visviva.component import Component
 from visviva.errors import InputError
 from visviva.measure import Measure
-from visviva.mesh.generate import MeshSource
 from visviva.output.files import replacing, reporting
 from visviva.point import Frame, Point
 from visviva.reaction import Reaction
@@ -117,7 +115,7 @@ def value(label: str, item: Any) -> Any:
     if isinstance(item, Scheme):
         arguments = given(label, item)
         return {type(item).__name__: arguments} if arguments else type(item).__name__
-    if isinstance(item, Shape | MeshSource | Measure | Reaction):
+    if isinstance(item, (*language.CHOICES.values(), Measure, Reaction)):
         return described(label, item, {**language.values(), **language.probes()})
     return plain(label, item.source if isinstance(item, TimeFunction) else item)
 
