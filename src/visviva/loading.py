@@ -199,7 +199,7 @@ def quasi_static(
     >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0, position=(0, 0, -1))
     >>> spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
     >>> guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
-    >>> pull = vv.Force(at=ball.point(), force=(0, 0, -20), time="t")
+    >>> pull = vv.Force(on=ball, force=(0, 0, -20), times="t")
     >>> result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=1.0, step=0.5)
     >>> round(float(result.states[-1][2]), 9)
     -1.2
