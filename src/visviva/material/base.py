@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.arguments import Validated
 from visviva.component import settings
 from visviva.errors import InputError
 from visviva.values import Number
@@ -43,7 +44,7 @@ class Kind(IntEnum):
 
 
 @dataclass(config=settings, kw_only=True)
-class Material:
+class Material(metaclass=Validated):
     """Base of all materials; a material knows nothing of elements or time."""
 
     kind: ClassVar[Kind]
