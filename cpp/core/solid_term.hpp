@@ -41,9 +41,9 @@ class SolidTerm : public Term {
     int n_nodes() const { return view_.n_nodes; }
     int n_points() const { return view_.n_points; }
     int dim() const { return view_.dim; }
-    // What elements begin ... end - 1 (begin a multiple of eight) feel at the configuration x, without inertia
-    // and damping: fields at their points [element][point][solid_field_rows], or the forces on their nodes
-    // [element][node][dim].
+    // What elements begin ... end - 1 (begin a multiple of eight) feel at the configuration x, without
+    // inertia and damping: fields at their points [element][point][solid_field_rows], or the forces on their
+    // nodes [element][node][dim].
     void fields(const double* x, int begin, int end, double* out);
     void forces(const double* x, int begin, int end, double* out);
 

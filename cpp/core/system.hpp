@@ -76,8 +76,8 @@ class System {
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
-    // The residual of the step accepted last: at fixed unknowns, the force that holds them. History of terms is
-    // taken as it is now.
+    // The residual of the step accepted last: at fixed unknowns, the force that holds them. History of terms
+    // is taken as it is now.
     void forces(const Step& step, const Signals& signals, double* residual);
 
     // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how

@@ -27,8 +27,8 @@ from visviva.load.drive import JointDamper, JointForce, JointSpring, Motor
 from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
-from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.load.support import Fixed, Prescribed, SymmetryPlane
+from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.loading import ArcLength, Statics, arc_length, quasi_static
 from visviva.material.base import Material
 from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff

@@ -369,7 +369,7 @@ class Path:
         dt = self.unit
         if previous is not None:
             ahead = self.metric @ (d * previous[0]) + self.load_weight**2 * previous[1] / self.unit**2
-            dt = float(np.sign(ahead)) * arc / self.length(d, 1.0)
+            dt = float(np.sign(float(ahead))) * arc / self.length(d, 1.0)
         else:
             arc = arc or self.length(d * dt, dt)
             dt = arc / self.length(d, 1.0)

@@ -73,10 +73,8 @@ class Modes:
         lines = [" mode   frequency [1/T]   angular [rad/T]   moves most"]
         for k, squared in enumerate(self.squared):
             w = float(np.sqrt(abs(squared)))
-            if squared < 0:
-                text = f"      unstable, grows like exp({w:.6g} t)"
-            else:
-                text = f"{w / (2 * np.pi):18.9g}{w:18.9g}"
+            stable = f"{w / (2 * np.pi):18.9g}{w:18.9g}"
+            text = stable if squared >= 0 else f"      unstable, grows like exp({w:.6g} t)"
             lines.append(f"{k + 1:5d}{text}   {self.leader(k)}")
         return "\n".join(lines)
 

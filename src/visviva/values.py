@@ -88,7 +88,9 @@ def _nodes(value: Any) -> Any:
         return value
     found = np.asarray(value)
     if found.ndim != 1 or found.dtype.kind not in "iu" or not len(found):
-        raise ValueError(f"expected the name of a set of nodes or faces, 'all', or numbers of nodes, not {value!r}")
+        raise ValueError(
+            f"expected the name of a set of nodes or faces, 'all', or numbers of nodes, not {value!r}"
+        )
     return found.astype(np.int64)
 
 

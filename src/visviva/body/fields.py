@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.gallery import nearest
+from visviva.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.geometry import determinant
 from visviva.mesh.quadrature import stiffness_rule
@@ -108,12 +107,14 @@ class Fields:
     @property
     def principal_stresses(self) -> Array:
         """Principal values (..., 3) of Cauchy's stress, the largest first."""
-        return np.linalg.eigvalsh(self.cauchy)[..., ::-1]
+        values: Array = np.linalg.eigvalsh(self.cauchy)[..., ::-1]
+        return values
 
     @property
     def stretches(self) -> Array:
         """Principal stretches (..., 3), the largest first."""
-        return np.sqrt(np.maximum(np.linalg.eigvalsh(self.C)[..., ::-1], 0.0))
+        stretches: Array = np.sqrt(np.maximum(np.linalg.eigvalsh(self.C)[..., ::-1], 0.0))
+        return stretches
 
 
 def components(tensor: Array) -> Array:

@@ -14,9 +14,8 @@ from visviva import _core
 from visviva.body.element import geometry, masses
 from visviva.body.fields import Fields, at_nodes, evaluated, of_cells
 from visviva.component import Attachable, settings
-from visviva.errors import InputError
+from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
-from visviva.gallery import nearest
 from visviva.material.base import Material
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
@@ -133,7 +132,7 @@ class Solid(Attachable):
     @property
     def dimension(self) -> int:
         """Of the mesh: 2 or 3."""
-        return self.grid.points.shape[1]
+        return self.grid.dimension
 
     @property
     def axisymmetric(self) -> bool:
@@ -170,8 +169,15 @@ class Solid(Attachable):
         return float(self.nodal_mass.sum())
 
     def _masses(self, cell: str, nodes: Ints) -> Array:
-        options = {"thickness": self.thickness, "axisymmetric": self.axisymmetric, "lumped": self.lumped}
-        return masses(self.grid.points, nodes, cell, self.density, **options)
+        return masses(
+            self.grid.points,
+            nodes,
+            cell,
+            self.density,
+            thickness=self.thickness,
+            axisymmetric=self.axisymmetric,
+            lumped=self.lumped,
+        )
 
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
@@ -315,7 +321,7 @@ class Solid(Attachable):
         >>> system = vv.System([bar])
         >>> stretched = system.x.copy()
         >>> stretched[bar.node_unknowns(range(bar.grid.n_nodes))] *= 1.1
-        >>> bar.nodal("von_mises", stretched).round(12).max()
+        >>> float(bar.nodal("von_mises", stretched).round(12).max())
         0.2
         """
         return at_nodes(self, name, x)

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from visviva.errors import InputError
-from visviva.gallery import nearest
+from visviva.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
 from visviva.mesh.convert import cell_numbers

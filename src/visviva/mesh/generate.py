@@ -5,7 +5,7 @@ Every region is the image of grids on [0, 1]^n, so that nodes in the middle of e
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import Validated
 from visviva.errors import InputError
 from visviva.mesh.cells import Array
 from visviva.mesh.grid import SIDES, Block, Grid, Names, assembled
@@ -42,7 +43,7 @@ FULL = 2 * np.pi
 WELD = 1e-9  # of the size: distance below which nodes of neighbouring blocks are one
 
 
-class MeshSource(ABC):
+class MeshSource(metaclass=Validated):
     """What gives a mesh: a generator or a file."""
 
     @abstractmethod

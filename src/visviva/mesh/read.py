@@ -9,21 +9,20 @@ from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
-from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from visviva.errors import InputError
 from visviva.mesh.abaqus import Reader
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
-from visviva.mesh.generate import MeshSource
+from visviva.mesh.generate import CONFIG, MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.write import load_meshio
 
 NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
 
 
-@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
+@dataclass(frozen=True, config=CONFIG)
 class MeshFile(MeshSource):
     """Mesh from a file.
 
