@@ -299,6 +299,17 @@ static void bind_system(nb::module_& m) {
                  nb::gil_scoped_release release;
                  return s.solve(step, signals_of(signals), {tolerance, max_iterations, keep_factor});
              })
+        .def(
+            "advance",
+            [](System& s, const Step& step, nb::object signals, double tolerance, int max_iterations,
+               double keep_factor) {
+                const Signals given =
+                    signals.is_none() ? s.no_signals() : signals_of(nb::cast<Doubles>(signals));
+                nb::gil_scoped_release release;
+                return s.advance(step, given, {tolerance, max_iterations, keep_factor});
+            },
+            nb::arg("step"), nb::arg("signals").none(), nb::arg("tolerance"), nb::arg("max_iterations"),
+            nb::arg("keep_factor"))
         .def("accept",
              [](System& s, const Step& step, const Doubles& signals, bool ledger) {
                  nb::gil_scoped_release release;

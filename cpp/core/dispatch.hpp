@@ -24,9 +24,12 @@ struct Kernels {
     double (*vector_update)(int n, const double* d, const double* weight, const double* x, double* dx,
                             double* x1);
     void (*vector_affine)(int n, double factor, const double* x, const double* base, double* y);
+    double (*vector_largest)(int n, const double* a, const double* weight);
+    void (*vector_differences)(int n, int n_d, const double* x, const double* weight, double* const* d,
+                               double* change, double* sum);
     void (*rigid_force)(const RigidView&, const double* r, const Place&, double* s);
     void (*rigid_balance)(const RigidView&, const double* r, const Place&, double* dx, double* x1);
-    void (*rigid_expand)(const RigidView&, const double* s, const double* r, const Place&, double* d);
+    void (*rigid_expand)(const RigidView&, const double* s, const Place&, double* d);
     LuKernels lu;
     // y = A x for the block rows begin .. end.
     void (*block_multiply)(const BlockView<double>&, const double* x, double* y, int begin, int end);

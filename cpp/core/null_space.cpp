@@ -124,7 +124,7 @@ class NullSpace : public LinearSolver {
         for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
         lu_.solve(s);
         for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
-        kernels().rigid_expand(view_, s, r, place, d);
+        kernels().rigid_expand(view_, s, place, d);
         return true;
     }
 

@@ -3,31 +3,55 @@
 #include <vector>
 
 #include "linear.hpp"
-#include "step.hpp"
 
 namespace visviva {
 
-// Remembers up to three increments of equal step length: of every unknown, and as Cayley rotations of rigid
+// The last of some numbers that come step by step, with its backward differences. The next is extrapolated by
+// the rule that would have predicted the last one best: polynomials through few or many values, and the same
+// beside a part that changes its sign from step to step, as multipliers have it under midpoint rules.
+class Extrapolation {
+  public:
+    void resize(std::vector<double> weight);  // of each number in the choice of the rule
+    void forget() { known_ = order_ = 0, alternates_ = false; }
+    bool knows() const { return known_ > 0; }
+    void push(const double* x);
+    void next(double* x) const;
+
+    void write(std::vector<double>& memory) const;
+    const double* read(const double* memory);
+
+  private:
+    static constexpr int most = 7;
+    std::vector<double> weight_, difference_[most];
+    int known_ = 0, order_ = 0;  // how many differences are known, and how many are added up
+    bool alternates_ = false;    // the one after these is subtracted
+};
+
+// Remembers increments of equal step length: of coordinates, of multipliers, and as Cayley rotations of rigid
 // bodies, whose directors are predicted by turning them.
 class Predictor {
   public:
-    void resize(int n_unknowns, std::vector<RigidUnknowns> rigid);
-    void forget() { known_ = 0; }
-    // Increments of motion unknowns [begin, end) in dx, from the rates v where nothing is remembered yet.
-    void predict(int begin, int end, double h, const double* v, double* dx) const;
-    // The same for multipliers, which change faster: one order less, and nothing known means no change.
-    void predict_multipliers(int begin, int end, double h, double* dx) const;
-    void predict_rotations(double h, const double* x, const double* v, double* dx) const;
+    // Unknowns to be predicted (directors of rigid bodies apart) and the coordinates' weights.
+    void resize(std::vector<int> coordinates, std::vector<double> weight, std::vector<int> multipliers,
+                std::vector<RigidUnknowns> rigid);
+    void forget() { motion_.forget(), multiplier_.forget(), turn_.forget(); }
+    // The increment of a step of length h from x with the rates v. Nothing known: coordinates go on with
+    // their rates, multipliers keep their values. Nothing else in dx is changed.
+    void predict(double h, const double* x, const double* v, double* dx);
+    void predict_multipliers(double h, double* dx);
     void record(const double* x0, const double* dx, double h);
 
     void write(std::vector<double>& memory) const;
     const double* read(const double* memory);
 
   private:
-    int usable(double h) const { return h == h_ ? known_ : 0; }
+    void predict_rotations(double h, const double* x, const double* v, double* dx);
+    void record_rotations(const double* x0, const double* dx);
+
+    std::vector<int> coordinates_, multipliers_;
     std::vector<RigidUnknowns> rigid_;
-    std::vector<double> dx_[3], turn_[3];  // the last first
-    int known_ = 0;
+    Extrapolation motion_, multiplier_, turn_;
+    std::vector<double> work_;
     double h_ = 0;
 };
 

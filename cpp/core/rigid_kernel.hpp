@@ -114,10 +114,11 @@ void rigid_balance(const RigidView& v, const double* r, const Place& p, double* 
     }
 }
 
-void rigid_expand(const RigidView& v, const double* s, const double* r, const Place& p, double* d) {
+// The increment of coordinates; that of the multipliers of orthonormality is left to rigid_balance.
+void rigid_expand(const RigidView& v, const double* s, const Place& p, double* d) {
     for (int base = 0; base < v.n; base += W) {
         const int n = count(v, base);
-        V u[6], change[9], lambda[6];
+        V u[6], change[9];
         for (int c = 0; c < 6; ++c) u[c] = gather(s + c, v.at + base);
         const Frame f1 = gather_frame(v, p.x1, base);
         V turn[3];
@@ -125,11 +126,6 @@ void rigid_expand(const RigidView& v, const double* s, const double* r, const Pl
         rotate(f1, turn, change);
         for (int c = 0; c < 3; ++c) put(u[c], v.q + c * v.stride + base, 0, n, d);
         for (int k = 0; k < 9; ++k) put(change[k], v.q + (3 + k) * v.stride + base, 0, n, d);
-        rigidity(frame_between(f1, v, p, base), gather_frame(v, r, base), lambda);
-        for (int k = 0; k < 6; ++k) {
-            const int* index = v.multiplier + k * v.stride + base;
-            put(lambda[k] - gather(p.x1, index), index, 0, n, d);
-        }
     }
 }
 

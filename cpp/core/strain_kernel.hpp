@@ -63,6 +63,16 @@ VISVIVA_INLINE void gradients(const ShapeView& s, const V* y, bool linear, V* g)
     for (int k = 0; k < nl; ++k) g[s.lin_e[k] * s.n_y + s.lin_a[k]] += s.lin_coef[k];
 }
 
+// de/dt at y with the rates ydot of the forms.
+VISVIVA_INLINE void strain_rates(const ShapeView& s, const V* y, const V* ydot, V* edot) {
+    for (int i = 0; i < s.n_e; ++i) edot[i] = broadcast(0.0);
+    for (int k = 0; k < s.n_quad; ++k) {
+        const int a = s.quad_a[k], b = s.quad_b[k];
+        edot[s.quad_e[k]] += s.quad_coef[k] * (ydot[a] * y[b] + y[a] * ydot[b]);
+    }
+    for (int k = 0; k < s.n_lin; ++k) edot[s.lin_e[k]] += s.lin_coef[k] * ydot[s.lin_a[k]];
+}
+
 VISVIVA_INLINE double term_theta(const ShapeView& s, const Step& step) {
     return is_constraint(s.law) ? step.theta_g : step.theta;
 }
@@ -89,11 +99,7 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
     }
     if (needs_rate(s.law)) {
         forms(v, x.rate, base, false, w.ydot);
-        gradients(s, w.yt, true, w.g);
-        for (int i = 0; i < s.n_e; ++i) {
-            w.edot[i] = broadcast(0.0);
-            for (int a = 0; a < s.n_y; ++a) w.edot[i] += w.g[i * s.n_y + a] * w.ydot[a];
-        }
+        strain_rates(s, w.yt, w.ydot, w.edot);
     }
     for (int m = 0; m < s.n_m; ++m) w.lam[m] = gather(x.x1, v.index + (s.n_x + m) * v.stride + base);
     LawData a{&step, &v, &signals, base, w.e0, w.e1, w.et, w.edot, w.lam, w.S, w.D, w.R, w.Phi, w.J, w.Jt};
@@ -277,15 +283,12 @@ VISVIVA_INLINE void defects(const StrainView& v, const LawData& a, const Signals
     const ShapeView& s = v.shape;
     defect = rate_defect = broadcast(0.0);
     forms(v, v1, a.base, false, w.ydot);
-    gradients(s, w.y1, true, w.g1);
+    strain_rates(s, w.y1, w.ydot, w.edot);
+    const bool driven = s.law == LawKind::constraint || s.law == LawKind::servo;
     for (int m = 0; m < s.n_m; ++m) {
         defect = vmax(defect, vabs(w.Phi[m]));
-        const bool driven = s.law == LawKind::constraint || s.law == LawKind::servo;
-        V rate = driven ? -signal(a, signals.rate1, m, 0.0) : broadcast(0.0);
-        for (int i = 0; i < s.n_e; ++i) {
-            const V j = law_derivative(s, w.J, i, m, false);
-            for (int b = 0; b < s.n_y; ++b) rate += j * w.g1[i * s.n_y + b] * w.ydot[b];
-        }
+        V rate = driven ? w.edot[m] - signal(a, signals.rate1, m, 0.0) : broadcast(0.0);
+        for (int i = 0; !driven && i < s.n_e; ++i) rate += w.J[m * s.n_e + i] * w.edot[i];
         rate_defect = vmax(rate_defect, vabs(rate));
     }
 }

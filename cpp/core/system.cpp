@@ -32,7 +32,6 @@ void System::set_accounts(int n_accounts, int n_components) {
 
 void System::finalize() {
     wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
-    predictor_.resize(n_, blocks_.rigid);
     constraint_weight_.assign(n_, 0.0);
     if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
@@ -81,26 +80,35 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
     solver_ = std::move(solver);
     solver_->analyze(csr_, blocks_);
     stale_factor_ = true;
+    prepare_predictor();
 }
 
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 
-// The start of the iteration: motion extrapolated, multipliers from their last values, prescribed unknowns as
-// set.
-void System::predict(const Step& step) {
-    const std::vector<double> prescribed = n_fixed_ ? dx : std::vector<double>();
-    for (const Segment& s : segments_) {
-        const bool goes = s.order == 2 ? step.motion[0][0] != 0 : s.order == 1 && step.transport[0][0] != 0;
-        if (goes)
-            predictor_.predict(s.begin, s.end, step.h, v.data(), dx.data());
-        else if (s.order == 0)
-            predictor_.predict_multipliers(s.begin, s.end, step.h, dx.data());
-        else
-            std::fill(dx.begin() + s.begin, dx.begin() + s.end, 0.0);
+// Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
+// multipliers for that.
+void System::prepare_predictor() {
+    std::vector<char> apart = fixed_;
+    for (const RigidUnknowns& body : blocks_.rigid) {
+        for (int k = 3; k < 12; ++k) apart[body.q[k]] = 1;
+        for (int k = 0; solver_->keeps_rigidity() && k < 6; ++k) apart[body.multiplier[k]] = 1;
     }
-    if (step.motion[0][0] != 0) predictor_.predict_rotations(step.h, x.data(), v.data(), dx.data());
-    for (int i = 0; n_fixed_ && i < n_; ++i)
-        if (fixed_[i]) dx[i] = prescribed[i];
+    std::vector<int> coordinates, multipliers;
+    std::vector<double> weight;
+    for (int i = 0; i < n_; ++i) {
+        if (apart[i]) continue;
+        (order_[i] > 0 ? coordinates : multipliers).push_back(i);
+        if (order_[i] > 0) weight.push_back(inverse_scale_[i]);
+    }
+    predictor_.resize(std::move(coordinates), std::move(weight), std::move(multipliers), blocks_.rigid);
+}
+
+// The start of the iteration: motion extrapolated, prescribed unknowns as set.
+void System::predict(const Step& step) {
+    for (int i = 0; i < n_; ++i)
+        if (!fixed_[i]) dx[i] = 0;
+    if (step.motion[0][0] != 0) predictor_.predict(step.h, x.data(), v.data(), dx.data());
+    predictor_.predict_multipliers(step.h, dx.data());
     set_base_rates(step);
 }
 
@@ -121,8 +129,12 @@ void System::set_base_rates(const Step& step) {
 }
 
 void System::update_vectors(const Step& step) {
+    kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    update_rates(step);
+}
+
+void System::update_rates(const Step& step) {
     const Kernels& k = kernels();
-    k.vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     for (const Segment& s : segments_) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
@@ -136,7 +148,7 @@ void System::update_vectors(const Step& step) {
 double System::iterate(const Step& step) {
     const double size =
         kernels().vector_update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());
-    update_vectors(step);
+    update_rates(step);
     return size;
 }
 
@@ -145,9 +157,6 @@ void System::evaluate_residual(const Context& c, bool all) {
     for (const auto& term : terms_)
         if (all || !term->is_rigidity) term->residual(c, r_.data());
 }
-
-// Whether a scheme goes back to more than the rates.
-static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transport[0][2] != 0; }
 
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative
 // increments, and the relative increment that rounding of the configuration alone can cause.
@@ -181,9 +190,7 @@ void System::weigh_constraints() {
 
 // Largest violation of a constraint at the last evaluation, relative like increments.
 double System::constraint_error() const {
-    double largest = 0;
-    for (int i = 0; i < n_; ++i) largest = std::max(largest, std::abs(r_[i]) * constraint_weight_[i]);
-    return largest;
+    return kernels().vector_largest(n_, r_.data(), constraint_weight_.data());
 }
 
 bool System::refactor(const Context& c, const Step& step) {
@@ -209,8 +216,9 @@ bool System::refactor(const Context& c, const Step& step) {
 double System::extent() const {
     double largest = 0;
     for (const Segment& s : segments_)
-        for (int i = s.begin; s.order > 0 && i < s.end; ++i)
-            largest = std::max(largest, std::abs(dx[i]) * inverse_scale_[i]);
+        if (s.order > 0)
+            largest = std::max(
+                largest, kernels().vector_largest(s.end - s.begin, &dx[s.begin], &inverse_scale_[s.begin]));
     return largest > 0 ? largest : 1;
 }
 
@@ -265,6 +273,7 @@ bool System::lead(const Context& c) {
 
 Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report;
+    report.increments.reserve(8);
     predict(step);
     solver_->project(x.data(), dx.data());
     if (stale_begin_)
@@ -314,8 +323,10 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
         // What remains after this increment: with a tangent kept from earlier steps the slowest contraction
         // seen since it was made, and never better than 0.05, because a part that contracts slowly may show
-        // late.
-        const double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : 0;
+        // late. The first increment of a kept tangent says nothing yet: what it leaves of the multipliers'
+        // error, which is not judged, shows in the second.
+        const bool judged = k > 1 || (k > 0 && latest >= 0);
+        const double rho = judged && last > 0 ? std::min(1.0, size / last) : 0;
         contraction_ = std::max(contraction_, rho);
         const double slowest = latest == k && k > 0 ? rho : std::max(contraction_, latest < 0 ? 0.05 : 1e-3);
         const double error = slowest < 1 ? slowest / (1 - slowest) * size : size;
@@ -323,18 +334,21 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         // rounding. A constraint that the increment does not answer to (a regularised pivot) keeps the step
         // from converging.
         const bool renewed = fresh < k && latest >= k - 1;
-        const bool stops = k > 0 && rho > 0.5 && (size < noise_ || (renewed && size < 1e-10));
-        const bool done = (stops || error <= tolerance) && constraint_error() <= 100 * size + noise_;
+        const bool stops = rho > 0.5 && (size < noise_ || (renewed && size < 1e-10));
+        const bool settled = k > 0 || latest == 0 || size == 0;
+        const bool done =
+            settled && (stops || error <= tolerance) && constraint_error() <= 100 * size + noise_;
         if (done && (!driven_ || confirmed)) {
             for (const auto& term : terms_)
                 if (const Refusal no = term->refuse(context); !no.reason.empty())
                     return fail(no.reason, no.unknown);
             report.converged = true;
+            if (solver_->keeps_rigidity()) solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
             iterations_last_ = fresh <= k ? 0 : report.iterations;
             return report;
         }
         confirmed = done;
-        refresh = full || (k > 0 && rho > options.keep_factor && !done);
+        refresh = full || (rho > options.keep_factor && !done);
         last = size;
     }
     return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
@@ -352,35 +366,53 @@ void System::book(const Context& c, const double* v1) {
 
 void System::accept(const Step& step, const Signals& signals, bool ledger) {
     update_vectors(step);
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
-    const Context context{step, vectors, signals};
-    std::copy(v.begin(), v.end(), v_next_.begin());
-    std::copy(a.begin(), a.end(), a_next_.begin());
-    std::copy(w.begin(), w.end(), w_next_.begin());
+    finish(step, signals, ledger);
+}
+
+Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
+    Report report = solve(step, signals, options);
+    if (report.converged) finish(step, signals, true);
+    return report;
+}
+
+// Row k of the scheme's tables: rates or history at the end of the step. False where no unknown has any.
+bool System::end_of_step(const Step& step, int k, const std::vector<double>& now, std::vector<double>& next) {
+    auto used = [k](const double table[5][4]) {
+        return std::any_of(table[k], table[k] + 4, [](double c) { return c != 0; });
+    };
+    if (!used(step.motion) && !used(step.transport)) return false;
+    std::copy(now.begin(), now.end(), next.begin());
     for (const Segment& s : segments_) {
         const auto& t = s.order == 2 ? step.motion : step.transport;
-        auto row = [&](int k, std::vector<double>& to) {
-            const bool used = t[k][0] != 0 || t[k][1] != 0 || t[k][2] != 0 || t[k][3] != 0;
-            for (int i = s.begin; used && i < s.end; ++i)
-                to[i] = t[k][0] * dx[i] + t[k][1] * v[i] + t[k][2] * a[i] + t[k][3] * w[i];
-        };
-        if (s.order == 0) continue;
-        row(2, v_next_), row(3, a_next_), row(4, w_next_);
+        if (s.order == 0 || !used(t)) continue;
+        for (int i = s.begin; i < s.end; ++i) next[i] = t[k][0] * dx[i] + t[k][1] * v[i];
+        const bool history = t[k][2] != 0 || t[k][3] != 0;
+        for (int i = s.begin; history && i < s.end; ++i) next[i] += t[k][2] * a[i] + t[k][3] * w[i];
     }
+    return true;
+}
+
+void System::finish(const Step& step, const Signals& signals, bool ledger) {
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Context context{step, vectors, signals};
+    const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
+               new_w = end_of_step(step, 4, w, w_next_);
     stale_begin_ = true;
     // Functions from outside may throw in here; the accepted state is still the old one then.
     if (ledger) {
         if (!prescribed_.empty()) evaluate_residual(context, true);  // before the terms go on to the end
-        book(context, v_next_.data());
+        book(context, new_v ? v_next_.data() : v.data());
         for (std::size_t k = 0; k < prescribed_.size(); ++k)
             sums.work[prescribed_account_[k]] += r_[prescribed_[k]] * dx[prescribed_[k]];
     }
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
-    last_[0] = x, last_[1] = dx, last_[2] = v, last_[3] = a, last_[4] = w;
-    std::copy(v_next_.begin(), v_next_.end(), v.begin());
-    std::copy(a_next_.begin(), a_next_.end(), a.begin());
-    std::copy(w_next_.begin(), w_next_.end(), w.begin());
+    last_[0] = x, last_[1] = dx, last_[2] = v;
+    new_a ? last_[3] = a : last_[3].clear();
+    new_w ? last_[4] = w : last_[4].clear();
+    if (new_v) std::copy(v_next_.begin(), v_next_.end(), v.begin());
+    if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
+    if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
     discard();
     stale_begin_ = !ledger;  // booking leaves the terms at the end of the step
@@ -395,56 +427,6 @@ void System::take_stock(const Step& step, const Signals& signals) {
     book({step, vectors, signals}, v.data());
 }
 
-std::vector<double> System::memory() const {
-    std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
-                             stale_factor_ ? 1.0 : 0.0};
-    predictor_.write(m);
-    if (stale_factor_) return m;
-    const Step& s = factored_;
-    for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
-        m.push_back(value);
-    m.insert(m.end(), &s.motion[0][0], &s.motion[0][0] + 20);
-    m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
-    m.insert(m.end(), factored_state_.begin(), factored_state_.end());
-    m.insert(m.end(), factored_signals_.begin(), factored_signals_.end());
-    return m;
-}
-
-void System::remember(const std::vector<double>& memory) {
-    const double* m = memory.data();
-    touch();
-    const double contraction = m[0];
-    const double noise = m[1];
-    const int iterations_last = static_cast<int>(m[2]);
-    const bool stale = m[3] != 0;
-    m = predictor_.read(m + 4);
-    if (!stale) {
-        Step s;
-        s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
-        s.stress = static_cast<Stress>(static_cast<int>(m[6]));
-        std::copy(m + 7, m + 27, &s.motion[0][0]);
-        std::copy(m + 27, m + 47, &s.transport[0][0]);
-        m += 47;
-        const std::vector<double> now[5] = {x, dx, v, a, w};
-        std::vector<std::vector<double>*> kept = {&x, &dx, &v};
-        if (uses_history(s)) kept.insert(kept.end(), {&a, &w});
-        for (auto* u : kept) {
-            std::copy(m, m + u->size(), u->begin());
-            m += u->size();
-        }
-        for (const auto& term : terms_) term->begin(x.data());
-        set_base_rates(s);
-        update_vectors(s);
-        const std::size_t k = n_signals_;
-        const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
-        refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data()}, signals}, s);
-        x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
-        stale_factor_ = false;
-    }
-    stale_begin_ = true;
-    noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
-}
-
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {
     solver_->find_redundant(on);
     stale_factor_ = true;
@@ -457,7 +439,9 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {
     auto exchange = [&] {
-        x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]), a.swap(last_[3]), w.swap(last_[4]);
+        x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]);
+        if (!last_[3].empty()) a.swap(last_[3]);
+        if (!last_[4].empty()) w.swap(last_[4]);
     };
     exchange();
     const bool stale = stale_factor_;

@@ -45,7 +45,13 @@ class System {
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
-    void set_signal_count(std::size_t n) { n_signals_ = n; }
+    // Both in one, the ledger booked: solved, the step is accepted.
+    Report advance(const Step& step, const Signals& signals, const NewtonOptions& options);
+    void set_signal_count(std::size_t n) { n_signals_ = n, no_signals_.assign(n, 0.0); }
+    Signals no_signals() const {
+        const double* zero = no_signals_.data();
+        return {zero, zero, zero, zero};
+    }
     void set_driven(bool driven) { driven_ = driven; }
     // Fixed unknowns that move as prescribed: their increments are put into dx before a step is solved, and
     // the work of what moves them is booked on these accounts.
@@ -95,10 +101,14 @@ class System {
 
   private:
     void hold(const Pattern&);
+    void prepare_predictor();
     void predict(const Step&);
     bool lead(const Context&);
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
+    void update_rates(const Step&);
+    bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
+    void finish(const Step&, const Signals&, bool ledger);
     void evaluate_residual(const Context&, bool all);
     bool refactor(const Context&, const Step&);
     int worst() const;
@@ -138,6 +148,7 @@ class System {
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
     std::vector<double> factored_signals_;  // the prescribed functions of time then
     std::size_t n_signals_ = 0;
+    std::vector<double> no_signals_;
 };
 
 }  // namespace visviva

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -278,9 +278,19 @@ class System:
         scheme = EnergyMomentum() if scheme is None else scheme
         if self._repeated is None or self._repeated[:2] != (scheme, h):
             self._repeated = scheme, h, scheme.step(self.time, h)
-        attempt = self.attempt(self._repeated[2].moved_to(self.time))
-        self.accept(attempt, scheme)
-        return attempt.report
+        step = self._repeated[2].moved_to(self.time)
+        if scheme.projects_velocity:
+            attempt = self.attempt(step)
+            self.accept(attempt, scheme)
+            return attempt.report
+        signals = self.signals(step).copy() if self.model.signals else None
+        report = self._solved(self.core.advance, step, signals)
+        self._arrive(step, scheme)
+        return report
+
+    def _arrive(self, step: Any, scheme: Scheme) -> None:
+        self.time = step.t1
+        self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
@@ -293,11 +303,14 @@ class System:
     def attempt(self, step: Any) -> Attempt:
         """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
         signals = self.signals(step).copy()
+        return Attempt(step, signals, self._solved(self.core.solve, step, signals))
+
+    def _solved(self, solve: Callable[..., Any], step: Any, signals: Array | None) -> Any:
+        """Report of the core's function that solves a step; if it fails, the increment is discarded."""
+        newton = self.newton
         try:
             self.prescribe(step)
-            report = self.core.solve(
-                step, signals, self.newton.tolerance, self.newton.max_iterations, self._keep_factor
-            )
+            report = solve(step, signals, newton.tolerance, newton.max_iterations, self._keep_factor)
         except BaseException:  # a user's function has raised
             self.core.discard()
             raise
@@ -305,7 +318,7 @@ class System:
             failure = StepFailure(self, self.time, step.h, report)
             self.core.discard()
             raise failure
-        return Attempt(step, signals, report)
+        return report
 
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
@@ -328,8 +341,7 @@ class System:
         except BaseException:
             self.core.discard()
             raise
-        self.time = attempt.step.t1
-        self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
+        self._arrive(attempt.step, scheme)
         if project:
             self._project_step(x0, dx, attempt.step.h)
 
