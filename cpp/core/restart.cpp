@@ -3,9 +3,6 @@
 
 namespace visviva {
 
-// Whether a scheme goes back to more than the rates.
-static bool uses_history(const Step& s) { return s.motion[1][2] != 0 || s.transport[0][2] != 0; }
-
 std::vector<double> System::memory() const {
     std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
@@ -38,7 +35,7 @@ void System::remember(const std::vector<double>& memory) {
         m += 47;
         const std::vector<double> now[5] = {x, dx, v, a, w};
         std::vector<std::vector<double>*> kept = {&x, &dx, &v};
-        if (uses_history(s)) kept.insert(kept.end(), {&a, &w});
+        if (s.uses_history()) kept.insert(kept.end(), {&a, &w});
         for (auto* u : kept) {
             std::copy(m, m + u->size(), u->begin());
             m += u->size();

@@ -17,6 +17,8 @@ struct Step {
     // second rate, v1, a1, w1. One table for motion (order 2) and one for transport (order 1).
     double motion[5][4] = {};
     double transport[5][4] = {};
+
+    bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
 };
 
 // Prescribed functions of time, evaluated once per step: at t0, te, t1 and the rate at t1.

@@ -204,7 +204,9 @@ bool System::refactor(const Context& c, const Step& step) {
     weigh_constraints();
     factored_ = step;
     factored_state_.clear();
-    for (const auto* u : {&x, &dx, &v, &a, &w})
+    std::vector<const std::vector<double>*> kept = {&x, &dx, &v};
+    if (step.uses_history()) kept.insert(kept.end(), {&a, &w});
+    for (const auto* u : kept)
         factored_state_.insert(factored_state_.end(), u->begin(), u->end());
     factored_signals_.clear();
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
@@ -323,12 +325,14 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         if (!std::isfinite(size)) return fail("an unknown became infinite or not a number", worst());
         // What remains after this increment: with a tangent kept from earlier steps the slowest contraction
         // seen since it was made, and never better than 0.05, because a part that contracts slowly may show
-        // late. The first increment of a kept tangent says nothing yet: what it leaves of the multipliers'
-        // error, which is not judged, shows in the second.
-        const bool judged = k > 1 || (k > 0 && latest >= 0);
-        const double rho = judged && last > 0 ? std::min(1.0, size / last) : 0;
+        // late. A second increment that is hardly less than the first tells of the multipliers, which are not
+        // judged, and nothing of contraction: that is then taken to be as slow as a kept tangent may be.
+        double rho = k > 0 && last > 0 ? std::min(1.0, size / last) : 0;
+        const bool unknown = k == 1 && latest < 0 && rho > options.keep_factor;
+        if (unknown) rho = 0;
         contraction_ = std::max(contraction_, rho);
-        const double slowest = latest == k && k > 0 ? rho : std::max(contraction_, latest < 0 ? 0.05 : 1e-3);
+        const double least = unknown ? options.keep_factor : latest < 0 ? 0.05 : 1e-3;
+        const double slowest = latest == k && k > 0 ? rho : std::max(contraction_, least);
         const double error = slowest < 1 ? slowest / (1 - slowest) * size : size;
         // Contraction that stops at the rounding of the constraints, or with the tangent just made, has met
         // rounding. A constraint that the increment does not answer to (a regularised pivot) keeps the step
@@ -408,8 +412,9 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
-    new_a ? last_[3] = a : last_[3].clear();
-    new_w ? last_[4] = w : last_[4].clear();
+    last_[3].clear(), last_[4].clear();
+    if (new_a) last_[3] = a;
+    if (new_w) last_[4] = w;
     if (new_v) std::copy(v_next_.begin(), v_next_.end(), v.begin());
     if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());

@@ -387,7 +387,7 @@ class Path:
             d1, d2 = e.solve(self.time, r), e.solve(self.time, slope)
             dt = self.time - e.system.time
             w = (self.load_weight / self.unit) ** 2
-            gap = self.metric @ e.dx**2 + w * dt**2 - arc**2
+            gap = float(self.metric @ e.dx**2) + w * dt**2 - arc**2
             denominator = 2 * (self.metric @ (e.dx * d2) + w * dt)
             change = -(gap + 2 * self.metric @ (e.dx * d1)) / denominator if denominator else np.inf
             if not np.isfinite(change):

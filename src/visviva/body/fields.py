@@ -107,7 +107,7 @@ class Fields:
     @property
     def principal_stresses(self) -> Array:
         """Principal values (..., 3) of Cauchy's stress, the largest first."""
-        values: Array = np.linalg.eigvalsh(self.cauchy)[..., ::-1]
+        values: Array = np.linalg.eigvalsh(self.cauchy).astype(float)[..., ::-1]
         return values
 
     @property
