@@ -287,6 +287,12 @@ static void bind_system(nb::module_& m) {
                  solver->regularization = regularization;
                  s.set_solver(std::move(solver));
              })
+        .def("set_modes",
+             [](System& s, const Doubles& modes) {
+                 s.set_modes(vector_of<double>(modes), static_cast<int>(modes.shape(1)));
+             })
+        .def_prop_ro("n_equations", [](const System& s) { return s.csr().n; })
+        .def_prop_ro("n_entries", [](const System& s) { return s.csr().col.size(); })
         .def("use_linear",
              [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def_prop_ro("solver",
@@ -355,7 +361,7 @@ static void bind_system(nb::module_& m) {
         .def("linear_solve",
              [](System& s, const Step& step, const Doubles& residual, Array d) {
                  nb::gil_scoped_release release;
-                 s.linear_solve(step, residual.data(), d.data());
+                 return s.linear_solve(step, residual.data(), d.data());
              })
         .def("refuse", [](System& s, const Step& step,
                           const Doubles& signals) { return s.refuse(step, signals_of(signals)); })

@@ -76,13 +76,6 @@ void System::hold(const Pattern& pattern) {
         }
 }
 
-void System::set_solver(std::unique_ptr<LinearSolver> solver) {
-    solver_ = std::move(solver);
-    solver_->analyze(csr_, blocks_);
-    stale_factor_ = true;
-    prepare_predictor();
-}
-
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 
 // Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
@@ -261,14 +254,12 @@ bool System::lead(const Context& c) {
     residual_at(little);
     const std::vector<double> moved = r_;
     residual_at(0);
-    const bool solvable = refactor(c, c.step);
+    bool solvable = refactor(c, c.step);
     stale_factor_ = true;
     for (int i = 0; i < n_; ++i) r_[i] += (moved[i] - r_[i]) / little;
     for (int u : held_) r_[u] = 0;
-    if (solvable) {
-        solver_->solve(r_.data(), place(c.step), d_.data());
-        iterate(c.step);
-    }
+    solvable = solvable && solver_->solve(r_.data(), place(c.step), d_.data());
+    if (solvable) iterate(c.step);
     for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = motion[k];
     return solvable;
 }
@@ -285,7 +276,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const Context context{step, vectors, signals};
     const bool full = options.keep_factor <= 0;
     if (!lead(context)) {
-        report.reason = "the tangent is singular", report.worst_unknown = solver_->singular_unknown();
+        const std::string why = solver_->message();
+        report.reason = why.empty() ? "the tangent is singular" : why;
+        report.worst_unknown = solver_->singular_unknown();
         return report;
     }
     bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||

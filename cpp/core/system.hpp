@@ -41,6 +41,8 @@ class System {
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
+    // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
+    void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
     void set_solver(std::unique_ptr<LinearSolver> solver);
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
@@ -78,7 +80,8 @@ class System {
     // Residual and factorised tangent at the trial state, and solutions with it, for iterations other than
     // Newton's loop; false if the tangent is singular.
     bool linearise(const Step& step, const Signals& signals, double* residual);
-    void linear_solve(const Step& step, const double* residual, double* d);
+    // False if the linear solver failed; its message says why.
+    bool linear_solve(const Step& step, const double* residual, double* d);
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
@@ -126,6 +129,9 @@ class System {
     std::vector<double> inverse_scale_;
     std::vector<std::shared_ptr<Term>> terms_;
     Blocks blocks_;
+    void describe_nodes();
+    std::vector<double> modes_;
+    int n_modes_ = 0;
     std::vector<int> node_, held_;  // held: fixed unknowns with equations
     std::vector<int> prescribed_, prescribed_account_;
     std::vector<std::int64_t> held_zero_, held_one_;

@@ -5,6 +5,28 @@
 
 namespace visviva {
 
+void System::set_solver(std::unique_ptr<LinearSolver> solver) {
+    solver_ = std::move(solver);
+    describe_nodes();
+    solver_->analyze(csr_, blocks_);
+    stale_factor_ = true;
+    prepare_predictor();
+}
+
+// Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
+void System::describe_nodes() {
+    blocks_.node.clear();
+    for (int i = 0; i < csr_.n; ++i)
+        if (i == 0 || node_[csr_.unknown[i]] != node_[csr_.unknown[i - 1]]) blocks_.node.push_back(i);
+    blocks_.node.push_back(csr_.n);
+    blocks_.n_modes = n_modes_;
+    blocks_.modes.assign(static_cast<std::size_t>(csr_.n) * n_modes_, 0.0);
+    for (int i = 0; i < csr_.n; ++i)
+        if (const int u = csr_.unknown[i]; !fixed_[u])
+            std::copy_n(modes_.data() + static_cast<std::size_t>(u) * n_modes_, n_modes_,
+                        blocks_.modes.data() + static_cast<std::size_t>(i) * n_modes_);
+}
+
 bool System::linearise(const Step& step, const Signals& signals, double* residual) {
     assemble(step, signals, residual, nullptr);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
@@ -13,12 +35,13 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
     return regular;
 }
 
-void System::linear_solve(const Step& step, const double* residual, double* d) {
+bool System::linear_solve(const Step& step, const double* residual, double* d) {
     std::copy(residual, residual + n_, r_.begin());
     for (int u : held_) r_[u] = 0;
     std::fill(d_.begin(), d_.end(), 0.0);
-    solver_->solve(r_.data(), place(step), d_.data());
+    const bool solved = solver_->solve(r_.data(), place(step), d_.data());
     std::copy(d_.begin(), d_.begin() + n_, d);
+    return solved;
 }
 
 std::string System::refuse(const Step& step, const Signals& signals) {

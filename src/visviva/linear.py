@@ -17,8 +17,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from visviva import _core
 from visviva.errors import InputError
+
+Array = NDArray[np.float64]
 
 SMALL = 3000
 """Up to so many equations the solver that is always there is as fast as any."""
@@ -28,6 +33,9 @@ DENSE_ROWS = 40
 
 LARGE = 60_000
 """From so many equations of a three-dimensional mesh multigrid is faster than factors."""
+
+LARGE_FOR_EIGEN = 5000
+"""The same, where the factors are Eigen's."""
 
 
 @dataclass(frozen=True)
@@ -217,6 +225,13 @@ class Iterative(LinearOptions):
         preconditioner = self.preconditioner if self.preconditioner != "auto" else auto
         if preconditioner == "multigrid" and not has_multigrid():
             raise InputError("multigrid needs PyAMG: pip install visviva[amg]")
+        methods = ["cg", "gmres"] if method == "cg" and self.method == "auto" else [method]
+        words = {"cg": "conjugate gradients", "gmres": "GMRES", "bicgstab": "BiCGStab"}
+        text = ", or where that fails ".join(words[m] for m in methods)
+        text = f"{problem}: {text} to {self.tolerance:g}, preconditioner {preconditioner}"
+        return Choice(tuple(self._core(problem, m, preconditioner) for m in methods), text)
+
+    def _core(self, problem: Problem, method: str, preconditioner: str) -> _core.LinearChoice:
         c = _core.LinearChoice()
         c.backend, c.kind = _core.Backend.krylov, problem.kind
         c.method = getattr(_core.KrylovMethod, method)
@@ -226,9 +241,7 @@ class Iterative(LinearOptions):
             from visviva.multigrid import grids
 
             c.set_grids(grids)
-        words = {"cg": "conjugate gradients", "gmres": "GMRES", "bicgstab": "BiCGStab"}
-        text = f"{problem}: {words[method]} to {self.tolerance:g}, preconditioner {preconditioner}"
-        return Choice((c,), text)
+        return c
 
 
 @dataclass(frozen=True)
@@ -253,15 +266,38 @@ class Automatic(LinearOptions):
         """Solvers for a problem."""
         direct = Direct(threads=self.threads).choose(problem)
         solid = problem.is_definite and problem.has_modes and problem.n_entries > DENSE_ROWS * problem.n
-        if not (solid and problem.n >= LARGE and has_multigrid()):
+        large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
+        if not (solid and problem.n >= large and has_multigrid()):
             return direct
         limit = 100  # beyond it factors are cheaper
-        first = Iterative(preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit)
+        first = Iterative(
+            method="cg", preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
+        )
         best = first.choose(problem)
         instead = direct.explanation.removeprefix(f"{problem}: ")
-        return Choice(
-            best.in_order + direct.in_order, f"{best.explanation}; should it not converge, {instead}"
-        )
+        text = f"{best.explanation}; should it not converge, {instead}"
+        return Choice(best.in_order + direct.in_order, text)
+
+
+def rigid_motions(positions: Array) -> Array:
+    """Motions of points (n, d) that strain nothing: (n * d, 6), or (n * d, 3) in the plane.
+
+    Rotations are about the centre, so that all motions are of similar size.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rigid_motions(np.array([[0.0, 0.0], [2.0, 0.0]])).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]
+    """
+    n, d = positions.shape
+    arm = positions - positions.mean(axis=0)
+    turns = [(0, 1), (1, 2), (2, 0)] if d == 3 else [(0, 1)]
+    motions = np.zeros((n, d, d + len(turns)))
+    motions[:, range(d), range(d)] = 1.0
+    for k, (i, j) in enumerate(turns):
+        motions[:, i, d + k], motions[:, j, d + k] = 0.0 - arm[:, j], arm[:, i]
+    return motions.reshape(n * d, -1)
 
 
 def _one_of(value: str, name: str, known: tuple[str, ...]) -> None:

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
-from visviva.ledger import Bookkeeper
 from visviva.result import Result
 from visviva.scheme import Static
-from visviva.solve import begin, keep
+from visviva.solve import begin, keep, record
 from visviva.system import Attempt, System
 
 Array = NDArray[np.float64]
@@ -97,7 +96,9 @@ class Equilibrium:
     def solve(self, time: float, residual: Array) -> Array:
         """Increment that the factorised tangent gives for a residual; zero where prescribed."""
         d = np.zeros(len(residual))
-        self.system.core.linear_solve(Static().step(self.system.time, time - self.system.time), residual, d)
+        step = Static().step(self.system.time, time - self.system.time)
+        if not self.system.core.linear_solve(step, residual, d):
+            raise NoEquilibrium(f"at the load parameter {time:.6g}: {self.system.core.linear_message}")
         return np.where(self.free, d, 0.0)
 
     def size(self, d: Array) -> float:
@@ -204,12 +205,21 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
-    options = options or Statics()
     if not step > 0:
         raise InputError(f"step = {step} is not positive")
     if not until > system.time:
         raise InputError(f"until = {until} is not after the present time {system.time:g}")
     result, books = begin(system, Static())
+    with system.without_inertia():
+        for iterations in _load(system, until, step, options or Statics()):
+            record(result, books, iterations, iterations)
+            if result.statistics.steps % every == 0 or system.time >= until:
+                keep(result)
+    return result
+
+
+def _load(system: System, until: float, step: float, options: Statics) -> Iterator[int]:
+    """Load steps to the end; yields the iterations of each."""
     h, tiny = step, step / 2**options.halvings
     while until - system.time > 1e-9 * step:
         equations = Equilibrium(system, options)
@@ -231,21 +241,7 @@ def quasi_static(
                 ) from failure
             continue
         h = min(step, 2 * h if iterations <= 6 else h)
-        record(result, books, iterations)
-        if result.statistics.steps % every == 0 or system.time >= until:
-            keep(result)
-    return result
-
-
-def record(result: Result, books: Bookkeeper, iterations: int) -> None:
-    """Enter a load step into statistics and ledger."""
-    s = result.statistics
-    s.steps, s.iterations, s.factorizations = (
-        s.steps + 1,
-        s.iterations + iterations,
-        s.factorizations + iterations,
-    )
-    books.book(result.system.time, result.system.core)
+        yield iterations
 
 
 @dataclass(frozen=True)
@@ -303,11 +299,12 @@ def arc_length(
     if not step > 0:
         raise InputError(f"step = {step} is not positive")
     result, books = begin(system, Static())
-    for iterations in _follow(system, step, steps, rule):
-        record(result, books, iterations)
-        keep(result)
-        if (until is not None and system.time >= until) or (stop is not None and stop(system)):
-            break
+    with system.without_inertia():
+        for iterations in _follow(system, step, steps, rule):
+            record(result, books, iterations, iterations)
+            keep(result)
+            if (until is not None and system.time >= until) or (stop is not None and stop(system)):
+                break
     return result
 
 
@@ -400,7 +397,7 @@ class Path:
                 raise NoEquilibrium(
                     f"the arc-length iteration diverges at the load parameter {self.time:.6g}"
                 )
-            self.time += change
+            self.time += float(change)
             e.at(self.time)
             e.dx[e.free] += d[e.free]
             done = size <= o.tolerance * max(min(1.0, e.size(e.dx)), 1e-12)

@@ -52,6 +52,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     attributes: dict[str, float | str] = {
         "time": system.time,
         "halvings": system.halvings,
+        "part": system.part,
         "rejected": system.rejected,
         "has_acceleration": int(system.has_acceleration),
         "total0": 0.0 if books.total0 is None else books.total0,
@@ -97,7 +98,8 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
         getattr(system.core, name)[:] = arrays[name]
     _load_memory(system, arrays)
     system.time = float(attributes["time"])
-    system.halvings, system.rejected = int(attributes["halvings"]), int(attributes["rejected"])
+    for name in ("halvings", "part", "rejected"):
+        setattr(system, name, int(attributes[name]))
     system.has_acceleration = bool(attributes["has_acceleration"])
     for statistic in fields(result.statistics):
         setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])

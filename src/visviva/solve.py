@@ -33,8 +33,9 @@ def march(
 ) -> Iterator[Any]:
     """Take steps of length `step` up to time `until`, yielding the core's report after each accepted one.
 
-    A step that does not converge is halved up to six times; then `StepFailure` is raised and the system keeps
-    the last accepted state. With `adaptive` the steps follow the motion, `step` is the first.
+    A step that does not converge is halved up to six times, and the halves lengthen again on the grid of the
+    steps; if the shortest fails too `StepFailure` is raised and the system keeps the last accepted state. With
+    `adaptive` the steps follow the motion, `step` is the first.
 
     Examples
     --------
@@ -61,14 +62,27 @@ def march(
         try:
             report = system.step(h, scheme)
         except StepFailure:
-            system.halvings += 1
             system.rejected += 1
-            if system.halvings > HALVINGS:
-                system.halvings = 0
+            if system.halvings == HALVINGS:
+                system.halvings = system.part = 0
                 raise
+            system.halvings += 1
+            system.part *= 2
             continue
-        system.halvings = max(system.halvings - 1, 0)
+        lengthen(system)
         yield report
+
+
+def lengthen(system: System) -> None:
+    """After a success: twice the length again where a step of that length begins, so that the grid is met again."""
+    if not system.halvings:
+        return
+    system.part += 1
+    if system.part % 2 == 0:
+        system.halvings -= 1
+        system.part //= 2
+    if not system.halvings:
+        system.part = 0
 
 
 def prepare(system: System, scheme: Scheme) -> None:
@@ -143,14 +157,20 @@ def advance(
     system, s = result.system, result.statistics
     start, rejected = time.perf_counter(), system.rejected - s.rejected
     for report in march(system, until=until, step=step, scheme=result.scheme, adaptive=adaptive):
-        s.steps += 1
-        s.iterations += report.iterations
-        s.factorizations += report.factorizations
+        row = record(result, books, report.iterations, report.factorizations)
         s.rejected = system.rejected - rejected
-        row = books.book(system.time, system.core)
         s.seconds += time.perf_counter() - start
         yield row
         start = time.perf_counter()  # what the caller does with the step is not the step's time
+
+
+def record(result: Result, books: Bookkeeper, iterations: int, factorizations: int) -> Array:
+    """Enter a step into statistics and ledger; returns the ledger's row."""
+    s = result.statistics
+    s.steps += 1
+    s.iterations += iterations
+    s.factorizations += factorizations
+    return books.book(result.system.time, result.system.core)
 
 
 def keep(result: Result) -> None:

@@ -13,7 +13,7 @@ from visviva.errors import InputError, RunError
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
 from visviva.scheme import NONE, Static
-from visviva.solve import begin, keep
+from visviva.solve import begin, keep, record
 from visviva.system import StepFailure, System
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
         size, mover = float(moves.max()), int(np.argmax(moves))
         system.accept(attempt, scheme)
         h = 0.0
-        record(result, books, attempt.report)
+        record(result, books, attempt.report.iterations, attempt.report.factorizations)
         if size <= AT_REST and duration >= min(first * 30, LONGEST * first):
             return
         if attempt.report.iterations <= 8:
@@ -127,15 +127,6 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
         f"no equilibrium found: {unknown} of {component} still moves by {size:.1e} of its scale. Something "
         "may be free to move under the loads; hold it, or raise `most`"
     )
-
-
-def record(result: Result, books: Bookkeeper, report: object) -> None:
-    """Enter a step downhill into statistics and ledger."""
-    s = result.statistics
-    s.steps += 1
-    s.iterations += getattr(report, "iterations", 0)
-    s.factorizations += getattr(report, "factorizations", 0)
-    books.book(result.system.time, result.system.core)
 
 
 def natural_time(system: System, inverse: Array) -> float:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from visviva import _core
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, RunError
 from visviva.form import Form, Strain, Vector
+from visviva.linear import SMALL, Automatic, LinearOptions, Problem, rigid_motions
 from visviva.model import Field, Model, inertia_terms, strain_terms
 from visviva.scheme import EnergyMomentum, Scheme, Static
 
@@ -43,6 +45,11 @@ class Newton:
         new tangent in every iteration.
     null_space : bool or None
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
+    regularization : float
+        Taken off the scaled diagonal of redundant constraints, so that the tangent stays regular.
+    linear : Automatic, Direct or Iterative
+        How the linear systems are solved; None chooses by size and kind of the system. What was chosen, and
+        why, stands in `System.linear_explanation`.
     """
 
     tolerance: float = 1e-13
@@ -50,6 +57,7 @@ class Newton:
     keep_factor: float = 0.3
     null_space: bool | None = None
     regularization: float = 1e-11
+    linear: LinearOptions | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +118,8 @@ class System:
         self.time = 0.0
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
-        self.halvings = 0  # of the step length, after failures; decays with every success
+        self.halvings = 0  # of the step length, after failures
+        self.part = 0  # how many steps of that length were taken within the whole one
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
         self._name_components()
@@ -178,7 +187,7 @@ class System:
             ),
         )
         core.finalize()
-        core.use_solver(self._use_null_space(), self.newton.regularization)
+        self._choose_linear()
         core.x[:] = np.concatenate([f.values for f in fields])
         core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
@@ -208,6 +217,55 @@ class System:
             return self.newton.null_space
         small = int(self.block_sizes.max()) <= 20
         return small and not self.model.terms and not any(a.kind == "servo" for a in self.model.accounts)
+
+    @contextmanager
+    def without_inertia(self) -> Iterator[None]:
+        """Within the block, linear solvers that pivot freely: without masses block elimination has no pivots."""
+        self._choose_linear(inertia=False)
+        try:
+            yield
+        finally:
+            self._choose_linear()
+
+    def _choose_linear(self, *, inertia: bool = True) -> None:
+        """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU."""
+        core, options = self.core, self.newton.linear
+        if options is not None and self.newton.null_space:
+            raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
+        if options is None and inertia and (self._use_null_space() or core.n_equations <= SMALL):
+            core.use_solver(self._use_null_space(), self.newton.regularization)
+            self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
+            return
+        core.set_modes(self._modes())
+        choice = (options or Automatic()).choose(self._linear_problem())
+        core.use_linear(list(choice.in_order))
+        self.linear_explanation = choice.explanation
+
+    def _linear_problem(self) -> Problem:
+        """Tangents are taken to be symmetric and definite until the solver finds that they are not."""
+        fields = self.model.fields
+        return Problem(
+            n=self.core.n_equations,
+            n_entries=self.core.n_entries,
+            symmetric=True,
+            definite=all(f.order != 1 for f in fields),
+            n_multipliers=self.n_constraints,
+            has_modes=any(f.node > 1 for f in fields),
+            regularization=self.newton.regularization,
+        )
+
+    def _modes(self) -> Array:
+        """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
+        parts = [
+            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 else None for f in self.model.fields
+        ]
+        modes = np.zeros(
+            (self.model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0))
+        )
+        for f, part in zip(self.model.fields, parts, strict=True):
+            if part is not None:
+                modes[f.start : f.start + f.size, : part.shape[1]] = part
+        return modes
 
     def _check_finite(self) -> None:
         if np.isfinite(self.x).all() and np.isfinite(self.v).all():

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import visviva
 from visviva.body.shape import Shape
 from visviva.component import Component
+from visviva.linear import LinearOptions
 from visviva.material.base import Material
 from visviva.measure import Measure
 from visviva.mesh.generate import MeshSource
@@ -30,7 +31,12 @@ ATTACHMENTS: dict[str, tuple[str, ...]] = {
 """Methods of components that give points and frames, with their arguments."""
 
 
-CHOICES: dict[str, type[Any]] = {"shape": Shape, "mesh": MeshSource, "material": Material}
+CHOICES: dict[str, type[Any]] = {
+    "shape": Shape,
+    "mesh": MeshSource,
+    "material": Material,
+    "linear": LinearOptions,
+}
 """Kinds of values among which an argument chooses, by their names in the schema."""
 
 
@@ -52,7 +58,7 @@ def components() -> dict[str, type[Component]]:
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes, meshes, materials and measures."""
+    """What can stand as an argument: shapes, meshes, materials, options of linear solvers and measures."""
     choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
     return {**choices, **public(Measure)}
 
