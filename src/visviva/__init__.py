@@ -23,10 +23,13 @@ from visviva.joint.lower_pairs import (
 from visviva.joint.servo import Servo
 from visviva.linear import Automatic, Direct, Iterative
 from visviva.load.bushing import Bushing
+from visviva.load.distributed import BodyForce
 from visviva.load.drive import JointDamper, JointForce, JointSpring, Motor
 from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
+from visviva.load.support import Fixed, Prescribed, SymmetryPlane
+from visviva.load.surface import ElasticFoundation, Pressure, Traction
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.loading import ArcLength, Statics, arc_length, quasi_static
 from visviva.material.base import Material
@@ -73,6 +76,7 @@ __all__ = [
     "Automatic",
     "BackwardEuler",
     "BlatzKo",
+    "BodyForce",
     "Box",
     "BoxMesh",
     "Bushing",
@@ -86,8 +90,10 @@ __all__ = [
     "Direct",
     "DirectorProduct",
     "Distance",
+    "ElasticFoundation",
     "EnergyMomentum",
     "Faces",
+    "Fixed",
     "FollowerForce",
     "FollowerTorque",
     "Force",
@@ -124,6 +130,8 @@ __all__ = [
     "PointOnPlane",
     "Position",
     "Potential",
+    "Prescribed",
+    "Pressure",
     "Prismatic",
     "QuadrilateralMesh",
     "RackAndPinion",
@@ -151,11 +159,13 @@ __all__ = [
     "StepFailure",
     "Study",
     "SurfaceMesh",
+    "SymmetryPlane",
     "System",
     "Term",
     "TimeFunction",
     "Torque",
     "TorquePair",
+    "Traction",
     "Universal",
     "UserMaterial",
     "UserTerm",
