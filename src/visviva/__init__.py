@@ -1,6 +1,7 @@
 """visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
 
 from visviva.adaptive import Adaptive
+from visviva.body.coupling import DistributedCoupling, RigidCoupling
 from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
@@ -90,6 +91,7 @@ __all__ = [
     "Direct",
     "DirectorProduct",
     "Distance",
+    "DistributedCoupling",
     "ElasticFoundation",
     "EnergyMomentum",
     "Faces",
@@ -142,6 +144,7 @@ __all__ = [
     "Revolute",
     "Rigid",
     "RigidBody",
+    "RigidCoupling",
     "RopeOverWinch",
     "RunError",
     "SaintVenantKirchhoff",
