@@ -1,6 +1,7 @@
 """visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
 
 from visviva.adaptive import Adaptive
+from visviva.body.coupling import DistributedCoupling, RigidCoupling
 from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
@@ -23,11 +24,13 @@ from visviva.joint.lower_pairs import (
 from visviva.joint.servo import Servo
 from visviva.linear import Automatic, Direct, Iterative
 from visviva.load.bushing import Bushing
+from visviva.load.distributed import BodyForce
 from visviva.load.drive import JointDamper, JointForce, JointSpring, Motor
 from visviva.load.force import FollowerForce, Force
 from visviva.load.gravity import Gravity
 from visviva.load.spring import Damper, Spring
 from visviva.load.support import Fixed, Prescribed, SymmetryPlane
+from visviva.load.surface import ElasticFoundation, Pressure, Traction
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
 from visviva.loading import ArcLength, Statics, arc_length, quasi_static
 from visviva.material.base import Material
@@ -74,6 +77,7 @@ __all__ = [
     "Automatic",
     "BackwardEuler",
     "BlatzKo",
+    "BodyForce",
     "Box",
     "BoxMesh",
     "Bushing",
@@ -87,6 +91,8 @@ __all__ = [
     "Direct",
     "DirectorProduct",
     "Distance",
+    "DistributedCoupling",
+    "ElasticFoundation",
     "EnergyMomentum",
     "Faces",
     "Fixed",
@@ -127,6 +133,7 @@ __all__ = [
     "Position",
     "Potential",
     "Prescribed",
+    "Pressure",
     "Prismatic",
     "QuadrilateralMesh",
     "RackAndPinion",
@@ -137,6 +144,7 @@ __all__ = [
     "Revolute",
     "Rigid",
     "RigidBody",
+    "RigidCoupling",
     "RopeOverWinch",
     "RunError",
     "SaintVenantKirchhoff",
@@ -160,6 +168,7 @@ __all__ = [
     "TimeFunction",
     "Torque",
     "TorquePair",
+    "Traction",
     "Universal",
     "UserMaterial",
     "UserTerm",

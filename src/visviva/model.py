@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva import _core
+from visviva.batch import along, book, strain_batch
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, strain
 from visviva.law import Law, LawKind
@@ -335,27 +336,30 @@ class Model:
         """A term of the core that stands for many elements."""
         self.batches.append(term)
 
+    def strain_batch(
+        self, component: Component, kind: str, category: str, term: _core.StrainTerm, n: int
+    ) -> None:
+        """A batch of `n` elements given by arrays, see `visviva.batch`."""
+        term.name = component.label
+        account = self.account(component, kind, category)
+        book(term, [account] * n, [self.index(component)] * n, n)
+        self.batch(term)
+
     def dead_forces(self, component: Component, kind: str, first: NDArray[np.int32], force: Array) -> None:
         """Potential ``-f . x`` of constant forces (n, d) on nodes whose unknowns begin at `first` (n,)."""
         n, d = force.shape
-        term = _core.StrainTerm(
-            [d, 1, 1, 0, LawKind.LINEAR],
-            np.array([[0, c] for c in range(d)], dtype=np.int32),
-            np.zeros((0, 3), dtype=np.int32),
-            np.zeros(0),
-            np.zeros((1, 2), dtype=np.int32),
-            np.ones(1),
-            np.ascontiguousarray(np.asarray(first)[None, :] + np.arange(d)[:, None], dtype=np.int32),
-            np.ascontiguousarray(-force.T),
-            np.zeros((1, n)),
-            np.zeros((1, n)),
-            np.ones((1, n)),
-            np.full((1, n), -1, dtype=np.int32),
-        )
-        term.name = component.label
-        account = self.account(component, kind, "potential")
-        book(term, [account] * n, [self.index(component)] * n, n)
-        self.batch(term)
+        index = np.asarray(first)[:, None] + np.arange(d)
+        term = strain_batch(along(d), Law(LawKind.LINEAR), index, -force, (1.0, 0.0))
+        self.strain_batch(component, kind, "potential", term, n)
+
+    def nodal_loads(
+        self, component: Component, kind: str, first: NDArray[np.int32], force: Array, times: Any
+    ) -> None:
+        """Forces (n, d) times a function of time on nodes whose unknowns begin at `first` (n,)."""
+        n, d = force.shape
+        index = np.asarray(first)[:, None] + np.arange(d)
+        term = strain_batch(along(d), Law(LawKind.LOAD), index, force, (1.0, 0.0), self.signal(times))
+        self.strain_batch(component, kind, "work", term, n)
 
     def _element(
         self,
@@ -498,8 +502,3 @@ def inertia_terms(model: Model) -> list[_core.Term]:
         book(term, account, component, len(members))
         terms.append(term)
     return terms
-
-
-def book(term: _core.Term, account: list[int], component: list[int], n: int) -> None:
-    """Tell a term where its energy, work, momentum and defects are booked."""
-    term.book(np.array(account, dtype=np.int32).reshape(n), np.array(component, dtype=np.int32).reshape(n))

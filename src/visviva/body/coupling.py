@@ -1,0 +1,194 @@
+"""Frames on faces of solids: directors tied to a set of faces, so that every joint and load can attach to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.body.face import face_points
+from visviva.body.solid import Solid
+from visviva.component import Attachable, settings
+from visviva.errors import InputError
+from visviva.form import Form, Strain, Vector, dot
+from visviva.values import FaceSet
+
+if TYPE_CHECKING:
+    from visviva.model import Field, Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Coupling(Attachable):
+    """Base of massless frames on `faces` of a `solid`: own origin in their centre, own axes those of space.
+
+    The frame has a position and directors, as a rigid body has, with their orthonormality; what derives from this
+    ties them to the nodes of the faces. In the plane it has two directors, and the third is constant.
+    """
+
+    solid: Solid
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        try:
+            faces = self.solid.faces(self.faces)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        if self.solid.axisymmetric and self.solid.dimension == 2:
+            raise InputError(f"{self.label}: an axisymmetric solid does not turn with a frame")
+        area = np.zeros((self.solid.grid.n_nodes, 1))
+        for p in face_points(self.solid, faces):
+            area += p.spread(np.ones((*p.size.shape, 1)), len(area))
+        self._nodes = faces.nodes
+        self._share = area[self._nodes, 0] / area.sum()
+        X = self.solid.points[self._nodes]
+        self._centre = self._share @ X
+        self._arms = X - self._centre
+        spread = np.linalg.eigvalsh(self._arms.T @ (self._share[:, None] * self._arms))
+        self._size = float(np.sqrt(spread.sum()))
+        if spread[4 - self.solid.dimension] < 1e-12 * spread.sum():
+            raise InputError(f"{self.label}: the nodes of its faces lie on a line; a frame could turn about it")
+
+    # --- attachment ----------------------------------------------------------------------------------------
+    def place(self, X: Array) -> Vector:
+        return self._origin + self.turn(X)
+
+    def turn(self, direction: Array) -> Vector:
+        x, y, z = (float(c) * d for c, d in zip(direction, self._directors, strict=True))
+        return x + y + z
+
+    def local(self, x: Array) -> Array:
+        X: Array = x - self._centre
+        return X
+
+    # --- part in the system --------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        d = self.solid.dimension
+        velocity, spin = self._initial_rates()
+        turning = np.cross(spin, np.eye(3))[:d, :d]
+        kept = {"stage": 1, "node": d}
+        position = model.field(
+            self, "position", self._centre[:d], velocity[:d], scale=model.length, block=self, **kept
+        )
+        directors = model.field(self, "directors", np.eye(d), turning, scale=1.0, block=self, **kept)
+        self._origin = vector_of(position, 0)
+        self._directors = [vector_of(directors, k) for k in range(d)]
+        if d == 2:
+            self._directors.append(Vector.constant((0.0, 0.0, 1.0)))
+
+    def _initial_rates(self) -> tuple[Array, Array]:
+        """Velocity of the centre (3,) and angular velocity (3,) that fit those of the nodes best."""
+        d, w, X = self.solid.dimension, self._share, self._arms
+        nodal = np.pad(self.solid.initial_velocities()[self._nodes], ((0, 0), (0, 3 - d)))
+        velocity = w @ nodal
+        moment = w @ np.cross(X, nodal - velocity)
+        inertia = (w @ (X * X).sum(axis=1)) * np.eye(3) - X.T @ (w[:, None] * X)
+        return velocity, np.linalg.solve(inertia, moment)
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.solid)
+        d = self._directors[: self.solid.dimension]
+        rigidity = [0.5 * dot(e, e) - 0.5 for e in d]
+        rigidity += [dot(d[i], d[j]) for i in range(len(d)) for j in range(i + 1, len(d))]
+        multipliers = model.multipliers(self, "rigidity", len(rigidity), block=self)
+        model.constrain(self, multipliers, rigidity)
+        self.tie(model)
+
+    def tie(self, model: Model) -> None:
+        """Add the constraints between frame and nodes."""
+        raise NotImplementedError
+
+    def _vanishing(self, difference: Vector) -> list[Form]:
+        """The components of a vector form that the solid has."""
+        return list(difference)[: self.solid.dimension]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class RigidCoupling(Coupling):
+    """A frame that makes faces of a solid rigid: every node keeps its place in it.
+
+    Parameters
+    ----------
+    solid : Solid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+
+    Notes
+    -----
+    The constraints, three linear ones per node and the orthonormality of the directors, are independent and at
+    most quadratic, so energy and momenta are conserved exactly. Nodes that something else holds as well make them
+    redundant: hold the frame by a joint instead.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> beam = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), material=vv.NeoHooke(young=1e3, poisson=0.3),
+    ...                 density=1.0)
+    >>> end, ground = RigidCoupling(solid=beam, faces="x0"), vv.Ground()
+    >>> hinge = vv.Revolute(a=ground, b=end, at=(0, 0.5, 0.5), axis=(0, 1, 0))
+    >>> vv.System([beam, end, ground, hinge]).check().degrees_of_freedom
+    49
+    """
+
+    def tie(self, model: Model) -> None:
+        d = self.solid.dimension
+        multipliers = model.multipliers(self, "tie", d * len(self._nodes), block=self)
+        for k, (node, X) in enumerate(zip(self._nodes, self._arms, strict=True)):
+            apart = self.solid.combination([node], [1.0]) - self.place(X)
+            model.constrain(self, multipliers, self._vanishing(apart), first=d * k)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class DistributedCoupling(Coupling):
+    """A frame that follows the mean motion of faces of a solid and leaves them free to deform.
+
+    Its origin is the mean of the nodes by their shares of the area, its directors turn with the rotation that fits
+    them best (the polar decomposition of their mean deformation). Forces on it are spread over the nodes by area.
+
+    Parameters
+    ----------
+    solid : Solid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+
+    Notes
+    -----
+    The constraints ``phi = sum w_a x_a``, ``d_i . M e_j = d_j . M e_i`` with ``M = sum w_a x_a (x) X_a``, and
+    orthonormality are at most quadratic, so energy and momenta are conserved exactly.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> beam = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), material=vv.NeoHooke(young=1e3, poisson=0.3),
+    ...                 density=1.0)
+    >>> end, ground = DistributedCoupling(solid=beam, faces="x0"), vv.Ground()
+    >>> hinge = vv.Revolute(a=ground, b=end, at=(0, 0.5, 0.5), axis=(0, 1, 0))
+    >>> vv.System([beam, end, ground, hinge]).check().degrees_of_freedom
+    55
+    """
+
+    def tie(self, model: Model) -> None:
+        d = self.solid.dimension
+        mean = self._vanishing(self._origin - self.solid.combination(self._nodes, self._share))
+        fit = self._fit()
+        multipliers = model.multipliers(self, "tie", len(mean) + len(fit), block=self)
+        model.constrain(self, multipliers, mean)
+        for k, e in enumerate(fit):
+            model.constrain(self, multipliers, [e], first=d + k)
+
+    def _fit(self) -> list[Strain]:
+        """What vanishes when the directors are the rotation in the mean deformation of the nodes."""
+        d = range(self.solid.dimension)
+        weights = self._share[:, None] * self._arms / self._size**2
+        M = [self.solid.combination(self._nodes, weights[:, j]) for j in d]
+        D = self._directors
+        return [dot(D[i], M[j]) - dot(D[j], M[i]) for i in d for j in d if i < j]
+
+
+def vector_of(field: Field, node: int) -> Vector:
+    """A node of a field as a vector, two components of which may be all it has."""
+    x, y, z = (*(field.form(field.node * node + c) for c in range(field.node)), Form())[:3]
+    return Vector((x, y, z))
