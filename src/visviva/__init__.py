@@ -52,6 +52,16 @@ from visviva.mesh.generate import (
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.read import MeshFile
 from visviva.modes import Modes, modes
+from visviva.probe import (
+    Displacement,
+    Extreme,
+    FieldAt,
+    SectionForce,
+    SectionTorque,
+    SupportForce,
+    SupportTorque,
+    Velocity,
+)
 from visviva.reaction import ReactionForce, ReactionTorque, reaction
 from visviva.result import Result
 from visviva.scheme import (
@@ -90,12 +100,15 @@ __all__ = [
     "Damper",
     "Direct",
     "DirectorProduct",
+    "Displacement",
     "Distance",
     "DistributedCoupling",
     "ElasticFoundation",
     "EnergyMomentum",
+    "Extreme",
     "Faces",
     "Fixed",
+    "FieldAt",
     "FollowerForce",
     "FollowerTorque",
     "Force",
@@ -150,6 +163,8 @@ __all__ = [
     "SaintVenantKirchhoff",
     "Scheme",
     "Screw",
+    "SectionForce",
+    "SectionTorque",
     "Servo",
     "Solid",
     "Sphere",
@@ -161,6 +176,8 @@ __all__ = [
     "Statics",
     "StepFailure",
     "Study",
+    "SupportForce",
+    "SupportTorque",
     "SurfaceMesh",
     "SymmetryPlane",
     "System",
@@ -173,6 +190,7 @@ __all__ = [
     "UserMaterial",
     "UserTerm",
     "VariationalMidpoint",
+    "Velocity",
     "VisvivaError",
     "Yeoh",
     "arc_length",

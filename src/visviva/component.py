@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -90,6 +91,20 @@ class Attachable(Component):
     def local_direction(self, d: Array) -> Array:
         """Own coordinates of a direction given in space initially."""
         return d
+
+    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
+        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
+        nodes = system.model.nodes.get(self)
+        if nodes is None:
+            return None
+        total, torque = np.zeros(3), np.zeros(3)
+        for start, is_position in nodes:
+            f = np.array([force.get(start + c, 0.0) for c in range(3)])
+            arm = system.x[start : start + 3] - (about if is_position else 0.0)
+            torque += np.cross(arm, f)
+            if is_position:
+                total += f
+        return total, torque
 
     def point(self, X: Any = (0.0, 0.0, 0.0)) -> Any:
         """The material point with own coordinates `X` (3,)."""

@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 Director = Literal[1, 2, 3]
 
 
-class Measure(metaclass=Validated):
+class Reading(metaclass=Validated):
+    """Base of probes: a value read off a system."""
+
+    def __call__(self, system: System) -> Any:
+        """Present value, a number or an array (n,)."""
+        raise NotImplementedError
+
+
+class Measure(Reading):
     """Base: something with `strains`, numbers that are at most quadratic in the unknowns; also a probe."""
 
     def __call__(self, system: System) -> Any:

@@ -11,9 +11,9 @@ from pydantic.dataclasses import dataclass
 from visviva.arguments import Validated
 from visviva.component import settings
 from visviva.joint.base import Joint
+from visviva.measure import Reading
 
 if TYPE_CHECKING:
-    from visviva.component import Component
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -37,20 +37,16 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
     a, b = joint.partners
     about = joint.sides[1].p.value(system.x)
     force = joint.generalised_reaction(system.x)
-    own = _wrench(system, b, force, about)
+    own = b.wrench(system, force, about)
     if own is None:
-        other = _wrench(system, a, force, about)
+        other = a.wrench(system, force, about)
         assert other is not None
         return -other[0], -other[1]
     return own
 
 
-class Reaction(metaclass=Validated):
-    """Base of probes that record what joints transmit."""
-
-
 @dataclass(config=settings, frozen=True, kw_only=True)
-class ReactionForce(Reaction):
+class ReactionForce(Reading):
     """Probe: force (3,) that a joint exerts on its partner `b`."""
 
     joint: Joint
@@ -61,7 +57,7 @@ class ReactionForce(Reaction):
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
-class ReactionTorque(Reaction):
+class ReactionTorque(Reading):
     """Probe: torque (3,) that a joint exerts on its partner `b`, about the joint's point on b."""
 
     joint: Joint
@@ -69,20 +65,3 @@ class ReactionTorque(Reaction):
     def __call__(self, system: System) -> Array:
         """Present value."""
         return reaction(system, self.joint)[1]
-
-
-def _wrench(
-    system: System, component: Component, force: dict[int, float], about: Array
-) -> tuple[Array, Array] | None:
-    """Resultant of generalised forces on a component's nodes; None if it has no unknowns."""
-    nodes = system.model.nodes.get(component)
-    if nodes is None:
-        return None
-    total, torque = np.zeros(3), np.zeros(3)
-    for start, is_position in nodes:
-        f = np.array([force.get(start + c, 0.0) for c in range(3)])
-        arm = system.x[start : start + 3] - (about if is_position else 0.0)
-        torque += np.cross(arm, f)
-        if is_position:
-            total += f
-    return total, torque

@@ -118,6 +118,7 @@ class System:
         self.time = 0.0
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
+        self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
         self.halvings = 0  # of the step length, after failures
         self.part = 0  # how many steps of that length were taken within the whole one
         self.has_acceleration = False
@@ -299,6 +300,7 @@ class System:
 
     def touch(self) -> None:
         """Tell the core that the state was changed from outside."""
+        self._last = None
         self.core.touch()
 
     def describe(self, unknown: int) -> tuple[str, str]:
@@ -343,11 +345,11 @@ class System:
             return attempt.report
         signals = self.signals(step).copy() if self.model.signals else None
         report = self._solved(self.core.advance, step, signals)
-        self._arrive(step, scheme)
+        self._arrive(step, self._signals if signals is None else signals, scheme)
         return report
 
-    def _arrive(self, step: Any, scheme: Scheme) -> None:
-        self.time = step.t1
+    def _arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
+        self.time, self._last = step.t1, (step, signals)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
 
     def prescribe(self, step: Any) -> None:
@@ -399,7 +401,7 @@ class System:
         except BaseException:
             self.core.discard()
             raise
-        self._arrive(attempt.step, scheme)
+        self._arrive(attempt.step, attempt.signals, scheme)
         if project:
             self._project_step(x0, dx, attempt.step.h)
 
@@ -438,6 +440,18 @@ class System:
         """Residual by unknown at the present trial state."""
         residual = np.zeros(len(self.x))
         self.core.assemble(step, self.signals(step) if signals is None else signals, residual, None)
+        return residual
+
+    def holding_forces(self) -> Array:
+        """Residual by unknown of the last step: at fixed unknowns, the forces that hold them.
+
+        The midpoint schemes balance forces in the middle of the step. Without a step (at the start, or after
+        the state was changed by hand) these are the forces of the present configuration, without inertia.
+        """
+        if self._last is None:
+            return self.residual(Static().step(self.time, 0.0))
+        residual = np.zeros(len(self.x))
+        self.core.forces(*self._last, residual)
         return residual
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:

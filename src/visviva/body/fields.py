@@ -151,7 +151,7 @@ def quantity(name: str) -> tuple[int, Callable[[Fields], Array]]:
 
 
 def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array, Fields]]:
-    """Cell type, nodes (m, k), their numbers, volumes (m, q) and fields (m, q, ...), some thousand at a time."""
+    """Cell type, nodes (m, k), numbers, volumes (m, q), fields (m, q, ...): some thousand elements at a time."""
     x = np.ascontiguousarray(x, dtype=float)
     first = 0
     for (cell, nodes), term, volume in zip(solid.each_cell(), solid.terms, solid.volumes, strict=True):
@@ -172,9 +172,9 @@ def of_points(values: Array, small: bool) -> Fields:
 def at_nodes(solid: Solid, name: str, x: Array) -> Array:
     """A quantity (n_nodes,) or (n_nodes, components), smoothed.
 
-    In every element the polynomial of least squares through the values at its quadrature points is taken to its
-    nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted elements
-    (constant ones for tri3 and tet4) come out exactly.
+    In every element the polynomial of least squares through the values at its quadrature points is taken to
+    its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
+    elements (constant ones for tri3 and tet4) come out exactly.
     """
     width, function = quantity(name)
     total, weight = np.zeros((solid.grid.n_nodes, width)), np.zeros(solid.grid.n_nodes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.body.element import geometry, masses
-from visviva.body.fields import Fields, at_nodes, evaluated, of_cells
+from visviva.body.fields import Fields, at_nodes, evaluated, of_cells, quantity
 from visviva.component import Attachable, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
@@ -25,6 +25,7 @@ from visviva.values import Number, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -272,10 +273,26 @@ class Solid(Attachable):
     def local(self, x: Array) -> Array:
         return x
 
+    def nodes(self, chosen: Any) -> Ints:
+        """Nodes of a set of the mesh by its name, of `Faces`, or given by their numbers."""
+        if isinstance(chosen, str):
+            return self.grid.nodes(chosen)
+        return np.atleast_1d(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
+
+    def by_node(self, values: Array) -> Array:
+        """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
+        p = values[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
+        return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
+
+    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
+        by_unknown = np.zeros(len(system.x))
+        by_unknown[list(force)] = list(force.values())
+        f = self.by_node(by_unknown)
+        return f.sum(axis=0), np.cross(self.positions(system.x) - about, f).sum(axis=0)
+
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
-        p = x[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
-        return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
+        return self.by_node(x)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def displacements(self, x: Array) -> Array:
@@ -284,7 +301,7 @@ class Solid(Attachable):
 
     def velocities(self, v: Array) -> Array:
         """Velocities (n, 3) of the nodes at the rates `v` of the system."""
-        return self.positions(v)
+        return self.by_node(v)
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.
@@ -326,12 +343,17 @@ class Solid(Attachable):
         """
         return at_nodes(self, name, x)
 
+    def at_points(self, name: str, x: Array) -> Array:
+        """A field at all quadrature points, (n_points, components), element after element."""
+        width, function = quantity(name)
+        return np.concatenate([function(part).reshape(-1, width) for *_, part in evaluated(self, x)])
+
     def mean(self, name: str, x: Array) -> Array:
         """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
         return of_cells(self, name, x)
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Forces (n, 3) of the elements on the nodes, of the chosen cells (n_cells,) or all, against strain."""
+        """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""
         total = np.zeros((self.grid.n_nodes, 3))
         first = 0
         for (_, nodes), term in zip(self.each_cell(), self.terms, strict=True):

@@ -80,7 +80,7 @@ class Material(metaclass=Validated):
         stress : array, (n, 6)
             ``S = 2 dW/dC``, second Piola-Kirchhoff.
         moduli : array, (n, 6, 6)
-            ``4 d2W/dC2``, components of the tensor: ``dS = moduli : dC / 2`` sums pairs off the diagonal twice.
+            Tensor ``4 d2W/dC2``: in ``dS = moduli : dC / 2`` pairs off the diagonal count twice.
 
         Examples
         --------

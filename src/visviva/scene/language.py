@@ -13,9 +13,8 @@ from visviva.body.shape import Shape
 from visviva.component import Component
 from visviva.linear import LinearOptions
 from visviva.material.base import Material
-from visviva.measure import Measure
+from visviva.measure import Measure, Reading
 from visviva.mesh.generate import MeshSource
-from visviva.reaction import Reaction
 from visviva.scheme import Scheme
 
 T = TypeVar("T")
@@ -64,8 +63,8 @@ def values() -> dict[str, type[Any]]:
 
 
 def probes() -> dict[str, type[Any]]:
-    """What can be recorded: measures and reactions."""
-    return {**public(Measure), **public(Reaction)}
+    """What can be recorded."""
+    return public(Reading)
 
 
 def schemes() -> dict[str, type[Scheme]]:

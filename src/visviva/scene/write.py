@@ -11,10 +11,10 @@ import numpy as np
 
 from visviva.component import Component
 from visviva.errors import InputError
-from visviva.measure import Measure
+from visviva.measure import Reading
 from visviva.output.files import replacing, reporting
 from visviva.point import Frame, Point
-from visviva.reaction import Reaction
+
 from visviva.scene import language
 from visviva.scheme import Scheme
 from visviva.system import Newton, System
@@ -63,7 +63,7 @@ def of_study(study: Study) -> dict[str, Any]:
     data["run"]["scheme"] = value("scheme", study.scheme)
     data["probes"] = {}
     for name, probe in study.probes.items():
-        if not isinstance(probe, Measure | Reaction):
+        if not isinstance(probe, Reading):
             raise InputError(
                 f"probe {name!r} is a form or a function of Python, which no file can hold; use a measure "
                 "such as vv.Position(of=...), vv.JointCoordinate(joint=...), or vv.ReactionForce(joint=...)"
@@ -115,7 +115,7 @@ def value(label: str, item: Any) -> Any:
     if isinstance(item, Scheme):
         arguments = given(label, item)
         return {type(item).__name__: arguments} if arguments else type(item).__name__
-    if isinstance(item, (*language.CHOICES.values(), Measure, Reaction)):
+    if isinstance(item, (*language.CHOICES.values(), Reading)):
         return described(label, item, {**language.values(), **language.probes()})
     return plain(label, item.source if isinstance(item, TimeFunction) else item)
 
