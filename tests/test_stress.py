@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import visviva as vv
 from visviva.body.fields import QUANTITIES, components, extrapolation
 from visviva.mesh.cells import CELLS

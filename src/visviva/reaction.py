@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import Validated
 from visviva.component import settings
 from visviva.joint.base import Joint
 from visviva.measure import Reading

@@ -50,7 +50,9 @@ class Coupling(Attachable):
         spread = np.linalg.eigvalsh(self._arms.T @ (self._share[:, None] * self._arms))
         self._size = float(np.sqrt(spread.sum()))
         if spread[4 - self.solid.dimension] < 1e-12 * spread.sum():
-            raise InputError(f"{self.label}: the nodes of its faces lie on a line; a frame could turn about it")
+            raise InputError(
+                f"{self.label}: the nodes of its faces lie on a line; a frame could turn about it"
+            )
 
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
@@ -69,11 +71,10 @@ class Coupling(Attachable):
         d = self.solid.dimension
         velocity, spin = self._initial_rates()
         turning = np.cross(spin, np.eye(3))[:d, :d]
-        kept = {"stage": 1, "node": d}
         position = model.field(
-            self, "position", self._centre[:d], velocity[:d], scale=model.length, block=self, **kept
+            self, "position", self._centre[:d], velocity[:d], scale=model.length, block=self, stage=1, node=d
         )
-        directors = model.field(self, "directors", np.eye(d), turning, scale=1.0, block=self, **kept)
+        directors = model.field(self, "directors", np.eye(d), turning, scale=1.0, block=self, stage=1, node=d)
         self._origin = vector_of(position, 0)
         self._directors = [vector_of(directors, k) for k in range(d)]
         if d == 2:

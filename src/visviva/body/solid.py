@@ -90,8 +90,8 @@ class Solid(Attachable):
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
 
     # --- sets ----------------------------------------------------------------------------------------------
-    def nodes(self, chosen: str | ArrayLike) -> Ints:
-        """Nodes (k,) by the name of a set of nodes or faces, 'all', or their numbers.
+    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
 
         Raises
         ------
@@ -102,7 +102,7 @@ class Solid(Attachable):
             everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
             found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
         else:
-            found = np.unique(np.asarray(chosen, dtype=np.int64))
+            found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
         if len(found) == 0:
             raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
         if found[0] < 0 or found[-1] >= self.grid.n_nodes:
@@ -272,12 +272,6 @@ class Solid(Attachable):
 
     def local(self, x: Array) -> Array:
         return x
-
-    def nodes(self, chosen: Any) -> Ints:
-        """Nodes of a set of the mesh by its name, of `Faces`, or given by their numbers."""
-        if isinstance(chosen, str):
-            return self.grid.nodes(chosen)
-        return np.atleast_1d(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
 
     def by_node(self, values: Array) -> Array:
         """Values of all unknowns of the system as vectors (n, 3) of the nodes."""

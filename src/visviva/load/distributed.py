@@ -47,7 +47,9 @@ class Distribution:
         places = X.reshape(-1, 3)
         found = np.asarray(self._function(time, places), dtype=float)
         if found.shape != places.shape:
-            raise RunError(f"{self.label}: its {self.what} has shape {found.shape} for positions {places.shape}")
+            raise RunError(
+                f"{self.label}: its {self.what} has shape {found.shape} for positions {places.shape}"
+            )
         if not np.isfinite(found).all():
             raise RunError(f"{self.label}: its {self.what} is not finite at t = {time:g}")
         return found.reshape(X.shape)
@@ -76,7 +78,9 @@ def forces_of_time(force: Any) -> Any:
     """The core's callback for forces (n, d) that are a function of time alone; kept as long as time stands."""
     last: list[Any] = [None, None]
 
-    def call(n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]) -> None:
+    def call(
+        n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
+    ) -> None:
         if last[0] != t:
             last[:] = t, -force(t).T
         arrays[5][:, :n] = last[1]

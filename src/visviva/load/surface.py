@@ -94,7 +94,7 @@ class Pressure(OnFaces):
     Examples
     --------
     >>> import visviva as vv
-    >>> mesh = vv.SphereMesh(radius=1.0, counts=2)
+    >>> mesh = vv.SphereMesh(radius=1.0, counts=(2, 2))
     >>> ball = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), density=1.0)
     >>> system = vv.System([ball, vv.Pressure(solid=ball, faces="all", pressure="10*t")])
     """

@@ -14,7 +14,6 @@ from visviva.errors import InputError
 from visviva.measure import Reading
 from visviva.output.files import replacing, reporting
 from visviva.point import Frame, Point
-
 from visviva.scene import language
 from visviva.scheme import Scheme
 from visviva.system import Newton, System
