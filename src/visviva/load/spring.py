@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 from visviva.callback import energy_callback, rate_callback
 from visviva.component import Component, settings
 from visviva.errors import InputError
-from visviva.form import Strain, squared
+from visviva.form import Strain, Vector, squared
 from visviva.law import Law, LawKind, length, viscous_length
 from visviva.load.force import guarded
 from visviva.load.where import point_of
@@ -78,6 +78,10 @@ class Spring(Component):
     def points(self) -> tuple[Any, Any]:
         """The two points it connects."""
         return point_of(self.label, self.a, self.at_a), point_of(self.label, self.b, self.at_b)
+
+    def lines(self) -> list[tuple[Vector, Vector]]:
+        A, B = self.points()
+        return [(A.position, B.position)]
 
     def contribute(self, model: Model) -> None:
         A, B = self.points()

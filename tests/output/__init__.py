@@ -1,0 +1,1 @@
+"""The output layer: files that survive kills and full disks, plots, pictures, movies."""

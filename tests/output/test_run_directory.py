@@ -1,0 +1,129 @@
+"""The directory of a run, its restart state and summary."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from visviva.errors import InputError
+from visviva.output import (
+    RunDirectory,
+    load_state,
+    save_state,
+)
+
+
+def test_state_is_bit_faithful(tmp_path):
+    rng = np.random.default_rng(3)
+    arrays = {
+        "q": rng.integers(0, 2**63, 1000).view(np.float64),  # any bit pattern, also NaNs with payload
+        "history/lambda": rng.normal(size=(3, 4, 5)),
+        "count": np.array(7, dtype=np.int32),
+        "flags": np.array([True, False]),
+        "empty": np.zeros((0, 3)),
+    }
+    attributes = {"time": 0.1 + 0.2, "step": 2**53 + 1, "scheme": "EnergyMomentum(h=0.01) ä", "done": True}
+    save_state(tmp_path / "s.h5", arrays, attributes)
+    found, found_attributes = load_state(tmp_path / "s.h5")
+    assert found.keys() == arrays.keys()
+    for name, array in arrays.items():
+        assert found[name].dtype == array.dtype
+        assert found[name].shape == array.shape
+        assert found[name].tobytes() == array.tobytes()
+    assert found_attributes == attributes
+
+
+def test_state_of_others_is_refused(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = 1
+    with pytest.raises(InputError, match="was not written by visviva"):
+        load_state(tmp_path / "other.h5")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file.attrs["format"] = "visviva state 99"
+    with pytest.raises(InputError, match=r"visviva state 99.*visviva state 1"):
+        load_state(tmp_path / "other.h5")
+    (tmp_path / "text.h5").write_text("hello")
+    for name in ("text.h5", "missing.h5"):
+        with pytest.raises(InputError, match="not a readable state"):
+            load_state(tmp_path / name)
+
+
+def test_run_directory(tmp_path):
+    run = RunDirectory.create(tmp_path / "deep" / "crane")
+    assert run.trajectory == tmp_path / "deep" / "crane" / "trajectory.vtkhdf"
+    assert [file.name for file in run.files] == [
+        "trajectory.vtkhdf",
+        "ledger.csv",
+        "probes.csv",
+        "summary.json",
+        "state.h5",
+        "energy.png",
+        "picture.png",
+        "movie.mp4",
+    ]
+    RunDirectory.create(run.path)  # still empty
+    with pytest.raises(InputError, match="holds no run"):
+        RunDirectory.open(run.path)
+    (run.path / "notes.txt").write_text("mine")
+    save_state(run.state, {}, {})
+    assert RunDirectory.open(run.path) == run
+    with pytest.raises(InputError, match=r"already holds a run \(state.h5\)"):
+        RunDirectory.create(run.path)
+    RunDirectory.create(run.path, overwrite=True)
+    assert [file.name for file in run.path.iterdir()] == ["notes.txt"]
+
+
+def test_run_directory_must_be_writable(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file", tmp_path / "file" / "below", Path("/proc/visviva")):
+        with pytest.raises(InputError, match="cannot be written"):
+            RunDirectory.create(path)
+    if os.geteuid():
+        (tmp_path / "locked").mkdir(mode=0o555)
+        with pytest.raises(InputError, match="cannot be written"):
+            RunDirectory.create(tmp_path / "locked")
+
+
+def test_summary_takes_numpy_and_is_strict_json(tmp_path):
+    run = RunDirectory.create(tmp_path)
+    run.write_summary(
+        {
+            "steps": np.int64(200),
+            "error": np.float64(1 / 3),
+            "momentum": np.array([1.0, np.nan]),
+            "ok": np.bool_(True),
+            "path": tmp_path,
+            "nested": {1: (np.float32(0.5), None)},
+        }
+    )
+    text = run.summary.read_text()
+    assert json.loads(text, parse_constant=pytest.fail) == {
+        "steps": 200,
+        "error": 1 / 3,
+        "momentum": [1.0, None],
+        "ok": True,
+        "path": str(tmp_path),
+        "nested": {"1": [0.5, None]},
+    }
+    assert run.read_summary()["steps"] == 200
+
+
+def test_importing_output_is_cheap():
+    code = (
+        "import sys, numpy; from visviva import errors; import time; start = time.process_time();"
+        "import visviva.output; took = time.process_time() - start;"
+        "heavy = {'h5py', 'matplotlib', 'pyvista', 'imageio_ffmpeg', 'PIL'} & set(sys.modules);"
+        "print(took, heavy)"
+    )
+    runs = [
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        for _ in range(3)
+    ]
+    assert all(run.stdout.split(maxsplit=1)[1].strip() == "set()" for run in runs)
+    assert min(float(run.stdout.split()[0]) for run in runs) < 0.03  # the others had to share the machine
