@@ -200,7 +200,9 @@ class SectionForce(Reading):
     @cached_property
     def _behind(self) -> NDArray[np.bool_]:
         d = self.solid.dimension
-        behind: NDArray[np.bool_] = np.asarray((self.solid.grid.centres - self.point[:d]) @ self.normal[:d] <= 0)
+        behind: NDArray[np.bool_] = np.asarray(
+            (self.solid.grid.centres - self.point[:d]) @ self.normal[:d] <= 0
+        )
         return behind
 
     @cached_property
