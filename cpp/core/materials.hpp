@@ -82,19 +82,21 @@ VISVIVA_INLINE T ogden(const T* e, const V* p) {
     return w;
 }
 
-template <class T>
-VISVIVA_INLINE T energy(MaterialKind kind, const T* i, const V* p) {
+/// Calls `use` with the energy of an isotropic material as a function of invariants. Every material has a
+/// call of its own, so that derivatives that are constant or zero drop out.
+template <class Use>
+VISVIVA_INLINE void with_energy(MaterialKind kind, const V* p, Use&& use) {
     switch (kind) {
         case MaterialKind::mooney:
-            return mooney(i, p);
+            return use([&](const auto* i) { return mooney(i, p); });
         case MaterialKind::isochoric:
-            return isochoric(i, p);
+            return use([&](const auto* i) { return isochoric(i, p); });
         case MaterialKind::gent:
-            return gent(i, p);
+            return use([&](const auto* i) { return gent(i, p); });
         case MaterialKind::blatz_ko:
-            return blatz_ko(i, p);
+            return use([&](const auto* i) { return blatz_ko(i, p); });
         default:
-            return neo_hooke(i, p);
+            return use([&](const auto* i) { return neo_hooke(i, p); });
     }
 }
 

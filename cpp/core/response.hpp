@@ -107,6 +107,49 @@ VISVIVA_INLINE void from_invariants(const V* c, const V* fibre, Energy&& energy_
     }
 }
 
+/// Kirchhoff stress and its moduli (upper triangle by rows): what C and its functions become when both sides
+/// are pushed to the current configuration. There C is b b, C^-1 is I, and I is b.
+struct SpatialResponse {
+    V tau[6], c[21];
+};
+
+/// The same from b - I of isotropic energies.
+template <class Energy>
+VISVIVA_INLINE void from_left_invariants(const V* e, Energy&& energy_of, SpatialResponse& r) {
+    using J = Jet<3, true>;
+    const Invariants inv = invariants(e);
+    const J i[3] = {J::variable(inv.i1, 0), J::variable(inv.i2, 1), J::variable(inv.j, 2)};
+    const J w = energy_of(i);
+    V b[6], g[6];  // gradients of I1 and I2; that of J is J / 2 times the identity
+    const V half = 0.5 * (1.0 + inv.j), first = 1.0 + inv.i1;
+    VISVIVA_FLATTEN
+    for (int k = 0; k < 6; ++k) {
+        const int m = voigt_a[k], n = voigt_b[k];
+        b[k] = e[k] + (k < 3 ? 1.0 : 0.0);
+        g[k] = first * e[k] + (k < 3 ? 2.0 + inv.i1 : V{});
+        VISVIVA_FLATTEN
+        for (int l = 0; l < 3; ++l) g[k] -= e[voigt[m][l]] * e[voigt[l][n]];
+    }
+    const V w3 = half * w.g[2];
+    VISVIVA_FLATTEN
+    for (int k = 0; k < 6; ++k) r.tau[k] = 2.0 * (w.g[0] * b[k] + w.g[1] * g[k] + (k < 3 ? w3 : V{}));
+    const V h02 = half * w.h[2], h12 = half * w.h[4], h22 = half * (half * w.h[5] + 0.5 * w.g[2]);
+    VISVIVA_FLATTEN
+    for (int k = 0; k < 6; ++k) {
+        const V of_b = w.h[0] * b[k] + w.h[1] * g[k] + (k < 3 ? h02 : V{});
+        const V of_g = w.h[1] * b[k] + w.h[3] * g[k] + (k < 3 ? h12 : V{});
+        const V of_j = h02 * b[k] + h12 * g[k] + (k < 3 ? h22 : V{});
+        VISVIVA_FLATTEN
+        for (int l = k; l < 6; ++l) {
+            const V bb = 0.5 * (b[voigt[voigt_a[k]][voigt_a[l]]] * b[voigt[voigt_b[k]][voigt_b[l]]] +
+                                b[voigt[voigt_a[k]][voigt_b[l]]] * b[voigt[voigt_b[k]][voigt_a[l]]]);
+            V sum = of_b * b[l] + of_g * g[l] + w.g[1] * (b[k] * b[l] - bb) + (l < 3 ? of_j : V{});
+            if (k == l) sum -= (k < 3 ? 1.0 : 0.5) * w3;
+            r.c[packed(6, k, l)] = 4.0 * sum;
+        }
+    }
+}
+
 /// Principal values and directions (columns of n) of a symmetric tensor by cyclic Jacobi rotations.
 VISVIVA_INLINE void principal(const V* c, V* value, V n[3][3]) {
     V a[3][3];
@@ -184,8 +227,19 @@ __attribute__((noinline)) void respond(MaterialKind kind, const V* c, const V* p
             from_invariants<5, second>(c, p + 6, [&](const auto* i) { return holzapfel(i, p); }, r);
             break;
         default:
-            from_invariants<3, second>(c, p, [&](const auto* i) { return energy(kind, i, p); }, r);
+            with_energy(kind, p, [&](auto energy) { from_invariants<3, second>(c, p, energy, r); });
     }
+}
+
+/// Materials whose energy depends on the three invariants alone.
+constexpr bool isotropic(MaterialKind kind) {
+    return kind == MaterialKind::neo_hooke || kind == MaterialKind::mooney ||
+           kind == MaterialKind::isochoric || kind == MaterialKind::gent || kind == MaterialKind::blatz_ko;
+}
+
+__attribute__((noinline)) inline void respond_in_space(MaterialKind kind, const V* e, const V* p,
+                                                       SpatialResponse& r) {
+    with_energy(kind, p, [&](auto energy) { from_left_invariants(e, energy, r); });
 }
 
 }  // namespace visviva::VISVIVA_ISA

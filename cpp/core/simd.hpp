@@ -13,6 +13,12 @@ typedef double V __attribute__((vector_size(W * sizeof(double)), aligned(8)));
 typedef long long VI __attribute__((vector_size(W * sizeof(double)), aligned(8)));
 
 #define VISVIVA_INLINE inline __attribute__((always_inline))
+// Before loops whose indices must be known at compile time for their arrays to live in registers.
+#if defined(__clang__)
+#define VISVIVA_FLATTEN _Pragma("clang loop unroll(full)")
+#else
+#define VISVIVA_FLATTEN _Pragma("GCC unroll 36")
+#endif
 
 VISVIVA_INLINE V broadcast(double a) { return V{} + a; }
 VISVIVA_INLINE V vload(const double* p) { return *reinterpret_cast<const V*>(p); }

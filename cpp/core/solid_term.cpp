@@ -102,7 +102,8 @@ void SolidTerm::connect(const Pattern& pattern) {
             for (int l = 0; l < L8; ++l) {
                 const std::size_t at = (static_cast<std::size_t>(block) * na + a) * L8 + l;
                 const int u = index_[at];
-                if (pattern.position(u, u) < 0) continue;
+                const bool filler = block * L8 + l >= view_.n;  // of the last block
+                if (filler || pattern.position(u, u) < 0) continue;
                 length_[at] = pattern.row_length(u);
                 row_[at] = pattern.row_start(u);
                 for (int b = 0; b < na; ++b) {

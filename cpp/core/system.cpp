@@ -199,8 +199,7 @@ bool System::refactor(const Context& c, const Step& step) {
     factored_state_.clear();
     std::vector<const std::vector<double>*> kept = {&x, &dx, &v};
     if (step.uses_history()) kept.insert(kept.end(), {&a, &w});
-    for (const auto* u : kept)
-        factored_state_.insert(factored_state_.end(), u->begin(), u->end());
+    for (const auto* u : kept) factored_state_.insert(factored_state_.end(), u->begin(), u->end());
     factored_signals_.clear();
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
         factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);

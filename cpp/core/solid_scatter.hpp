@@ -1,0 +1,111 @@
+// Element vectors and matrices of W solid elements, added to where they belong.
+#pragma once
+#include "solid_element.hpp"
+
+#if defined(__AVX512VL__)
+#include <immintrin.h>
+#endif
+
+namespace visviva::VISVIVA_ISA {
+
+typedef double V4 __attribute__((vector_size(32)));
+
+template <int D, int N>
+VISVIVA_INLINE void solid_scatter_forces(const SolidElement<D, N>& e, const V* r, int n, double* to) {
+    for (int a = 0; a < e.nodes(); ++a) {
+        const int* index = e.index(a);
+        for (int c = 0; c < D; ++c)
+            for (int l = 0; l < n; ++l) to[index[l] + c] += r[a * D + c][l];
+    }
+}
+
+/// Three numbers; a fourth beside them may belong to another thread.
+VISVIVA_INLINE V4 three(const double* from) {
+#if defined(__AVX512VL__)
+    return _mm256_maskz_loadu_pd(7, from);
+#else
+    return V4{from[0], from[1], from[2], 0.0};
+#endif
+}
+VISVIVA_INLINE void put_three(double* to, V4 a) {
+#if defined(__AVX512VL__)
+    _mm256_mask_storeu_pd(to, 7, a);
+#else
+    for (int j = 0; j < 3; ++j) to[j] = a[j];
+#endif
+}
+
+/// (a, b, c, anything) of every lane.
+VISVIVA_INLINE void transpose(V a, V b, V c, V4* lanes) {
+#if VISVIVA_WIDTH == 8
+    const V even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    const V odd = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+    const V pair[4] = {__builtin_shufflevector(even, c, 0, 1, 8, 8, 2, 3, 10, 10),
+                       __builtin_shufflevector(odd, c, 0, 1, 9, 9, 2, 3, 11, 11),
+                       __builtin_shufflevector(even, c, 4, 5, 12, 12, 6, 7, 14, 14),
+                       __builtin_shufflevector(odd, c, 4, 5, 13, 13, 6, 7, 15, 15)};
+    for (int l = 0; l < 4; ++l) {
+        lanes[l / 2 * 4 + l % 2] = __builtin_shufflevector(pair[l], pair[l], 0, 1, 2, 3);
+        lanes[l / 2 * 4 + l % 2 + 2] = __builtin_shufflevector(pair[l], pair[l], 4, 5, 6, 7);
+    }
+#else
+    for (int l = 0; l < W; ++l) lanes[l] = V4{a[l], b[l], c[l], 0.0};
+#endif
+}
+
+/// Where the block (a, b) of W elements starts among the values; -1 for what has no equations.
+template <int D, int N>
+VISVIVA_INLINE void solid_places(const SolidElement<D, N>& e, int a, int b, std::int64_t* place) {
+    const std::int64_t row = static_cast<std::int64_t>(e.block) * e.nodes() + a;
+    const std::int64_t* start = e.v.row + row * L8 + e.lane;
+    const std::uint16_t* offset = e.v.offset + (row * e.nodes() + b) * L8 + e.lane;
+    for (int l = 0; l < W; ++l) place[l] = offset[l] == 0xffff ? -1 : start[l] + offset[l];
+}
+
+// Adds the blocks (a, b) of W elements, K[i][j] or its transpose, to the matrix.
+template <int D, int N, bool transposed>
+VISVIVA_INLINE void solid_scatter_block(const SolidElement<D, N>& e, int a, int b, const V* K,
+                                        double* values) {
+    std::int64_t place[W];
+    solid_places(e, a, b, place);
+    const std::int64_t* length =
+        e.v.length + (static_cast<std::int64_t>(e.block) * e.nodes() + a) * L8 + e.lane;
+    constexpr int row = transposed ? 1 : D, column = transposed ? D : 1;
+    if constexpr (D == 3) {
+        V4 lanes[3][W];
+        VISVIVA_FLATTEN
+        for (int i = 0; i < 3; ++i)
+            transpose(K[i * row], K[i * row + column], K[i * row + 2 * column], lanes[i]);
+        VISVIVA_FLATTEN
+        for (int l = 0; l < W; ++l) {
+            if (place[l] < 0) continue;
+            double* to = values + place[l];
+            V4 sum[3];  // all loads before the first store, which they need not wait for then
+            VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) sum[i] = three(to + i * length[l]) + lanes[i][l];
+            VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) put_three(to + i * length[l], sum[i]);
+        }
+    } else {
+        for (int l = 0; l < W; ++l) {
+            if (place[l] < 0) continue;
+            double* to = values + place[l];
+            for (int i = 0; i < D; ++i)
+                for (int j = 0; j < D; ++j) to[i * length[l] + j] += K[i * row + j * column][l];
+        }
+    }
+}
+
+/// Adds W element matrices, blocks K[a][b] of which a symmetric one holds a <= b.
+template <int D, int N>
+VISVIVA_INLINE void solid_scatter(const SolidElement<D, N>& e, const V* K, bool symmetric, double* values) {
+    const int n = e.nodes();
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+            if (symmetric && b < a)
+                solid_scatter_block<D, N, true>(e, a, b, K + (b * n + a) * D * D, values);
+            else
+                solid_scatter_block<D, N, false>(e, a, b, K + (a * n + b) * D * D, values);
+}
+
+}  // namespace visviva::VISVIVA_ISA
