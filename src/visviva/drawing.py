@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from visviva.body.fields import quantity, smoothed
+from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.form import Vector
+from visviva.mesh.cells import CELLS
 from visviva.output.surface import Surface
 
 if TYPE_CHECKING:
@@ -27,16 +30,23 @@ class Drawing:
     Parameters
     ----------
     system : System
-        Every component with a `surface` is drawn, and the `lines` of ropes and springs.
+        Every component with a `surface` is drawn, the cells of solids, and the `lines` of ropes and springs.
     lines : sequence of (Vector, Vector)
         Further lines between two points.
     spots : mapping
         Further single points by name.
+    fields : sequence of str
+        Fields of solids to store, beside displacements and velocities; see `Solid.nodal`.
 
     Attributes
     ----------
     surfaces : tuple of Surface
-        Named after the components, points in their own coordinates.
+        Named after the components, points of rigid bodies in their own coordinates.
+
+    Raises
+    ------
+    InputError
+        For a field that does not exist.
 
     Examples
     --------
@@ -49,32 +59,72 @@ class Drawing:
     """
 
     def __init__(
-        self, system: System, lines: Sequence[Line] = (), spots: Mapping[str, Vector] | None = None
+        self,
+        system: System,
+        lines: Sequence[Line] = (),
+        spots: Mapping[str, Vector] | None = None,
+        fields: Sequence[str] = (),
     ) -> None:
         drawn = [(c, c.surface()) for c in system.components if isinstance(c, Attachable)]
-        solids = [(c, surface) for c, surface in drawn if surface is not None]
+        bodies = [(c, surface) for c, surface in drawn if surface is not None]
+        self._solids = [c for c in system.components if isinstance(c, Solid)]
         named = list(named_lines(system, lines))
-        taken = {str(c.name) for c, _ in solids} | {name for name, _ in named}
+        taken = {str(c.name) for c in (*(c for c, _ in bodies), *self._solids)} | {name for name, _ in named}
         free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
         self.surfaces = (
-            *(Surface(str(c.name), points, triangles) for c, (points, triangles) in solids),
+            *(Surface(str(c.name), points, triangles) for c, (points, triangles) in bodies),
+            *(filled(solid) for solid in self._solids),
             *(Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named),
             *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
-        self._n_solids, self._n_lines = len(solids), len(named)
-        vectors = [v for c, _ in solids for v in placement(c)]
+        self._n_bodies, self._n_lines = len(bodies), len(named)
+        vectors = [v for c, _ in bodies for v in placement(c)]
         vectors += [end for _, line in named for end in line] + list(free.values())
         self._map, self._constant = stacked(vectors, len(system.x))
+        self._start = self.points(system.model.initial[0])
+        self._fields = {name: quantity(name)[0] for name in fields}
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
-        values = (self._map @ x + self._constant).reshape(-1, 3)
-        n, m = 4 * self._n_solids, 4 * self._n_solids + 2 * self._n_lines
+        return self._placed(self._map @ x + self._constant, [solid.positions(x) for solid in self._solids])
+
+    def velocities(self, v: Array) -> list[Array]:
+        """Velocities of the points of every surface at the rates `v`."""
+        return self._placed(self._map @ v, [solid.velocities(v) for solid in self._solids])
+
+    def values(self, x: Array, v: Array) -> dict[str, Array]:
+        """Stored quantities over the points of all surfaces, (n,) or (n, components); none without solids.
+
+        Displacements count from the start. Where a component has no such field, there is NaN.
+        """
+        if not self._solids:
+            return {}
+        moved = [now - then for now, then in zip(self.points(x), self._start, strict=True)]
+        found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(v))}
+        parts = [smoothed(solid, tuple(self._fields), x) for solid in self._solids]
+        starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
+        for name, width in self._fields.items():
+            everywhere = np.full((starts[-1], width) if width > 1 else starts[-1], np.nan)
+            for start, part in zip(starts[self._n_bodies :], parts, strict=False):
+                everywhere[start : start + len(part[name])] = part[name]
+            found[name] = everywhere
+        return found
+
+    def _placed(self, mapped: Array, solids: list[Array]) -> list[Array]:
+        """Vectors at the points of every surface, from the mapped ones and those of the solids."""
+        values = mapped.reshape(-1, 3)
+        n, m = 4 * self._n_bodies, 4 * self._n_bodies + 2 * self._n_lines
         moved = [
             s.points @ frame[1:] + frame[0]
             for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
         ]
-        return [*moved, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
+        return [*moved, *solids, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
+
+
+def filled(solid: Solid) -> Surface:
+    """The cells of a solid at their reference positions."""
+    cells = solid.grid.cells
+    return Surface(str(solid.name), solid.points, list(cells.values()), [CELLS[name].vtk for name in cells])
 
 
 def named_lines(system: System, lines: Sequence[Line]) -> Iterator[tuple[str, Line]]:
@@ -109,7 +159,8 @@ def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_arra
 def draw(study: Study) -> Drawing:
     """What is drawn of a study: its system, its ropes, and its trails where no component has their name."""
     spots = {name: study.probes[name] for name in study.trails if name in study.probes}
-    return Drawing(study.system, study.ropes, {n: v for n, v in spots.items() if isinstance(v, Vector)})
+    vectors = {name: spot for name, spot in spots.items() if isinstance(spot, Vector)}
+    return Drawing(study.system, study.ropes, vectors, study.fields)
 
 
 def trail_names(study: Study, drawing: Drawing) -> list[str]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,6 +57,42 @@ class Result:
     def history(self, what: Form | Vector | Strain) -> Array:
         """Values of a form, vector or strain at the kept times, (n,) or (n, 3)."""
         return np.array([what.value(x) for x in self.states])
+
+    def write(
+        self, path: str | Path, fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")
+    ) -> None:
+        """Write the kept states as a trajectory (``*.vtkhdf``), for ParaView, pictures and movies.
+
+        Where the times do not grow, as on a path through limit points, the numbers of the states stand for them.
+
+        Parameters
+        ----------
+        path
+            File to write.
+        fields
+            Fields of solids to store beside displacements and velocities; see `Solid.nodal`.
+
+        Examples
+        --------
+        >>> import tempfile, visviva as vv
+        >>> from visviva.output import Trajectory
+        >>> steel = vv.LinearElastic(young=2.0, poisson=0.0)
+        >>> bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(2, 1, 1)), material=steel, density=1.0)
+        >>> result = vv.simulate(vv.System([bar]), until=0.2, step=0.1)
+        >>> path = tempfile.mkdtemp() + "/bar.vtkhdf"
+        >>> result.write(path)
+        >>> Trajectory(path).fields["cauchy"]
+        6
+        """
+        from visviva.drawing import Drawing
+        from visviva.output.vtkhdf import TrajectoryWriter
+
+        drawing = Drawing(self.system, fields=fields)
+        grow = all(a < b for a, b in pairwise(self.times))
+        times = self.times if grow else [float(k) for k in range(len(self.times))]
+        with TrajectoryWriter(path, drawing.surfaces, len(times)) as writer:
+            for time, x, v in zip(times, self.states, self.rates, strict=True):
+                writer.append(time, drawing.points(x), drawing.values(x, v))
 
     def conservation(self) -> dict[str, float]:
         """Relative errors: energy balance, each momentum, constraints at position and velocity level."""

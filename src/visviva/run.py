@@ -233,7 +233,8 @@ class Recorder:
         """The shapes at the present state."""
         if self.trajectory is not None:
             system = self.study.system
-            self.trajectory.append(system.time, self.drawing.points(system.x))
+            points, values = self.drawing.points(system.x), self.drawing.values(system.x, system.v)
+            self.trajectory.append(system.time, points, values)
 
     def save_now_and_then(self, seconds: float) -> None:
         """Save the state if it is due; seldom enough that saving costs little."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,6 +30,8 @@ class Study:
         Vector probes whose path is drawn.
     ropes : list of (Vector, Vector)
         Lines to draw between two points (ropes, springs).
+    fields : sequence of str
+        Fields of solids that the trajectory holds beside displacements and velocities; pictures show the first.
     title : str
     notes : str
         Choices the source leaves open.
@@ -42,6 +44,7 @@ class Study:
     probes: Mapping[str, Probe] = field(default_factory=dict)
     trails: tuple[str, ...] = ()
     ropes: list[tuple[Vector, Vector]] = field(default_factory=list)
+    fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")
     title: str = ""
     notes: str = ""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -170,24 +170,31 @@ def of_points(values: Array, small: bool) -> Fields:
 
 
 def at_nodes(solid: Solid, name: str, x: Array) -> Array:
-    """A quantity (n_nodes,) or (n_nodes, components), smoothed.
+    """A quantity (n_nodes,) or (n_nodes, components), smoothed as by `smoothed`."""
+    return smoothed(solid, (name,), x)[name]
+
+
+def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+    """Quantities at the nodes, (n_nodes,) or (n_nodes, components) each.
 
     In every element the polynomial of least squares through the values at its quadrature points is taken to
     its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
     elements (constant ones for tri3 and tet4) come out exactly.
     """
-    width, function = quantity(name)
-    total, weight = np.zeros((solid.grid.n_nodes, width)), np.zeros(solid.grid.n_nodes)
-    for cell, nodes, _, volume, fields in evaluated(solid, x):
-        values = function(fields).reshape(*volume.shape, width)
-        taken = np.einsum("aq,eqc->eac", extrapolation(cell), values)
+    chosen = [quantity(name) for name in names]
+    ends = np.cumsum([0, *(width for width, _ in chosen)])
+    total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
+    for cell, nodes, _, volume, fields in evaluated(solid, x) if chosen else ():
+        parts = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
+        taken = np.einsum("aq,eqc->eac", extrapolation(cell), np.concatenate(parts, axis=2))
         size = volume.sum(axis=1)
         for a in range(nodes.shape[1]):
             weight += np.bincount(nodes[:, a], size, len(weight))
-            for c in range(width):
+            for c in range(ends[-1]):
                 total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
-    smooth: Array = total / weight[:, None]
-    return smooth[:, 0] if width == 1 else smooth
+    mean = total / (weight[:, None] if chosen else 1.0)
+    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+    return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
 
 
 def of_cells(solid: Solid, name: str, x: Array) -> Array:

@@ -22,9 +22,6 @@ from visviva.output.surface import Surface
 if TYPE_CHECKING:
     from typing_extensions import Buffer
 
-# VTK's numbers for cells by their number of points
-CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9}
-POLYGON = 7
 FORMAT = "visviva trajectory 1"
 PAGE = 4096
 UNSET = 0x7E57_C0DE_5EED_1234  # stands where the number of steps will be, so that its place can be found
@@ -165,7 +162,8 @@ def _write_mesh(file: Any, root: Any, surfaces: Sequence[Surface], capacity: int
     blocks = [(k, block + starts[k]) for k, surface in enumerate(surfaces) for block in surface.cells]
     sizes = np.concatenate([np.full(len(block), block.shape[1]) for _, block in blocks] or [np.zeros(0)])
     component = np.concatenate([np.full(len(block), k) for k, block in blocks] or [np.zeros(0)])
-    types = np.array([CELL_TYPES.get(int(size), POLYGON) for size in sizes], dtype=np.uint8)
+    kinds = [(kind, len(block)) for s in surfaces for kind, block in zip(s.types, s.cells, strict=True)]
+    types = np.repeat(*np.array(kinds, dtype=np.int64).reshape(-1, 2).T).astype(np.uint8)
     connectivity = np.concatenate([block.ravel() for _, block in blocks] or [np.zeros(0)])
     root["Connectivity"] = connectivity.astype(np.int64)
     root["Offsets"] = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)

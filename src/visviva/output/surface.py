@@ -1,4 +1,4 @@
-"""What is drawn of one component."""
+"""What is drawn and stored of one component."""
 
 from __future__ import annotations
 
@@ -10,10 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.errors import InputError
 
+# VTK's numbers for cells by their number of points
+CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9}
+POLYGON = 7
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Points of one component and the cells that connect them.
+    """Points of one component and the cells that connect them; of a solid, the cells that fill it.
 
     The motion moves the points and keeps the cells, so a frame of an animation is one array of
     current points per surface.
@@ -28,6 +32,8 @@ class Surface:
         Blocks of equal cells, each an (m, k) integer array of point indices from 0: k = 1 single
         points, 2 lines, 3 triangles, 4 quadrilaterals, more for plane polygons. A single block may
         be given without a list around it.
+    types
+        VTK's numbers of the cell types, one per block, where the number of points does not tell the type.
 
     Raises
     ------
@@ -44,8 +50,15 @@ class Surface:
     name: str
     points: NDArray[np.float64]
     cells: tuple[NDArray[np.int64], ...]
+    types: tuple[int, ...]
 
-    def __init__(self, name: str, points: ArrayLike, cells: ArrayLike | Sequence[ArrayLike]) -> None:
+    def __init__(
+        self,
+        name: str,
+        points: ArrayLike,
+        cells: ArrayLike | Sequence[ArrayLike],
+        types: Sequence[int] | None = None,
+    ) -> None:
         array = np.array(points, dtype=np.float64)
         if not name:
             raise InputError("a surface needs a name")
@@ -55,7 +68,12 @@ class Surface:
             raise InputError(f"surface of {name}: a point is not finite")
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "points", array)
-        object.__setattr__(self, "cells", tuple(_block(name, block, len(array)) for block in _blocks(cells)))
+        blocks = tuple(_block(name, block, len(array)) for block in _blocks(cells))
+        told = tuple(CELL_TYPES.get(block.shape[1], POLYGON) for block in blocks)
+        if types is not None and len(types) != len(blocks):
+            raise InputError(f"surface of {name}: {len(types)} types of cells for {len(blocks)} blocks")
+        object.__setattr__(self, "cells", blocks)
+        object.__setattr__(self, "types", told if types is None else tuple(types))
 
 
 def _blocks(cells: ArrayLike | Sequence[ArrayLike]) -> list[ArrayLike]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Self
 
@@ -62,18 +63,51 @@ class Trajectory:
 
     def points_at(self, time: float) -> list[NDArray[np.float64]]:
         """Points of every surface at any time, linear between the steps and held beyond the ends."""
+        return self._between(time, self.points)
+
+    @property
+    def fields(self) -> dict[str, int]:
+        """Stored quantities per point: their numbers of components by name."""
+        return self.widths("Point")
+
+    def field(self, name: str, step: int) -> list[NDArray[np.float64]]:
+        """Values (n,) or (n, components) of a quantity on every surface at a step; NaN where it has none.
+
+        Raises
+        ------
+        InputError
+            If there is no such quantity.
+        """
+        if name not in self.fields:
+            known = f"there are {', '.join(self.fields)}" if self.fields else "none is stored"
+            raise InputError(f"{self.path}: no field is called {name!r}; {known}")
+        n_points = int(self._ends[-1])
+        together = self._root["PointData"][name][step * n_points : (step + 1) * n_points]
+        return np.split(together, self._ends[:-1])
+
+    def field_at(self, name: str, time: float) -> list[NDArray[np.float64]]:
+        """Values of a quantity at any time, linear between the steps and held beyond the ends."""
+        return self._between(time, lambda step: self.field(name, step))
+
+    def chosen_steps(self, n_steps: int = 100) -> list[int]:
+        """At most `n_steps` steps spread over the motion."""
+        spread = np.linspace(0, len(self.times) - 1, n_steps).round().astype(int)
+        return [int(step) for step in np.unique(spread)]
+
+    def _between(
+        self, time: float, values: Callable[[int], list[NDArray[np.float64]]]
+    ) -> list[NDArray[np.float64]]:
         place = float(np.interp(time, self.times, np.arange(len(self.times))))
         before = int(place)
         weight = place - before
         if weight == 0.0:
-            return self.points(before)
-        ends = zip(self.points(before), self.points(before + 1), strict=True)
+            return values(before)
+        ends = zip(values(before), values(before + 1), strict=True)
         return [(1 - weight) * early + weight * late for early, late in ends]
 
     def cloud(self, n_steps: int = 100) -> NDArray[np.float64]:
         """Points of at most `n_steps` steps spread over the motion, (n, 3), to fit a camera to."""
-        chosen = np.unique(np.linspace(0, len(self.times) - 1, n_steps).round().astype(int))
-        return np.concatenate([points for step in chosen for points in self.points(int(step))])
+        return np.concatenate([points for step in self.chosen_steps(n_steps) for points in self.points(step)])
 
     def centres(self, names: Sequence[str]) -> dict[int, NDArray[np.float64]]:
         """Paths (n_steps, 3) of the mean points of the named surfaces, by the number of the surface.
@@ -122,21 +156,22 @@ class Trajectory:
 def _surfaces(own: Any, root: Any, ends: NDArray[np.int64]) -> tuple[Surface, ...]:
     names = own["names"].asstr()[()]
     reference = np.split(own["reference_points"][()], ends[:-1])
-    cells = np.split(root["Connectivity"][()], root["Offsets"][1:-1])
-    owner = root["CellData/component"][()]
     starts = ends - own["point_counts"][()]
-    own_cells: list[list[NDArray[np.int64]]] = [[] for _ in names]
-    for cell, component in zip(cells, owner, strict=False):  # an empty mesh still splits into one piece
-        own_cells[component].append(cell - starts[component])
-    parts = zip(names, reference, own_cells, strict=True)
-    return tuple(Surface(name, points, _by_size(cells)) for name, points, cells in parts)
+    cells: list[list[NDArray[np.int64]]] = [[] for _ in names]
+    types: list[list[int]] = [[] for _ in names]
+    for component, kind, block in _runs(root):
+        cells[component].append(block - starts[component])
+        types[component].append(kind)
+    return tuple(Surface(*parts) for parts in zip(names, reference, cells, types, strict=True))
 
 
-def _by_size(cells: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
-    """Stack runs of equal cells into blocks, keeping their order."""
-    blocks: list[list[NDArray[np.int64]]] = []
-    for cell in cells:
-        if not blocks or len(blocks[-1][0]) != len(cell):
-            blocks.append([])
-        blocks[-1].append(cell)
-    return [np.stack(block) for block in blocks]
+def _runs(root: Any) -> Iterator[tuple[int, int, NDArray[np.int64]]]:
+    """Runs of cells of one component and type: its number, VTK's number of the type, points (m, k)."""
+    connectivity, offsets = root["Connectivity"][()], root["Offsets"][()]
+    keys = np.column_stack([root["CellData/component"][()], root["Types"][()], np.diff(offsets)])
+    if not len(keys):
+        return
+    first = np.flatnonzero(np.any(np.diff(keys, axis=0), axis=1)) + 1
+    for start, stop in pairwise([0, *first, len(keys)]):
+        component, kind, size = keys[start].tolist()
+        yield component, kind, connectivity[offsets[start] : offsets[stop]].reshape(-1, size)
