@@ -156,6 +156,23 @@ def between(make: Callable[[vv.SquaredDistance], Component]) -> Components:
     return [b, p, make(vv.SquaredDistance(a=b, b=p))]
 
 
+def flying(cell: str, counts: Sequence[int] = (2, 2, 2), **options: Any) -> Components:
+    """A solid of distorted cells that tumbles freely and swings."""
+    flat = cell[0] in "tq" and cell[1:4] in ("ri3", "ri6", "uad")
+    shape: Any = vv.RectangleMesh if flat else vv.BoxMesh
+    d = 2 if flat else 3
+    mesh = shape(size=(4.0, 3.2, 2.4)[:d], counts=tuple(counts[:d]), cell=cell).build()
+    X = mesh.points + 0.16 * np.sin(1.2 * mesh.points[:, ::-1] + 1.0)
+    more: Any = {"material": vv.NeoHooke(young=100.0, poisson=0.3), "density": 1.0} | options
+    turning = (0.0, 0.0, 1.0) if flat else (0.3, 0.6, 1.0)
+
+    def velocity(x: Array) -> Array:
+        swing = np.sin(0.8 * x) * ([1, 1, 0] if flat else 1)
+        return np.asarray(swing + ([0.3, -0.2, 0.0] if flat else [0.3, -0.2, 0.1]))
+
+    return [vv.Solid(mesh=vv.Mesh(X, mesh.cells), velocity=velocity, angular_velocity=turning, **more)]
+
+
 def drag(t: float, x: Array, v: Array) -> Array:
     return -0.3 * v * np.linalg.norm(v) + np.sin(t) * x
 
@@ -298,6 +315,8 @@ CATALOGUE = [
         LINEAR - {"momentum_z"},
         analytic=False,
     ),
+    # solids
+    Entry("solid, plane stress", lambda: flying("quad4", plane="stress"), ALL, steps=100),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

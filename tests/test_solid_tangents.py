@@ -117,9 +117,16 @@ def test_every_solid_cell(name: str, cell: str, scheme: vv.Scheme) -> None:
 
 
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Static()], ids=lambda s: type(s).__name__)
-@pytest.mark.parametrize("plane", ["strain", "axisymmetric"])
+@pytest.mark.parametrize("plane", ["strain", "stress", "axisymmetric"])
 @pytest.mark.parametrize("cell", PLANE_CELLS)
 @pytest.mark.parametrize("name", ["neo_hooke", "yeoh"])
 def test_every_plane_cell(name: str, cell: str, plane: str, scheme: vv.Scheme) -> None:
     assert defect(shaken(solid(MATERIALS[name](), cell, 0.0, plane, (3, 3, 1))), scheme) < 1e-9
     assert defect(shaken(solid(MATERIALS[name](), cell, 0.3, plane, (3, 3, 1))), scheme) < 1e-9
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize("name", [n for n in MATERIALS if n != "user"])
+def test_every_material_in_plane_stress(name: str, scheme: vv.Scheme) -> None:
+    for damping in (0.0, 0.3):
+        assert defect(shaken(solid(MATERIALS[name](), "quad4", damping, "stress", (3, 3, 1))), scheme) < 1e-9

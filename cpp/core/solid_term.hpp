@@ -25,6 +25,7 @@ class SolidTerm : public Term {
 
     void set_callback(LawCallback f);
     void set_symmetric(bool on) { view_.symmetric = on; }
+    void set_plane_stress(bool on) { view_.plane_stress = on; }
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
     void set_positions(const std::int64_t*) override {}

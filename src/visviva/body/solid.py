@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Plane = Literal["strain", "axisymmetric"]
+Plane = Literal["strain", "stress", "axisymmetric"]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -44,9 +44,9 @@ class Solid(Attachable):
         Its energy; several solids may share one.
     density : float
         Mass per reference volume; 0 for statics without gravity.
-    plane : {'strain', 'axisymmetric'}
-        What a plane mesh means. Axisymmetric meshes have the coordinates (radius, axis), and all quantities are those
-        of the whole revolution.
+    plane : {'strain', 'stress', 'axisymmetric'}
+        What a plane mesh means. In plane stress the thickness changes so that nothing pulls across. Axisymmetric
+        meshes have the coordinates (radius, axis), and all quantities are those of the whole revolution.
     thickness : float
         Of a plane solid.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
@@ -86,6 +86,15 @@ class Solid(Attachable):
         if not self.thickness > 0:
             raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
         self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        if self.grid.dimension == 3 and self.plane != "strain":
+            raise InputError(
+                f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
+            )
+        if self.plane == "stress" and self.material.energy is not None:
+            raise InputError(
+                f"{self.label}: plane='stress' needs second derivatives inside the core; take one of its materials "
+                "instead of a UserMaterial, or a thin three-dimensional mesh"
+            )
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
 
@@ -233,6 +242,7 @@ class Solid(Attachable):
             self._damping(len(nodes)) if damped else None,
         )
         term.name = self.label
+        term.set_plane_stress(self.plane == "stress")
         if self.material.energy is not None:
             from visviva.callback import energy_callback
 
@@ -248,6 +258,8 @@ class Solid(Attachable):
 
     def _damping(self, n: int) -> Array:
         lam, mu = self.material.lame
+        if self.plane == "stress":  # what is left of small strains without stress across
+            lam = 2 * lam * mu / (lam + 2 * mu)
         return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
 
     def weigh(self, model: Model, acceleration: Array) -> None:
