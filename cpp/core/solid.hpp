@@ -20,7 +20,7 @@ struct SolidView {
     bool small = false;      // strains linear in the displacements
     bool symmetric = false;  // tangents symmetrised for solvers that need it
     bool damped = false;
-    bool plane_stress = false;  // in two dimensions: no stress across the plane
+    bool plane_stress = false;        // in two dimensions: no stress across the plane
     const int* index = nullptr;       // [node] first unknown of the node
     const double* G = nullptr;        // [point][node][dim] gradients of the shape functions in the reference
     const double* H = nullptr;        // [point][node] weights of the hoop stretch, or null

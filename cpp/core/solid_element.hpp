@@ -1,6 +1,6 @@
 // Solid elements, W at a time: strains, stresses and forces.
 #pragma once
-#include "response.hpp"
+#include "plane_stress.hpp"
 #include "solid.hpp"
 
 namespace visviva::VISVIVA_ISA {
@@ -112,10 +112,17 @@ struct SolidElement {
             for (int k = 0; k < 9; ++k) p.F1[k] = p.Ft[k] = broadcast(k % 4 == 0 ? 1.0 : 0.0);
     }
 
+    template <bool second>
+    VISVIVA_INLINE void response(const V* c, const V* par, Response& r) const {
+        V c33;
+        D == 2 && v.plane_stress ? plane_stress<second>(v.kind, c, par, r, c33)
+                                 : respond<second>(v.kind, c, par, r);
+    }
+
     template <bool tangent>
     VISVIVA_INLINE void at_theta(const V* par, SolidPoint& p) const {
         Response r;
-        respond<tangent>(v.kind, p.ct, par, r);
+        response<tangent>(p.ct, par, r);
         for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * r.s[k];
         if constexpr (tangent)
             for (int k = 0; k < 6; ++k)
@@ -130,11 +137,11 @@ struct SolidElement {
         V cm[6], d[6], second[6], first[6];
         for (int k = 0; k < 6; ++k) cm[k] = 0.5 * (p.c0[k] + p.c1[k]), d[k] = p.c1[k] - p.c0[k];
         Response m;
-        respond<tangent>(v.kind, cm, par, m);
+        response<tangent>(cm, par, m);
         V f{}, inverse{}, df[6] = {};
         if (v.kind != MaterialKind::hooke) {
             Response r0, r1;
-            respond<false>(v.kind, p.c0, par, r0), respond<false>(v.kind, p.c1, par, r1);
+            response<false>(p.c0, par, r0), response<false>(p.c1, par, r1);
             for (int k = 0; k < 6; ++k) {
                 first[k] = r1.s[k] - r0.s[k];
                 second[k] = first[k] - 2.0 * (m.s[k] - r0.s[k]);
@@ -196,8 +203,16 @@ struct SolidElement {
     VISVIVA_INLINE V energy(int q, const V* c1, const V* par) const {
         if (v.kind == MaterialKind::user) return vload(v.user_W + point(q));
         Response r;
-        respond<false>(v.kind, c1, par, r);
+        response<false>(c1, par, r);
         return r.W;
+    }
+
+    // F33 of plane stress
+    VISVIVA_INLINE V across(const V* c1, const V* par) const {
+        Response r;
+        V c33;
+        plane_stress<false>(v.kind, c1, par, r, c33);
+        return v.small ? 1.0 + 0.5 * c33 : vsqrt(1.0 + c33);
     }
 
     // S of Kelvin and Voigt: isotropic in the rate of Green's strain, dE/dt = sym(F^T dF/dt)

@@ -125,6 +125,7 @@ void solid_fields_of(const SolidView& v, const Step& step, const Vectors& x, int
                 e.strains(q, p);
                 e.template stress<false>(q, p);
                 e.gradient(e.x1, q, 1.0, row);
+                if (D == 2 && v.plane_stress) row[8] = e.across(p.c1, par);
                 for (int k = 0; k < 6; ++k) row[9 + k] = p.S[k];
                 row[15] = e.energy(q, p.c1, par);
                 for (int l = 0; l < n; ++l)
