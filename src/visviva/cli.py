@@ -29,6 +29,10 @@ app = App(
 
 Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
 Directory = Annotated[Path, Parameter(help="Directory of a run.")]
+Field = Annotated[
+    str, Parameter(help="Colour by this field: displacement, velocity, or one that solids have stored.")
+]
+Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
 Settings = Annotated[
     list[str],
     Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat."),
@@ -121,6 +125,8 @@ def movie(
     ] = None,
     fps: Annotated[int, Parameter(help="Frames per second.")] = 25,
     speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
+    field: Field = "",
+    outline: Outline = False,
 ) -> None:
     """Turn a run into a movie."""
     from visviva.output.directory import RunDirectory
@@ -130,17 +136,39 @@ def movie(
     files = RunDirectory.open(directory)
     target = out or files.movie
     with counting_bar("movie") as show:
-        make_movie(files.trajectory, target, fps=fps, speed=speed, progress=show)
+        make_movie(
+            files.trajectory, target, fps=fps, speed=speed, field=field, outline=outline, progress=show
+        )
     print(target)
 
 
 @app.command
-def view(directory: Directory, /) -> None:
+def picture(
+    directory: Directory,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(help="*.png; picture.png in the directory if not given.")] = None,
+    time: Annotated[float | None, Parameter(help="Moment to draw; the end if not given.")] = None,
+    field: Field = "",
+    outline: Outline = False,
+) -> None:
+    """Draw one moment of a run."""
+    from visviva.output.directory import RunDirectory
+    from visviva.output.picture import snapshot
+
+    files = RunDirectory.open(directory)
+    target = out or files.picture
+    snapshot(files.trajectory, target, time=time, field=field, outline=outline)
+    print(target)
+
+
+@app.command
+def view(directory: Directory, /, *, field: Field = "") -> None:
     """Show a run in a window."""
     from visviva.output.directory import RunDirectory
     from visviva.output.viewer import show
 
-    show(RunDirectory.open(directory).trajectory)
+    show(RunDirectory.open(directory).trajectory, field=field)
 
 
 @app.command

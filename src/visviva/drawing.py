@@ -84,6 +84,11 @@ class Drawing:
         self._start = self.points(system.model.initial[0])
         self._fields = {name: quantity(name)[0] for name in fields}
 
+    @property
+    def has_solids(self) -> bool:
+        """Whether there is something that deforms."""
+        return bool(self._solids)
+
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
         return self._placed(self._map @ x + self._constant, [solid.positions(x) for solid in self._solids])
@@ -166,3 +171,8 @@ def draw(study: Study) -> Drawing:
 def trail_names(study: Study, drawing: Drawing) -> list[str]:
     """Which surfaces leave a trail: those named in the study."""
     return [s.name for s in drawing.surfaces if s.name in study.trails]
+
+
+def shown_field(study: Study, drawing: Drawing) -> str:
+    """The field by which pictures are coloured: the first of the study, if there are solids."""
+    return study.fields[0] if drawing.has_solids and study.fields else ""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import restart
-from visviva.drawing import draw, trail_names
+from visviva.drawing import draw, shown_field, trail_names
 from visviva.errors import InputError, VisvivaError
 from visviva.interrupt import deferred_interrupt
 from visviva.ledger import Bookkeeper
@@ -271,7 +271,9 @@ class Recorder:
         files, study = self.files, self.study
         energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
         if self.drawing.surfaces:
-            snapshot(files.trajectory, files.picture, trails=trail_names(study, self.drawing))
+            field = shown_field(study, self.drawing)
+            trails = trail_names(study, self.drawing)
+            snapshot(files.trajectory, files.picture, field=field, trails=trails)
 
 
 def probe_columns(study: Study) -> list[str]:

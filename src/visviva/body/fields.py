@@ -136,6 +136,9 @@ QUANTITIES: dict[str, tuple[int, Callable[[Fields], Array]]] = {
 }
 """What can be smoothed, recorded and written by name: number of components, and values (..., components)."""
 
+LEAST = {"von_mises": 0.0, "stretches": 0.0, "J": 0.0}
+"""Values below which smoothing does not go: polynomials overshoot, and these quantities have no sign."""
+
 
 def quantity(name: str) -> tuple[int, Callable[[Fields], Array]]:
     """Number of components and function of a quantity.
@@ -179,21 +182,22 @@ def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
 
     In every element the polynomial of least squares through the values at its quadrature points is taken to
     its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
-    elements (constant ones for tri3 and tet4) come out exactly.
+    elements (constant ones for tri3 and tet4) come out exactly; what cannot be negative is cut at zero.
     """
     chosen = [quantity(name) for name in names]
     ends = np.cumsum([0, *(width for width, _ in chosen)])
     total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
     for cell, nodes, _, volume, fields in evaluated(solid, x) if chosen else ():
-        parts = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
-        taken = np.einsum("aq,eqc->eac", extrapolation(cell), np.concatenate(parts, axis=2))
+        values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
+        taken = np.einsum("aq,eqc->eac", extrapolation(cell), np.concatenate(values, axis=2))
         size = volume.sum(axis=1)
         for a in range(nodes.shape[1]):
             weight += np.bincount(nodes[:, a], size, len(weight))
             for c in range(ends[-1]):
                 total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
     mean = total / (weight[:, None] if chosen else 1.0)
-    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+    parts = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+    columns = {name: np.maximum(part, LEAST.get(name, -np.inf)) for name, part in parts.items()}
     return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
 
 

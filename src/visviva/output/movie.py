@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
+from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
 from visviva.output.picture import time_label, trails_until
 from visviva.output.stage import Camera, Scene, open_stage
@@ -24,6 +25,9 @@ def movie(
     *,
     fps: int = 25,
     speed: float = 1.0,
+    field: str = "",
+    limits: tuple[float, float] | None = None,
+    outline: bool = False,
     trails: Sequence[str] = (),
     colors: Sequence[str] = (),
     camera: Camera | None = None,
@@ -42,6 +46,8 @@ def movie(
         Frames per second.
     speed
         Seconds of motion per second of movie.
+    field, limits, outline
+        As for `snapshot`.
     trails
         Names of the surfaces whose centres leave a trail.
     colors, camera
@@ -65,7 +71,9 @@ def movie(
         raise InputError(f"a movie needs an even width and height of at least 16 pixels, got {size}")
     encode = _encode_gif if target.suffix.lower() == ".gif" else _encode_mp4
     with Trajectory(trajectory) as motion:
-        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size)
+        coloring = Coloring.of(motion, field, limits) if field else None
+        shade = motion.points(0) if outline else None
+        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size, coloring, shade)
         times = _frame_times(motion.times, speed / fps)
         frames = _frames(motion, scene, times, trails, progress)
         try:
@@ -93,7 +101,8 @@ def _frames(
     try:
         for k, time in enumerate(times.tolist()):
             points = motion.points_at(time)
-            stage.place(points, trails_until(motion, paths, time, points), time_label(time))
+            values = scene.coloring.values(motion, time) if scene.coloring else ()
+            stage.place(points, trails_until(motion, paths, time, points), time_label(time), values)
             yield stage.image()
             if progress is not None:
                 progress(k + 1, len(times))

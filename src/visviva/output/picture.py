@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
-from visviva.output.stage import Camera, Points, Scene, Trails, open_stage
+from visviva.output.stage import Camera, Points, Scene, Trails, Values, open_stage
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -62,6 +63,9 @@ def snapshot(
     png: str | Path,
     *,
     time: float | None = None,
+    field: str = "",
+    limits: tuple[float, float] | None = None,
+    outline: bool = False,
     trails: Sequence[str] = (),
     colors: Sequence[str] = (),
     camera: Camera | None = None,
@@ -77,17 +81,31 @@ def snapshot(
         File to write.
     time
         In s; the end if not given.
+    field
+        Quantity that colours the surfaces which have it, with a colour bar; of a vector its length.
+    limits
+        Values at the ends of the colour bar; those of the whole motion if not given.
+    outline
+        Draw everything as it was at the start, too, as a shade.
     trails
         Names of the surfaces whose centres leave a trail.
     colors, camera, size
         As for `picture`.
+
+    Raises
+    ------
+    InputError
+        If there is no such field, or it has too many components to be shown.
     """
     with Trajectory(trajectory) as motion:
-        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size)
+        coloring = Coloring.of(motion, field, limits) if field else None
+        shade = motion.points(0) if outline else None
+        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size, coloring, shade)
         moment = float(motion.times[-1]) if time is None else time
         points = motion.points_at(moment)
         passed = trails_until(motion, motion.centres(trails), moment, points)
-        _draw(scene, points, passed, time_label(moment), Path(png))
+        values = coloring.values(motion, moment) if coloring else ()
+        _draw(scene, points, passed, time_label(moment), Path(png), values)
 
 
 def trails_until(
@@ -103,12 +121,12 @@ def time_label(time: float) -> str:
     return f"t = {time:.2f} s"
 
 
-def _draw(scene: Scene, points: Points, trails: Trails, label: str, png: Path) -> None:
+def _draw(scene: Scene, points: Points, trails: Trails, label: str, png: Path, values: Values = ()) -> None:
     import matplotlib.image
 
     stage = open_stage(scene)
     try:
-        stage.place(points, trails, label)
+        stage.place(points, trails, label, values)
         image = stage.image()
     finally:
         stage.close()

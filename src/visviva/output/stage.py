@@ -16,10 +16,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.output.coloring import Coloring
 from visviva.output.surface import Surface
 
 Points = Sequence[NDArray[np.float64]]
 Trails = Mapping[int, NDArray[np.float64]]  # positions (n, 3) passed so far, by the number of the surface
+Values = Sequence[
+    NDArray[np.float64] | None
+]  # of a field at the points of every surface; None for plain ones
 Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
@@ -51,6 +55,10 @@ class Scene:
         Position, point looked at and up direction, (3,) each; none to look at the whole cloud.
     size
         Width and height in pixels.
+    coloring
+        Field by which surfaces are coloured, with its colour bar; none for plain colours.
+    outline
+        Points of every surface at which it is drawn a second time as a shade; none for no shade.
     """
 
     surfaces: tuple[Surface, ...]
@@ -58,6 +66,8 @@ class Scene:
     colors: tuple[str, ...] = ()
     camera: Camera | None = None
     size: tuple[int, int] = (1280, 720)
+    coloring: Coloring | None = None
+    outline: Points | None = None
 
     def color(self, k: int) -> str:
         """Colour of the surface number `k`."""
@@ -131,8 +141,8 @@ class Scene:
 class Stage(Protocol):
     """Draws a scene at given positions."""
 
-    def place(self, points: Points, trails: Trails, label: str) -> None:
-        """Move the surfaces, draw the trails and write the label."""
+    def place(self, points: Points, trails: Trails, label: str, values: Values = ()) -> None:
+        """Move the surfaces, draw the trails and write the label; colour surfaces by values of the field."""
 
     def image(self) -> NDArray[np.uint8]:
         """Render: (height, width, 3)."""

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.output.stage import INK, VIEW, Points, Scene, Trails
+from visviva.output.coloring import COLORS
+from visviva.output.skin import skin
+from visviva.output.stage import INK, VIEW, Points, Scene, Trails, Values
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100
@@ -31,14 +33,22 @@ class MatplotlibStage:
         self._figure.set_facecolor("#f4f7fa")
         self._colors = [np.array(to_rgb(scene.color(k))) for k in range(len(scene.surfaces))]
         self._axes: Any = self._figure.add_axes(_square(scene.size), projection="3d", computed_zorder=False)
+        self._skins = [skin(surface) for surface in scene.surfaces]
         self._set_up()
         self._ground()
+        self._map = self._color_bar()
+        if scene.outline is not None:
+            self._shade(scene.outline)
         self._drawn: list[Any] = []
 
-    def place(self, points: Points, trails: Trails, label: str) -> None:
+    def place(self, points: Points, trails: Trails, label: str, values: Values = ()) -> None:
         for artist in self._drawn:
             artist.remove()
-        self._drawn = [*self._faces(points), *self._lines(points), *self._trails(trails)]
+        self._drawn = [
+            *self._faces(points, values or (None,) * len(points)),
+            *self._lines(points),
+            *self._trails(trails),
+        ]
         self._drawn.append(self._figure.text(0.02, 0.94, label, color=INK, size=self.scene.size[1] / 50))
 
     def image(self) -> NDArray[np.uint8]:
@@ -75,16 +85,45 @@ class MatplotlibStage:
         )
         self._axes.add_collection3d(grid, autolim=False)
 
-    def _faces(self, points: Points) -> list[Any]:
+    def _color_bar(self) -> Any:
+        """The map from values to colours, beside the picture; None without a field."""
+        coloring = self.scene.coloring
+        if coloring is None:
+            return None
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+
+        mapping = ScalarMappable(Normalize(coloring.low, coloring.high), COLORS)
+        size = self.scene.size[1] / 60
+        place = self._figure.add_axes((0.9, 0.2, 0.02, 0.6))
+        bar = self._figure.colorbar(mapping, cax=place, format="%.3g")
+        bar.ax.tick_params(labelsize=size, colors=INK)
+        bar.ax.set_title(coloring.name, size=size, color=INK)
+        return mapping
+
+    def _shade(self, points: Points) -> None:
+        """Everything as it was, hardly to be seen."""
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+        parts = zip(self._skins, points, strict=True)
+        faces = [corners for blocks, p in parts for block in blocks for corners in p[block]]
+        if faces:
+            look = {"facecolors": "none", "edgecolors": INK, "linewidths": 0.3, "alpha": 0.2}
+            self._axes.add_collection3d(Poly3DCollection(faces, zorder=0, **look), autolim=False)
+
+    def _faces(self, points: Points, values: Values) -> list[Any]:
         """All faces in one collection, so that they are sorted among each other."""
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped, unused-ignore]
 
         faces, colors = [], []
-        for k, (surface, current) in enumerate(zip(self.scene.surfaces, points, strict=True)):
-            for block in (block for block in surface.cells if block.shape[1] > 2):
+        for k, (blocks, current, value) in enumerate(zip(self._skins, points, values, strict=True)):
+            for block in blocks:
                 corners = current[block]
                 faces += list(corners)
-                colors += list(_shades(corners)[:, None] * self._colors[k])
+                if value is None:
+                    colors += list(_shades(corners)[:, None] * self._colors[k])
+                else:
+                    colors += list(self._map.to_rgba(value[block].mean(axis=1))[:, :3])
         if not faces:
             return []
         collection = Poly3DCollection(

@@ -9,18 +9,23 @@ from pathlib import Path
 from typing import Any
 
 from visviva.errors import InputError
+from visviva.output.coloring import Coloring
 from visviva.output.picture import time_label, trails_until
 from visviva.output.stage import INK, Scene
 from visviva.output.trajectory import Trajectory
 
 
-def show(trajectory: str | Path, *, trails: Sequence[str] = (), colors: Sequence[str] = ()) -> None:
+def show(
+    trajectory: str | Path, *, field: str = "", trails: Sequence[str] = (), colors: Sequence[str] = ()
+) -> None:
     """Open a window with the motion and a slider for the time; returns when the window is closed.
 
     Parameters
     ----------
     trajectory
         A ``trajectory.vtkhdf``.
+    field
+        Quantity that colours the surfaces which have it.
     trails
         Names of the surfaces whose centres leave a trail.
     colors
@@ -34,11 +39,13 @@ def show(trajectory: str | Path, *, trails: Sequence[str] = (), colors: Sequence
     if not _has_screen():
         raise InputError("there is no screen to show the motion on; write a picture or a movie instead")
     with Trajectory(trajectory) as motion:
-        plotter = build_viewer(motion, trails, colors, off_screen=False)
+        plotter = build_viewer(motion, trails, colors, off_screen=False, field=field)
         plotter.show(title=str(trajectory))
 
 
-def build_viewer(motion: Trajectory, trails: Sequence[str], colors: Sequence[str], off_screen: bool) -> Any:
+def build_viewer(
+    motion: Trajectory, trails: Sequence[str], colors: Sequence[str], off_screen: bool, field: str = ""
+) -> Any:
     """Set up the window with its slider."""
     try:
         import pyvista
@@ -47,12 +54,15 @@ def build_viewer(motion: Trajectory, trails: Sequence[str], colors: Sequence[str
     from visviva.output.stage_pyvista import PyVistaStage
 
     plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=[1280, 800], lighting="none")
-    stage = PyVistaStage(Scene(motion.surfaces, motion.cloud(), tuple(colors), size=(1280, 800)), plotter)
+    coloring = Coloring.of(motion, field) if field else None
+    scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), size=(1280, 800), coloring=coloring)
+    stage = PyVistaStage(scene, plotter)
     paths = motion.centres(trails)
 
     def move(time: float) -> None:
         points = motion.points_at(time)
-        stage.place(points, trails_until(motion, paths, time, points), time_label(time))
+        values = coloring.values(motion, time) if coloring else ()
+        stage.place(points, trails_until(motion, paths, time, points), time_label(time), values)
 
     start, end = float(motion.times[0]), float(motion.times[-1])
     move(start)

@@ -1,0 +1,67 @@
+"""Surfaces coloured by a stored field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.errors import InputError
+from visviva.output.trajectory import Trajectory
+
+COLORS = "viridis"
+"""Colour map of fields."""
+
+
+@dataclass(frozen=True)
+class Coloring:
+    """A field with the range of values that the colours span, the same for a whole motion."""
+
+    name: str
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, motion: Trajectory, name: str, limits: tuple[float, float] | None = None) -> Coloring:
+        """A field of a motion.
+
+        Parameters
+        ----------
+        motion
+            What holds the field.
+        name
+            A scalar, or a vector (3,) whose length is shown.
+        limits
+            Values at the ends of the colour bar; if not given, the least and greatest of the motion.
+
+        Raises
+        ------
+        InputError
+            If there is no such field, it is a tensor, or the limits are not in order.
+        """
+        scalars = ", ".join(known for known, width in motion.fields.items() if width in (1, 3))
+        if motion.fields.get(name, 1) not in (1, 3):
+            raise InputError(
+                f"{motion.path}: {name} has too many components to be shown; choose of {scalars}"
+            )
+        low, high = _range(motion, name) if limits is None else limits
+        if not low <= high:
+            raise InputError(f"{motion.path}: colours of {name} cannot span {low} to {high}")
+        return cls(name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9)
+
+    def values(self, motion: Trajectory, time: float) -> list[NDArray[np.float64] | None]:
+        """Values (n,) on every surface at a time; None where a surface has none."""
+        scalars = [_scalar(part) for part in motion.field_at(self.name, time)]
+        return [None if np.isnan(part).all() else part for part in scalars]
+
+
+def _scalar(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values if values.ndim == 1 else np.asarray(np.linalg.norm(values, axis=1))
+
+
+def _range(motion: Trajectory, name: str) -> tuple[float, float]:
+    found = [_scalar(part) for step in motion.chosen_steps() for part in motion.field(name, step)]
+    together = np.concatenate(found)
+    together = together[np.isfinite(together)]
+    return (float(together.min()), float(together.max())) if len(together) else (0.0, 1.0)
