@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from instances.immersed import ImmersedSolid
 from instances.solid import Brick
 from instances.stokes import StokesCell
 from numpy.typing import NDArray
+from solid_parts import FRAMED, REST, block, coupled, loaded, pinned, wavy
 
 import visviva as vv
 from visviva.component import Component
@@ -24,7 +26,7 @@ from visviva.component import Component
 Array = NDArray[np.float64]
 Components = list[Component]
 
-ORIGIN, Z = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+ORIGIN, X, Z = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -194,6 +196,9 @@ MOMENTA = LINEAR | ANGULAR
 ALL = ENERGY | MOMENTA
 AXIAL = frozenset({"angular_z"})
 FALLING = ENERGY | {"momentum_x", "momentum_y", "angular_z"}
+IN_PLANE = ENERGY | {"momentum_x", "momentum_y", "angular_z"}
+PLANE = ("spherical", "revolute", "revolute, angle", "rigid", "point on line", "distance")
+SLIDING = ("planar", "prismatic", "prismatic, stroke", "cylindrical", "screw", "point on line")
 
 CATALOGUE = [
     Entry("free body", lambda: [body()], ALL),
@@ -317,6 +322,141 @@ CATALOGUE = [
     ),
     # solids
     Entry("solid, plane stress", lambda: flying("quad4", plane="stress"), ALL, steps=100),
+    # solids and what acts on them
+    *(
+        Entry(f"solid, {c}", partial(loaded, cell=c), ALL, steps=60)
+        for c in ("hex8", "tet10", "wedge6", "quad4")
+    ),
+    Entry("solid, gravity", lambda: [block(), vv.Gravity()], FALLING, steps=60),
+    Entry("solid, mass damping", lambda: loaded(mass_damping=0.4), NOTHING, steps=60),
+    Entry("solid, stiffness damping", lambda: loaded(stiffness_damping=0.02), MOMENTA, steps=60),
+    Entry(
+        "solid, body force",
+        lambda: loaded(lambda b: vv.BodyForce(solid=b, force=(0, 0, 2))),
+        LINEAR - {"momentum_z"},
+        steps=60,
+    ),
+    Entry(
+        "solid, body force of place",
+        lambda: loaded(lambda b: vv.BodyForce(solid=b, force=wavy)),
+        frozenset({"momentum_z"}),
+        steps=60,
+    ),
+    Entry(
+        "solid, traction",
+        lambda: loaded(lambda b: vv.Traction(solid=b, faces="x1", traction=(2, 0, 0), times=pull)),
+        LINEAR - {"momentum_x"},
+        steps=60,
+    ),
+    Entry(
+        "solid, traction of place",
+        lambda: loaded(lambda b: vv.Traction(solid=b, faces="all", traction=wavy)),
+        frozenset({"momentum_z"}),
+        steps=60,
+    ),
+    Entry(
+        "solid, dead pressure",
+        lambda: loaded(lambda b: vv.Pressure(solid=b, faces="z1", pressure=1.5, follower=False)),
+        LINEAR - {"momentum_z"},
+        steps=60,
+    ),
+    Entry(
+        "solid, pressure",
+        lambda: loaded(lambda b: vv.Pressure(solid=b, faces="z1", pressure=pull)),
+        NOTHING,
+        steps=60,
+    ),
+    Entry(
+        "solid, pressure all around",
+        lambda: loaded(lambda b: vv.Pressure(solid=b, faces="all", pressure=pull)),
+        MOMENTA,
+        steps=60,
+    ),
+    Entry(
+        "plate, pressure all around",
+        lambda: loaded(lambda b: vv.Pressure(solid=b, faces="all", pressure=pull), cell="quad4"),
+        MOMENTA,
+        steps=60,
+    ),
+    Entry(
+        "ring, pressure",
+        lambda: loaded(
+            lambda b: vv.Pressure(solid=b, faces="all", pressure=pull),
+            cell="quad4",
+            at=0.5,
+            plane="axisymmetric",
+            **REST,
+        ),
+        NOTHING,
+        steps=60,
+    ),
+    Entry(
+        "solid, foundation",
+        lambda: loaded(lambda b: vv.ElasticFoundation(solid=b, faces="z0", normal=30.0, tangential=12.0)),
+        ENERGY,
+        steps=60,
+    ),
+    Entry(
+        "solid, damped foundation",
+        lambda: loaded(lambda b: vv.ElasticFoundation(solid=b, faces="z0", normal=30.0, damping=0.7)),
+        NOTHING,
+        steps=60,
+    ),
+    Entry(
+        "solid, force on a node",
+        lambda: loaded(lambda b: vv.Force(on=b, at=(1, 0.7, 0.5), force=(0, 1, 0))),
+        LINEAR - {"momentum_y"},
+        steps=60,
+    ),
+    Entry(
+        "solid, force inside",
+        lambda: loaded(lambda b: vv.Force(on=b, at=(0.3, 0.2, 0.1), force=(0, 1, 0), times=pull)),
+        LINEAR - {"momentum_y"},
+        steps=60,
+    ),
+    Entry("solid, fixed", lambda: loaded(lambda b: vv.Fixed(solid=b, nodes="x0")), ENERGY, steps=60),
+    Entry(
+        "solid, prescribed",
+        lambda: loaded(lambda b: vv.Prescribed(solid=b, nodes="x0", motion=(swing, None, "0.1*t"))),
+        frozenset({"momentum_y"}),
+        steps=60,
+    ),
+    Entry(
+        "solid, prescribed by place",
+        lambda: loaded(lambda b: vv.Prescribed(solid=b, nodes="x0", motion=wavy)),
+        NOTHING,
+        steps=60,
+    ),
+    Entry(
+        "solid, symmetry",
+        lambda: loaded(
+            lambda b: vv.SymmetryPlane(solid=b, nodes="x0", normal=(1, 0, 0)),
+            velocity=(0, 0.2, 0.1),
+            angular_velocity=(0.7, 0, 0),
+        ),
+        ENERGY | {"momentum_y", "momentum_z", "angular_x"},
+        steps=60,
+    ),
+    Entry(
+        "solid, oblique symmetry",
+        lambda: loaded(lambda b: vv.SymmetryPlane(solid=b, nodes="x0", normal=(1, 1, 0))),
+        ENERGY | {"momentum_z"},
+        steps=60,
+    ),
+    # joints on solids
+    *(Entry(f"solid and body, {n}", partial(coupled, j), ALL, steps=60) for n, j in FRAMED.items()),
+    *(Entry(f"two solids, {n}", partial(coupled, j, "solid"), ALL, steps=60) for n, j in FRAMED.items()),
+    *(Entry(f"two plates, {n}", partial(coupled, FRAMED[n], "solid", "quad4"), ALL, steps=60) for n in PLANE),
+    *(
+        Entry(f"plates, {n} along x", partial(coupled, FRAMED[n], "solid", "quad4", axis=X), ALL, steps=60)
+        for n in SLIDING
+    ),
+    *(
+        Entry(f"plate and body, {n}", partial(coupled, FRAMED[n], "body", "quad4"), IN_PLANE, steps=60)
+        for n in ("spherical", "revolute")
+    ),
+    Entry("solid, spherical inside", lambda: pinned(vv.Spherical), ALL, steps=60),
+    Entry("solid, distance inside", lambda: pinned(vv.Distance), ALL, steps=60),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

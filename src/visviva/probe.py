@@ -141,6 +141,10 @@ class SupportForce(Reading):
     solid: Solid
     nodes: Any = None
 
+    def __post_init__(self) -> None:
+        if self.nodes is not None:
+            self.solid.nodes(self.nodes)
+
     def __call__(self, system: System) -> Array:
         force: Array = self.by_node(system).sum(axis=0)
         return force

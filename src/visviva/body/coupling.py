@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from visviva.values import FaceSet
 
 if TYPE_CHECKING:
     from visviva.model import Field, Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 
@@ -38,7 +40,9 @@ class Coupling(Attachable):
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         if self.solid.axisymmetric and self.solid.dimension == 2:
-            raise InputError(f"{self.label}: an axisymmetric solid does not turn with a frame")
+            raise InputError(
+                f"{self.label}: an axisymmetric solid does not turn with a frame; attach a point"
+            )
         area = np.zeros((self.solid.grid.n_nodes, 1))
         for p in face_points(self.solid, faces):
             area += p.spread(np.ones((*p.size.shape, 1)), len(area))
@@ -66,6 +70,15 @@ class Coupling(Attachable):
         X: Array = x - self._centre
         return X
 
+    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array]:
+        total, torque = np.zeros(3), np.zeros(3)
+        for vector in (self._origin, *self._directors):
+            f = np.array([sum(force.get(u, 0.0) for u, _ in form.weights) for form in vector])
+            is_position = vector is self._origin
+            torque += np.cross(vector.value(system.x) - (about if is_position else 0.0), f)
+            total += f if is_position else 0.0
+        return total, torque
+
     # --- part in the system --------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         d = self.solid.dimension
@@ -87,7 +100,7 @@ class Coupling(Attachable):
         velocity = w @ nodal
         moment = w @ np.cross(X, nodal - velocity)
         inertia = (w @ (X * X).sum(axis=1)) * np.eye(3) - X.T @ (w[:, None] * X)
-        return velocity, np.linalg.solve(inertia, moment)
+        return velocity, np.linalg.pinv(inertia, hermitian=True) @ moment  # the edges of a plate lie on lines
 
     def contribute(self, model: Model) -> None:
         model.index(self.solid)

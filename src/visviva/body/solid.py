@@ -273,6 +273,12 @@ class Solid(Attachable):
         nodes, N = locate(self.grid, X[: self.dimension], self.label)
         return self.combination(nodes, N)
 
+    def turn(self, direction: Array) -> Vector:
+        raise InputError(
+            f"{self.label} has no directions of its own: attach points to it, or frames to its faces by "
+            "vv.RigidCoupling or vv.DistributedCoupling"
+        )
+
     def combination(self, nodes: Any, weights: Any) -> Vector:
         """Weighted sum of nodal positions as a vector form."""
         kept = [

@@ -147,7 +147,7 @@ class Joint(Component):
             )
 
     def contribute(self, model: Model) -> None:
-        self._strains = [strain(e) for e in self.constraints(*self.sides)]
+        self._strains = self._effective([strain(e) for e in self.constraints(*self.sides)], model.initial[0])
         n = len(self._strains)
         self._multipliers = model.multipliers(self, "reaction", n + len(self._coordinates), block=self)
         if n:
@@ -160,6 +160,21 @@ class Joint(Component):
         if self.stroke:
             tie = stroke_strain(*self.sides) - self.coordinate("stroke")
             model.constrain(self, self._multipliers, [tie], first=k)
+
+    def _effective(self, strains: list[Strain], x: Array) -> list[Strain]:
+        """The constraints that have unknowns: plane solids fulfil those across their plane by themselves."""
+        kept = [e for e in strains if e.products or e.linear.weights]
+        a, b = (c.label for c in self.partners)
+        if any(abs(e.value(x)) > 1e-9 for e in strains if not (e.products or e.linear.weights)):
+            raise InputError(
+                f"{self.label} cannot join {a} and {b}, which stay in their planes: give both sides the same z, and "
+                "an axis across the plane or in it"
+            )
+        if strains and not kept:
+            raise InputError(
+                f"{self.label} holds nothing: {a} and {b} stay in their planes anyway; leave it out"
+            )
+        return kept
 
     def coordinate(self, name: str | None = None) -> Form:
         """The joint's coordinate as a form; `name` where it has both an angle and a stroke."""

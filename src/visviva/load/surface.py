@@ -88,8 +88,9 @@ class Pressure(OnFaces):
     Notes
     -----
     The ledger books its work; with energy-momentum and midpoint rules the balance closes to round-off, and a
-    pressure all around a body changes neither of its momenta. The tangent of a follower pressure is exact and not
-    symmetric.
+    pressure all around a body changes neither of its momenta: it acts on the surface in the middle of the step. Its
+    work is then pressure times change of area exactly in the plane; volumes are cubic, so in space that holds to second
+    order in the step. The tangent of a follower pressure is exact and not symmetric.
 
     Examples
     --------

@@ -1,0 +1,153 @@
+"""Probes of solids against closed forms, equilibrium and the change of momentum."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+SIZE = (2.0, 0.5, 0.4)
+AREA = SIZE[1] * SIZE[2]
+STEEL = vv.LinearElastic(young=200.0, poisson=0.0)
+
+
+def bar(cell: str = "hex8", **options: Any) -> vv.Solid:
+    given = {"material": STEEL} | options
+    return vv.Solid(mesh=vv.BoxMesh(size=SIZE, counts=(4, 2, 2), cell=cell), **given)
+
+
+def pulled(traction: Any, cell: str = "hex8", **options: Any) -> tuple[vv.System, vv.Solid]:
+    """A bar in equilibrium, held at x = 0."""
+    solid = bar(cell, **options)
+    load = vv.Traction(solid=solid, faces="x1", traction=traction, times="t")
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), load])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    return system, solid
+
+
+@pytest.mark.parametrize("cell", ["hex8", "hex20", "tet10", "wedge6"])
+def test_uniaxial_bar(cell: str) -> None:
+    """Stress t, strain t / E, force t A; everywhere and exactly, as it is linear."""
+    system, solid = pulled((3.0, 0, 0), cell)
+    assert vv.SupportForce(solid=solid, nodes="x0")(system) == pytest.approx([-3 * AREA, 0, 0], abs=1e-9)
+    section = vv.SectionForce(solid=solid, point=(1.0, 0, 0), normal=(1, 0, 0))
+    assert section(system) == pytest.approx([3 * AREA, 0, 0], abs=1e-9)
+    end = vv.Displacement(of=solid, at=(2.0, 0.2, 0.1))
+    assert end(system) == pytest.approx([2 * 3 / 200, 0, 0], abs=1e-9)
+    assert vv.Displacement(of=solid, at=(1.2, 0.2, 0.1), direction=(1, 0, 0))(system) == pytest.approx(0.018)
+    stress = vv.FieldAt(solid=solid, field="cauchy", at=(1.23, 0.17, 0.31))(system)
+    assert stress == pytest.approx([3.0, 0, 0, 0, 0, 0], abs=1e-8)
+    for which in ("max", "min"):
+        assert vv.Extreme(solid=solid, field="von_mises", which=which)(system) == pytest.approx(3.0, rel=1e-8)
+
+
+def test_console_with_a_force_across() -> None:
+    """Shear force and moment of a console, by equilibrium of the part beyond the section."""
+    system, solid = pulled((0, 0, -0.5))
+    shear = -0.5 * AREA
+    for x in (0.5, 1.0, 1.5):
+        force = vv.SectionForce(solid=solid, point=(x, 0, 0), normal=(1, 0, 0))(system)
+        assert force == pytest.approx([0, 0, shear], abs=1e-9)
+        about = np.array([x, 0.25, 0.2])
+        torque = vv.SectionTorque(solid=solid, point=(x, 0, 0), normal=(1, 0, 0), about=about)(system)
+        faces = solid.nodes("x1")
+        end = solid.positions(system.x)[faces]
+        loads = loads_of(solid, shear)
+        expected = np.cross(end - about, loads).sum(axis=0)
+        assert torque == pytest.approx(expected, abs=1e-9)
+        assert torque[1] == pytest.approx(-shear * (2 - x), rel=1e-9)
+    held = vv.SupportTorque(solid=solid, nodes="x0", about=(0, 0.25, 0.2))(system)
+    assert held[1] == pytest.approx(shear * 2.0, rel=1e-9)
+
+
+def loads_of(solid: vv.Solid, total: float) -> Array:
+    """Forces of a uniform traction on the nodes of x1: shares of corners, edges and the middle are 1 : 2 : 4."""
+    X = solid.points[solid.nodes("x1")]
+    share = np.where(np.isclose(X[:, 1], SIZE[1] / 2), 2.0, 1.0) * np.where(
+        np.isclose(X[:, 2], SIZE[2] / 2), 2.0, 1.0
+    )
+    return np.outer(share / share.sum(), (0, 0, total))
+
+
+def test_support_force_of_some_nodes_adds_up() -> None:
+    system, solid = pulled((0, 0, -0.5))
+    nodes = solid.nodes("x0")
+    parts = [vv.SupportForce(solid=solid, nodes=n)(system) for n in (nodes[:4], nodes[4:])]
+    assert np.sum(parts, axis=0) == pytest.approx(vv.SupportForce(solid=solid)(system), abs=1e-12)
+    assert np.abs(vv.SupportForce(solid=solid, nodes="x1")(system)).max() == 0
+
+
+def test_support_force_is_the_change_of_momentum() -> None:
+    """Of a bar that swings about one end: ``h f`` is the change of momentum in every step."""
+    rubber = vv.NeoHooke(young=50.0, poisson=0.3)
+    solid = bar(material=rubber, density=1.0, velocity=lambda X: X * (0, 0.3, 0) + X[:, [0]] * ((0, 0, 0.4),))
+    system, h = vv.System([solid, vv.Fixed(solid=solid, nodes="x0")], vv.Newton(tolerance=1e-15)), 0.02
+    before = None
+    for _ in vv.march(system, until=10 * h, step=h):
+        now = system.core.momentum.reshape(-1, 6).sum(axis=0)
+        if before is not None:
+            held = vv.SupportForce(solid=solid, nodes="x0")(system)
+            assert np.abs(held).max() > 0.01
+            assert h * held == pytest.approx(now[:3] - before[:3], abs=1e-11)
+        before = now.copy()
+
+
+def test_velocity_of_a_turning_body() -> None:
+    solid = bar(density=1.0, velocity=(1, 2, 3), angular_velocity=(0.5, -1, 2))
+    system = vv.System([solid])
+    X = np.array([1.3, 0.1, 0.3])
+    expected = np.array([1, 2, 3]) + np.cross((0.5, -1, 2), X - np.array(SIZE) / 2)
+    assert vv.Velocity(of=solid, at=X)(system) == pytest.approx(expected, rel=1e-12)
+    along = vv.Velocity(of=solid, at=X, direction=(0, 0, 1))(system)
+    assert along == pytest.approx(expected[2], rel=1e-12)
+
+
+@pytest.mark.parametrize("cell", ["hex20", "hex27"])
+def test_field_of_a_linear_stress_is_exact_between_nodes(cell: str) -> None:
+    """``u = a x^2 / 2`` along x gives the stress ``E a x``."""
+    solid = bar(cell)
+    system = vv.System([solid])
+    x = solid.points.copy()
+    x[:, 0] += 0.01 * x[:, 0] ** 2 / 2
+    system.x[:] = x.ravel()
+    for at in ((0.3, 0.1, 0.2), (1.77, 0.4, 0.05)):
+        stress = vv.FieldAt(solid=solid, field="cauchy", at=at)(system)
+        assert stress[0] == pytest.approx(200 * 0.01 * at[0], rel=1e-11)
+    assert vv.Extreme(solid=solid, field="cauchy")(system)[0] < 200 * 0.01 * 2.0
+    assert vv.Extreme(solid=solid, field="cauchy", which="min")(system)[0] > 0
+
+
+@pytest.mark.parametrize("plane", ["strain", "axisymmetric"])
+def test_plane_sections_and_supports(plane: Any) -> None:
+    """A strip or a tube pulled along y: forces of the thickness, or of the circumference."""
+    mesh = vv.RectangleMesh(size=(0.5, 2.0), counts=(2, 4)).build().moved((1.0, 0.0))
+    solid = vv.Solid(mesh=mesh, material=STEEL, plane=plane, thickness=0.3)
+    pull = vv.Traction(solid=solid, faces="y1", traction=(0, 2.0, 0), times="t")
+    held = vv.Fixed(solid=solid, nodes="y0", directions=(False, True, False))
+    side = vv.Fixed(solid=solid, nodes=[int(solid.nodes("y0")[0])], directions=(True, False, False))
+    system = vv.System([solid, held, side, pull])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    force = 2.0 * (0.5 * 0.3 if plane == "strain" else np.pi * (1.5**2 - 1.0))
+    assert vv.SupportForce(solid=solid, nodes="y0")(system) == pytest.approx([0, -force, 0], abs=1e-8)
+    section = vv.SectionForce(solid=solid, point=(0, 1.0, 0), normal=(0, 1, 0))
+    assert section(system)[1] == pytest.approx(force, rel=1e-9)
+
+
+def test_bad_input() -> None:
+    solid = bar()
+    with pytest.raises(vv.InputError, match=r"von_mised.*von_mises"):
+        vv.FieldAt(solid=solid, field="von_mised", at=(1, 0, 0))
+    with pytest.raises(vv.InputError, match=r"stretchs.*stretches"):
+        vv.Extreme(solid=solid, field="stretchs")
+    with pytest.raises(vv.InputError, match=r"lies in none of its elements"):
+        vv.FieldAt(solid=solid, at=(3, 0, 0))
+    with pytest.raises(vv.InputError, match=r"all elements on one side"):
+        vv.SectionForce(solid=solid, point=(5, 0, 0), normal=(1, 0, 0))
+    with pytest.raises(vv.InputError, match=r"x00.*did you mean .x0"):
+        vv.SupportForce(solid=solid, nodes="x00")
