@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 
 import visviva as vv
 from visviva.check import check
-from visviva.consistency import Instant, initial_acceleration, project_positions, project_velocities
+from visviva.consistency import initial_acceleration, project_positions, project_velocities
+from visviva.instant import Instant
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81

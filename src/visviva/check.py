@@ -8,17 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.consistency import (
-    COMPLIANCE,
-    Correction,
-    Instant,
-    descend,
-    instant,
-    project_positions,
-    project_velocities,
-    worst,
-)
+from visviva.consistency import Correction, descend, project_positions, project_velocities, worst
 from visviva.errors import InputError
+from visviva.instant import COMPLIANCE, Instant, instant
 from visviva.scheme import EnergyMomentum
 
 if TYPE_CHECKING:
@@ -151,7 +143,8 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     positions = project_positions(system, at) if repair else told(worst(at))
     if positions.moved:
         at = Instant(system)
-    at.factor()
+    if len(at.multipliers):
+        at.factor()
     null = at.redundancies()
     if null.shape[1] > 0:
         settle(system, at)
@@ -222,7 +215,7 @@ def settle(system: System, at: Instant) -> None:
     have no effect.
     """
     x, random = system.x.copy(), np.random.default_rng(2)
-    way, _ = at.solve(at.M @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
+    way, _ = at.solve(at.metric @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
     system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
     system.x[at.multipliers] = 0.0
     if descend(system, damped=False) <= 1e-11:
@@ -239,12 +232,18 @@ def settle(system: System, at: Instant) -> None:
 
 
 def refuse_unheld(system: System, at: Instant) -> None:
-    """Refuse coordinates that neither inertia, nor a constraint, nor a stiffness or damping determines."""
+    """Refuse coordinates that neither inertia, nor a constraint, nor a stiffness or damping determines.
+
+    Nodes of meshes are held by their elements; whether the whole is, statics finds out.
+    """
 
     import scipy.sparse as sp
     import scipy.sparse.linalg as spl
 
-    massless = np.flatnonzero(np.asarray(abs(at.M).sum(axis=1)).ravel() == 0)
+    alone = np.ones(len(system.x), dtype=bool)
+    for f in system.model.fields:
+        alone[f.start : f.start + f.size] = f.node == 1
+    massless = np.flatnonzero((abs(at.M).sum(axis=1) == 0) & alone[at.coordinates])
     if len(massless) == 0:
         return
     A = system.tangent(EnergyMomentum().step(system.time, 1.0))[1][:, at._q[massless]]

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.consistency import COMPLIANCE, REDUNDANT, Instant, accelerations, equilibration, instant, typical
+from visviva.consistency import accelerations
 from visviva.errors import InputError
+from visviva.instant import COMPLIANCE, REDUNDANT, Instant, equilibration, instant, typical
 
 if TYPE_CHECKING:
     import scipy.sparse as sp

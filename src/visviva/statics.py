@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.consistency import Instant, instant
 from visviva.errors import InputError, RunError
+from visviva.instant import Instant, instant
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
 from visviva.scheme import NONE, Static

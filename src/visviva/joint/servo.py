@@ -15,7 +15,7 @@ from visviva.measure import measures_of, strains_of
 from visviva.timefunction import OfTime
 
 if TYPE_CHECKING:
-    from visviva.consistency import Instant
+    from visviva.instant import Instant
     from visviva.model import Model
     from visviva.scheme import Scheme
     from visviva.system import System
@@ -112,7 +112,7 @@ def equations(system: System) -> tuple[Instant, Array, Array]:
     """Matrix (n + m, n + m) of accelerations and multipliers, scaled on both sides by the last array."""
     import scipy.sparse as sp
 
-    from visviva.consistency import Instant, equilibration
+    from visviva.instant import Instant, equilibration
 
     at = Instant(system)
     m = len(at.multipliers)
@@ -123,7 +123,7 @@ def equations(system: System) -> tuple[Instant, Array, Array]:
 
 def initial_state(system: System) -> None:
     """Smallest accelerations and multipliers that fit the present state; exact for a start from rest."""
-    from visviva.consistency import instant
+    from visviva.instant import instant
 
     at, K, scale = equations(system)
     n = len(at.coordinates)
