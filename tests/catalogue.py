@@ -175,6 +175,76 @@ def flying(cell: str, counts: Sequence[int] = (2, 2, 2), **options: Any) -> Comp
     return [vv.Solid(mesh=vv.Mesh(X, mesh.cells), velocity=velocity, angular_velocity=turning, **more)]
 
 
+def rod(start: float = 0.0, length: float = 4.0, **options: Any) -> vv.Solid:
+    """A soft bar along x that turns about y, thick enough for the shaking of the test of tangents."""
+    mesh = vv.BoxMesh(size=(length, 1.6, 1.6), counts=(2, 1, 1), origin=(start, -0.8, -0.8))
+    more: Any = {"material": vv.NeoHooke(young=200.0, poisson=0.3), "density": 0.3} | options
+    return vv.Solid(mesh=mesh, velocity=lambda X: np.cross((0.3, -1.0, 0.2), X), **more)
+
+
+def soft_pendulum() -> Components:
+    """Two soft bars on hinges, hanging from the ground."""
+    one, two, ground = rod(), rod(4.0), vv.Ground()
+    ends = [vv.RigidCoupling(solid=one, faces="x0"), vv.RigidCoupling(solid=one, faces="x1")]
+    last = vv.DistributedCoupling(solid=two, faces="x0")
+    hinges = [
+        vv.Revolute(a=ground, b=ends[0], at=(0, 0, 0), axis=(0, 1, 0)),
+        vv.Revolute(a=ends[1], b=last, at=(4, 0, 0), axis=(0, 1, 0)),
+    ]
+    return [ground, one, two, *ends, last, *hinges, vv.Gravity()]
+
+
+def soft_slider_crank() -> Components:
+    """A rigid crank of length 1.5, a soft connecting rod, a rigid slider on the ground; the crank turns."""
+    ground = vv.Ground()
+    crank = vv.RigidBody(
+        mass=0.5,
+        inertia=(0.1, 0.2, 0.2),
+        position=(0.75, 0, 0),
+        velocity=(0, 0, -1.5),
+        angular_velocity=(0, 2, 0),
+    )
+    link = vv.Solid(
+        mesh=vv.BoxMesh(size=(4, 1.6, 1.6), counts=(2, 1, 1), origin=(1.5, -0.8, -0.8)),
+        material=vv.NeoHooke(young=200.0, poisson=0.3),
+        density=0.3,
+        velocity=lambda X: np.outer((5.5 - X[:, 0]) / 4, (0, 0, -3.0)),
+    )
+    slider = vv.RigidBody(mass=0.4, inertia=(0.1, 0.1, 0.1), position=(5.5, 0, 0))
+    near, far = (vv.RigidCoupling(solid=link, faces=side) for side in ("x0", "x1"))
+    joints = [
+        vv.Revolute(a=ground, b=crank, at=(0, 0, 0), axis=(0, 1, 0)),
+        vv.Revolute(a=crank, b=near, at=(1.5, 0, 0), axis=(0, 1, 0)),
+        vv.Spherical(a=far, b=slider, at=(5.5, 0, 0)),
+        vv.Prismatic(a=ground, b=slider, at=(5.5, 0, 0), axis=(1, 0, 0)),
+    ]
+    return [ground, crank, link, near, far, slider, *joints]
+
+
+def rubber(C: Array) -> Array:
+    """A user's neo-Hooke energy."""
+    det = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    log_j = 0.5 * np.log(det + C[5] * (C[3] * C[4] - C[1] * C[5]))
+    return np.asarray(19.0 * (C[0] + C[1] + C[2] - 3 - 2 * log_j) + 30 * log_j * log_j)
+
+
+FIBRES = ((1, 0.5, 0.2), (1, -0.5, 0))
+MATERIALS = {
+    "Saint Venant-Kirchhoff": vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+    "split neo-Hooke": vv.NeoHooke(young=100.0, poisson=0.3, isochoric=True, volumetric="simo"),
+    "Mooney-Rivlin": vv.MooneyRivlin(c10=10.0, c01=5.0, bulk=50.0),
+    "split Mooney-Rivlin": vv.MooneyRivlin(c10=10.0, c01=5.0, bulk=50.0, isochoric=True),
+    "Yeoh": vv.Yeoh(c1=10.0, c2=2.0, c3=1.0, bulk=100.0),
+    "Gent": vv.Gent(shear=20.0, limit=30.0, bulk=80.0),
+    "Ogden": vv.Ogden(mu=(10.0, -4.0), alpha=(2.0, -1.5), bulk=60.0),
+    "Holzapfel-Gasser-Ogden": vv.HolzapfelGasserOgden(
+        shear=10.0, k1=5.0, k2=1.2, bulk=80.0, fibres=FIBRES, dispersion=0.1
+    ),
+    "Blatz-Ko": vv.BlatzKo(young=100.0, poisson=0.3),
+}
+HOOKE = vv.LinearElastic(young=100.0, poisson=0.3)
+
+
 def drag(t: float, x: Array, v: Array) -> Array:
     return -0.3 * v * np.linalg.norm(v) + np.sin(t) * x
 
@@ -457,6 +527,27 @@ CATALOGUE = [
     ),
     Entry("solid, spherical inside", lambda: pinned(vv.Spherical), ALL, steps=60),
     Entry("solid, distance inside", lambda: pinned(vv.Distance), ALL, steps=60),
+    # solids alone: cells and materials
+    *(
+        Entry(f"solid, {c}", partial(flying, c, (1, 1, 1)), ALL, steps=50)
+        for c in ("tet4", "hex20", "hex27", "tri3", "tri6", "quad8", "quad9")
+    ),
+    *(
+        Entry(f"solid, {name}", partial(flying, "hex8", (1, 1, 1), material=m), ALL, steps=50)
+        for name, m in MATERIALS.items()
+    ),
+    Entry(
+        "solid, user's energy",
+        lambda: flying("hex8", (1, 1, 1), material=vv.UserMaterial(function=rubber)),
+        ALL,
+        steps=50,
+        analytic=False,
+    ),
+    Entry("solid, Hooke", lambda: flying("hex8", (1, 1, 1), material=HOOKE), ENERGY | LINEAR, steps=50),
+    Entry("solid, lumped", lambda: flying("hex8", (1, 1, 1), lumped=True), ALL, steps=50),
+    # mechanisms of solid and rigid parts
+    Entry("soft pendulum", soft_pendulum, ENERGY, steps=50),
+    Entry("soft slider-crank", soft_slider_crank, ENERGY, steps=50),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from catalogue import Components, body, pair, turned
+from catalogue import MATERIALS, Components, body, flying, pair, turned
 from instances.solid import Brick
 from numpy.typing import NDArray
 
@@ -58,6 +60,31 @@ def test_motion_is_objective(scheme: vv.Scheme) -> None:
     assert np.abs(here @ R.T + SHIFT - there).max() < 1e-11
 
 
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.GeneralizedAlpha(0.8)], ids=str)
+@pytest.mark.parametrize("name", MATERIALS)
+def test_solids_move_alike_for_all_observers(name: str, scheme: vv.Scheme) -> None:
+    """A tumbling brick, and the same seen by a turned and shifted observer; fibres are turned with it."""
+
+    def places(rotation: Array, shift: Array) -> Array:
+        X = vv.BoxMesh(size=(4, 3, 2.4), counts=(1, 1, 1)).build()
+        mesh = vv.Mesh(X.points @ rotation.T + shift, X.cells)
+
+        def velocity(x: Array) -> Array:
+            back = (x - shift) @ rotation
+            return (np.sin(back[:, ::-1]) + np.cross((0.3, 0.6, 1.0), back)) @ rotation.T
+
+        material: Any = MATERIALS[name]
+        if name == "Holzapfel-Gasser-Ogden":
+            material = replace(material, fibres=tuple(rotation @ a for a in material.fibres))
+        solid = vv.Solid(mesh=mesh, material=material, density=1.0, velocity=velocity)
+        system = vv.System([solid], vv.Newton(tolerance=1e-14))
+        vv.simulate(system, until=1.0, step=0.02, scheme=scheme)
+        return solid.positions(system.x)
+
+    here, there = places(np.eye(3), np.zeros(3)), places(R, SHIFT)
+    assert np.abs(here @ R.T + SHIFT - there).max() < 1e-11
+
+
 def energy(system: vv.System) -> float:
     system.take_stock()
     return float(system.core.energy.sum())
@@ -67,6 +94,8 @@ def energy(system: vv.System) -> float:
     "build",
     [
         lambda: [Brick(speed=0.0)],
+        lambda: flying("hex8", (1, 1, 1)),
+        lambda: flying("tet10", (1, 1, 1), material=MATERIALS["Ogden"]),
         lambda: pair(vv.Revolute, lambda j: vv.JointSpring(joint=j, stiffness=9.0)),
         lambda: [
             a := body(1),
@@ -74,7 +103,7 @@ def energy(system: vv.System) -> float:
             vv.Spring(a=a.point(), b=b.point((0.1, 0.9, 0)), stiffness=30.0),
         ],
     ],
-    ids=["brick", "torsion spring", "spring"],
+    ids=["brick", "solid", "solid of Ogden's rubber", "torsion spring", "spring"],
 )
 def test_energy_is_frame_indifferent(build: Callable[[], Components]) -> None:
     """Rigid motions of a deformed state cost nothing."""
