@@ -100,21 +100,31 @@ class Fields:
     @property
     def von_mises(self) -> Array:
         """Equivalent stress (...) of von Mises, of Cauchy's stress."""
-        deviator = self.cauchy + self.pressure[..., None, None] * np.eye(3)
-        equivalent: Array = np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
-        return equivalent
+        return equivalent(self.cauchy)
 
     @property
     def principal_stresses(self) -> Array:
         """Principal values (..., 3) of Cauchy's stress, the largest first."""
-        values: Array = np.linalg.eigvalsh(self.cauchy).astype(float)[..., ::-1]
-        return values
+        return principal(self.cauchy)
 
     @property
     def stretches(self) -> Array:
         """Principal stretches (..., 3), the largest first."""
         stretches: Array = np.sqrt(np.maximum(np.linalg.eigvalsh(self.C)[..., ::-1], 0.0))
         return stretches
+
+
+def equivalent(stress: Array) -> Array:
+    """Equivalent stress (...) of von Mises of stresses (..., 3, 3)."""
+    deviator = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
+    value: Array = np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
+    return value
+
+
+def principal(stress: Array) -> Array:
+    """Principal values (..., 3) of stresses (..., 3, 3), the largest first."""
+    values: Array = np.linalg.eigvalsh(stress).astype(float)[..., ::-1]
+    return values
 
 
 def components(tensor: Array) -> Array:
@@ -136,8 +146,8 @@ QUANTITIES: dict[str, tuple[int, Callable[[Fields], Array]]] = {
 }
 """What can be smoothed, recorded and written by name: number of components, and values (..., components)."""
 
-LEAST = {"von_mises": 0.0, "stretches": 0.0, "J": 0.0}
-"""Values below which smoothing does not go: polynomials overshoot, and these quantities have no sign."""
+OF_STRESS: dict[str, Callable[[Array], Array]] = {"von_mises": equivalent, "principal_stresses": principal}
+"""Quantities with kinks where stresses pass through zero: at nodes, they are those of the smoothed stress."""
 
 
 def quantity(name: str) -> tuple[int, Callable[[Fields], Array]]:
@@ -182,8 +192,19 @@ def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
 
     In every element the polynomial of least squares through the values at its quadrature points is taken to
     its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
-    elements (constant ones for tri3 and tet4) come out exactly; what cannot be negative is cut at zero.
+    elements (constant ones for tri3 and tet4) come out exactly. Von Mises' and principal stresses are those of
+    the smoothed Cauchy stress.
     """
+    wanted = list(dict.fromkeys("cauchy" if name in OF_STRESS else name for name in names))
+    found = _fitted(solid, wanted, x)
+    return {
+        name: OF_STRESS[name](found["cauchy"][:, FULL]) if name in OF_STRESS else found[name]
+        for name in names
+    }
+
+
+def _fitted(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+    """Means over the elements at each node of polynomials fitted in each element."""
     chosen = [quantity(name) for name in names]
     ends = np.cumsum([0, *(width for width, _ in chosen)])
     total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
@@ -196,8 +217,7 @@ def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
             for c in range(ends[-1]):
                 total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
     mean = total / (weight[:, None] if chosen else 1.0)
-    parts = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
-    columns = {name: np.maximum(part, LEAST.get(name, -np.inf)) for name, part in parts.items()}
+    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
     return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
 
 

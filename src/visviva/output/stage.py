@@ -86,6 +86,11 @@ class Scene:
         return highest
 
     @property
+    def room(self) -> float:
+        """Share of the width that the scene may fill; a colour bar takes the rest, on the right."""
+        return 1.0 if self.coloring is None else 0.88
+
+    @property
     def extent(self) -> float:
         """Diagonal of the box around what is in view, never zero."""
         return float(np.linalg.norm(self.high - self.low)) or 1.0
@@ -127,14 +132,16 @@ class Scene:
         axes = np.array([right / np.linalg.norm(right), np.zeros(3), back])
         axes[1] = np.cross(back, axes[0])
         half = np.tan(np.radians(opening) / 2) / MARGIN
-        slopes = half * np.array([self.size[0] / self.size[1], 1.0])
+        aspect = self.size[0] / self.size[1]
+        slopes = half * np.array([self.room * aspect, 1.0])
         middle = (self.low + self.high) / 2
         seen = (self.cloud - middle) @ axes.T
         # in view is |x - m| <= slope (d - z): the outermost points on both sides give m, the worse axis d
         upper = (seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
         lower = (-seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
         distance = max(float(((upper + lower) / 2).max()), 0.5 * self.extent)
-        target = middle + (slopes * (upper - lower) / 2) @ axes[:2]
+        aside = (1 - self.room) * distance * half * MARGIN * aspect * axes[0]
+        target = middle + (slopes * (upper - lower) / 2) @ axes[:2] + aside
         return tuple(target + distance * back), tuple(target), (0.0, 0.0, 1.0)
 
 

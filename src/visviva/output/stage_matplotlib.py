@@ -32,7 +32,9 @@ class MatplotlibStage:
         self._figure.set_dpi(DOTS_PER_INCH)
         self._figure.set_facecolor("#f4f7fa")
         self._colors = [np.array(to_rgb(scene.color(k))) for k in range(len(scene.surfaces))]
-        self._axes: Any = self._figure.add_axes(_square(scene.size), projection="3d", computed_zorder=False)
+        left, bottom, width, height = _square(scene.size)
+        place = (left - (1 - scene.room) / 2, bottom, width, height)
+        self._axes: Any = self._figure.add_axes(place, projection="3d", computed_zorder=False)
         self._skins = [skin(surface) for surface in scene.surfaces]
         self._set_up()
         self._ground()
@@ -64,7 +66,7 @@ class MatplotlibStage:
         middle = (scene.low + scene.high) / 2
         for limits, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
             limits(m - s / 2, m + s / 2)
-        axes.set_box_aspect(size, zoom=0.95)
+        axes.set_box_aspect(size, zoom=0.95 * scene.room)
         axes.set_axis_off()
         axes.patch.set_visible(False)
         view = np.array(VIEW) if scene.camera is None else np.subtract(scene.camera[0], scene.camera[1])
