@@ -70,8 +70,10 @@ def test_range_of_colors_is_that_of_the_motion(bent):
     with Trajectory(bent) as motion:
         stored = [np.concatenate(motion.field("von_mises", k)) for k in range(len(motion.times))]
         coloring = Coloring.of(motion, "von_mises")
-        assert (coloring.low, coloring.high) == (np.nanmin(stored), np.nanmax(stored))
-        assert coloring.low >= 0
+        assert (coloring.low, coloring.high) == (0.0, np.nanmax(stored))
+        assert 0 <= np.nanmin(stored) < 1e-9
+        pressures = [np.concatenate(motion.field("pressure", k)) for k in range(len(motion.times))]
+        assert Coloring.of(motion, "pressure").low == np.nanmin(pressures) < 0
         speed = Coloring.of(motion, "velocity").values(motion, 0.0)
         assert [v is not None for v in speed] == [True, True, True]
         assert speed[1].max() == pytest.approx(0.3 * 16, rel=1e-12)

@@ -64,4 +64,7 @@ def _range(motion: Trajectory, name: str) -> tuple[float, float]:
     found = [_scalar(part) for step in motion.chosen_steps() for part in motion.field(name, step)]
     together = np.concatenate(found)
     together = together[np.isfinite(together)]
-    return (float(together.min()), float(together.max())) if len(together) else (0.0, 1.0)
+    if not len(together):
+        return 0.0, 1.0
+    low, high = float(together.min()), float(together.max())
+    return (0.0 if abs(low) < 1e-9 * abs(high) else low), high  # a bar does not begin with what rounding left
