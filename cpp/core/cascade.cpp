@@ -11,7 +11,8 @@ class Cascade : public LinearSolver {
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         pattern_ = &pattern, blocks_ = &blocks;
-        forget();
+        solver_.reset();
+        at_ = 0, served_ = 0, patience_ = 16;
     }
 
     // After the present solver has served for long enough, the preferred one is tried again: with twice the
@@ -32,8 +33,14 @@ class Cascade : public LinearSolver {
     }
 
     void forget() override {
-        solver_.reset();
-        at_ = 0, served_ = 0, patience_ = 16;
+        if (solver_) solver_->forget();
+    }
+    std::vector<double> state() const override {
+        return {static_cast<double>(at_), static_cast<double>(served_), static_cast<double>(patience_)};
+    }
+    void set_state(const std::vector<double>& s) override {
+        at_ = static_cast<std::size_t>(s[0]), served_ = static_cast<int>(s[1]),
+        patience_ = static_cast<int>(s[2]);
     }
     int singular_unknown() const override { return solver_ ? solver_->singular_unknown() : -1; }
     int n_iterations() const override { return solver_ ? solver_->n_iterations() : 0; }

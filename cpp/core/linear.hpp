@@ -65,6 +65,9 @@ class LinearSolver {
     virtual double memory() const { return 0; }
     // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
     virtual void forget() {}
+    // What decides which solver serves, for a restart.
+    virtual std::vector<double> state() const { return {}; }
+    virtual void set_state(const std::vector<double>&) {}
     // After a failed factorisation: one unknown of the singular part, or -1.
     virtual int singular_unknown() const { return -1; }
     // Redundant constraints: `on`, the next factorisation finds out where they are, to be handled from then

@@ -118,7 +118,10 @@ class Pardiso : public LinearSolver {
         return true;
     }
 
-    void forget() override { release(); }
+    // The ordering of definite matrices knows the pattern alone; scaling and matching of others see values.
+    void forget() override {
+        if (type_ != 2) release();
+    }
     int singular_unknown() const override { return singular_ < 0 ? -1 : matrix_.unknown(singular_); }
     int n_negative() const override { return type_ == 2 ? 0 : type_ == -2 ? iparm_[22] : -1; }
     double memory() const override { return bytes_; }

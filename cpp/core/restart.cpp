@@ -6,6 +6,8 @@ namespace visviva {
 std::vector<double> System::memory() const {
     std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
+    const std::vector<double> solver = solver_->state();
+    m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
@@ -25,7 +27,9 @@ void System::remember(const std::vector<double>& memory) {
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
-    m = predictor_.read(m + 4);
+    std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
+    m = predictor_.read(m + 4 + solver.size());
+    solver_->set_state(solver);
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -47,6 +51,7 @@ void System::remember(const std::vector<double>& memory) {
         const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
         refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data()}, signals}, s);
         x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
+        solver_->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;
     }
     stale_begin_ = true;

@@ -302,6 +302,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
+            solver_->forget();  // a restart makes this factorisation again, without those before it
             solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
             if (!refactor(context, step)) {
                 const std::string why = solver_->message();

@@ -37,6 +37,9 @@ LARGE = 60_000
 LARGE_FOR_EIGEN = 5000
 """The same, where the factors are Eigen's."""
 
+FEW, LOOSE = 40, 1e-3
+"""Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -54,6 +57,8 @@ class Problem:
         Constraints among the equations; they make the matrix indefinite.
     has_modes : bool
         Rigid-body modes are known, so multigrid is effective.
+    has_inertia : bool
+        The tangent is that of a time step: where steps are short, mass outweighs stiffness.
     regularization : float
         Taken off the scaled diagonal of redundant constraints.
     """
@@ -64,6 +69,7 @@ class Problem:
     definite: bool = False
     n_multipliers: int = 0
     has_modes: bool = False
+    has_inertia: bool = False
     regularization: float = 0.0
 
     @property
@@ -249,7 +255,8 @@ class Automatic(LinearOptions):
     """Choose by size, kind of the matrix and what is installed.
 
     Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
-    should that fail, by factors; everything else by factors.
+    should that fail, by factors; everything else by factors. In time steps, conjugate gradients with the diagonal
+    alone come first: where steps are short they need a few iterations only.
 
     Parameters
     ----------
@@ -267,16 +274,22 @@ class Automatic(LinearOptions):
         direct = Direct(threads=self.threads).choose(problem)
         solid = problem.is_definite and problem.has_modes and problem.n_entries > DENSE_ROWS * problem.n
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
-        if not (solid and problem.n >= large and has_multigrid()):
-            return direct
-        limit = 100  # beyond it factors are cheaper
-        first = Iterative(
-            method="cg", preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
-        )
-        best = first.choose(problem)
-        instead = direct.explanation.removeprefix(f"{problem}: ")
-        text = f"{best.explanation}; should it not converge, {instead}"
-        return Choice(best.in_order + direct.in_order, text)
+        first = []
+        if solid and problem.has_inertia:
+            first.append(
+                Iterative(method="cg", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
+            )
+        if solid and problem.n >= large and has_multigrid():
+            limit = 100  # beyond it factors are cheaper
+            first.append(
+                Iterative(
+                    method="cg", preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
+                )
+            )
+        choices = [*(f.choose(problem) for f in first), direct]
+        reasons = [str(problem), *(c.explanation.removeprefix(f"{problem}: ") for c in choices)]
+        text = "; should it not converge, ".join(reasons[1:])
+        return Choice(tuple(c for choice in choices for c in choice.in_order), f"{reasons[0]}: {text}")
 
 
 def rigid_motions(positions: Array) -> Array:

@@ -238,11 +238,11 @@ class System:
             self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
             return
         core.set_modes(self._modes())
-        choice = (options or Automatic()).choose(self._linear_problem())
+        choice = (options or Automatic()).choose(self._linear_problem(inertia))
         core.use_linear(list(choice.in_order))
         self.linear_explanation = choice.explanation
 
-    def _linear_problem(self) -> Problem:
+    def _linear_problem(self, inertia: bool) -> Problem:
         """Tangents are taken to be symmetric and definite until the solver finds that they are not."""
         fields = self.model.fields
         return Problem(
@@ -252,6 +252,7 @@ class System:
             definite=all(f.order != 1 for f in fields),
             n_multipliers=self.n_constraints,
             has_modes=any(f.node > 1 for f in fields),
+            has_inertia=inertia,
             regularization=self.newton.regularization,
         )
 
