@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from visviva.system import System
 
 Array = NDArray[np.float64]
+Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
 
 settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True, defer_build=True)
 """How the constructors of components validate: unknown arguments are refused."""
@@ -75,6 +76,7 @@ class Attachable(Component):
     """A component that others can be attached to: its material points are linear forms of its unknowns."""
 
     has_directions = True
+    is_massless = False  # frames that go with another component
 
     def place(self, X: Array) -> Vector:
         """Position of the material point `X` (3,), given in the component's own coordinates."""
@@ -92,19 +94,29 @@ class Attachable(Component):
         """Own coordinates of a direction given in space initially."""
         return d
 
-    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
-        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
-        nodes = system.model.nodes.get(self)
+    def vectors(self, model: Model) -> Vectors | None:
+        """What carries the component: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+
+        Positions move along under a translation, directors do not. None for what cannot move.
+        """
+        nodes = model.nodes.get(self)
         if nodes is None:
             return None
-        total, torque = np.zeros(3), np.zeros(3)
-        for start, is_position in nodes:
-            f = np.array([force.get(start + c, 0.0) for c in range(3)])
-            arm = system.x[start : start + 3] - (about if is_position else 0.0)
-            torque += np.cross(arm, f)
-            if is_position:
-                total += f
-        return total, torque
+        starts, is_position = zip(*nodes, strict=True)
+        return np.array(starts), np.array(is_position), 3
+
+    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
+        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
+        vectors = self.vectors(system.model)
+        if vectors is None:
+            return None
+        starts, is_position, width = vectors
+        by_unknown = np.zeros(len(system.x))
+        by_unknown[list(force)] = list(force.values())
+        index, beyond = starts[:, None] + np.arange(width), ((0, 0), (0, 3 - width))
+        f, x = np.pad(by_unknown[index], beyond), np.pad(system.x[index], beyond)
+        arms = x - np.where(is_position[:, None], about, 0.0)
+        return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
 
     def point(self, X: Any = (0.0, 0.0, 0.0)) -> Any:
         """The material point with own coordinates `X` (3,)."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
+from visviva.freedom import refuse_free
 from visviva.result import Result
 from visviva.scheme import Static
 from visviva.solve import begin, keep, record
@@ -209,6 +210,7 @@ def quasi_static(
         raise InputError(f"step = {step} is not positive")
     if not until > system.time:
         raise InputError(f"until = {until} is not after the present time {system.time:g}")
+    refuse_free(system)
     result, books = begin(system, Static())
     with system.without_inertia():
         for iterations in _load(system, until, step, options or Statics()):
@@ -298,6 +300,7 @@ def arc_length(
     rule = rule or ArcLength()
     if not step > 0:
         raise InputError(f"step = {step} is not positive")
+    refuse_free(system)
     result, books = begin(system, Static())
     with system.without_inertia():
         for iterations in _follow(system, step, steps, rule):

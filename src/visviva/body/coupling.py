@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,14 +10,13 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.face import face_points
 from visviva.body.solid import Solid
-from visviva.component import Attachable, settings
+from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, dot
 from visviva.values import FaceSet
 
 if TYPE_CHECKING:
     from visviva.model import Field, Model
-    from visviva.system import System
 
 Array = NDArray[np.float64]
 
@@ -70,14 +68,12 @@ class Coupling(Attachable):
         X: Array = x - self._centre
         return X
 
-    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array]:
-        total, torque = np.zeros(3), np.zeros(3)
-        for vector in (self._origin, *self._directors):
-            f = np.array([sum(force.get(u, 0.0) for u, _ in form.weights) for form in vector])
-            is_position = vector is self._origin
-            torque += np.cross(vector.value(system.x) - (about if is_position else 0.0), f)
-            total += f if is_position else 0.0
-        return total, torque
+    is_massless = True
+
+    def vectors(self, model: Model) -> Vectors:
+        d = self.solid.dimension
+        starts = [self._position.start + d * np.arange(1), self._turning.start + d * np.arange(d)]
+        return np.concatenate(starts), np.arange(d + 1) == 0, d
 
     # --- part in the system --------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
@@ -88,6 +84,7 @@ class Coupling(Attachable):
             self, "position", self._centre[:d], velocity[:d], scale=model.length, block=self, stage=1, node=d
         )
         directors = model.field(self, "directors", np.eye(d), turning, scale=1.0, block=self, stage=1, node=d)
+        self._position, self._turning = position, directors
         self._origin = vector_of(position, 0)
         self._directors = [vector_of(directors, k) for k in range(d)]
         if d == 2:

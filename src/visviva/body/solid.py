@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.body.element import geometry, masses
 from visviva.body.fields import Fields, at_nodes, evaluated, of_cells, quantity
-from visviva.component import Attachable, settings
+from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
 from visviva.material.base import Material
@@ -25,7 +25,6 @@ from visviva.values import Number, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
     from visviva.model import Model
-    from visviva.system import System
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -296,11 +295,9 @@ class Solid(Attachable):
         p = values[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
         return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
 
-    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
-        by_unknown = np.zeros(len(system.x))
-        by_unknown[list(force)] = list(force.values())
-        f = self.by_node(by_unknown)
-        return f.sum(axis=0), np.cross(self.positions(system.x) - about, f).sum(axis=0)
+    def vectors(self, model: Model) -> Vectors:
+        n = self.grid.n_nodes
+        return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
 
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""

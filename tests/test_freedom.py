@@ -1,0 +1,107 @@
+"""Bodies that nothing holds are refused by statics, with their free motions in words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.freedom import refuse_free
+
+MATERIAL = vv.NeoHooke(young=100.0, poisson=0.3)
+ALL = "translation along x, y, z; rotation about x, y, z"
+
+
+def block(name: str = "block", at: tuple[float, ...] = (0.0, 0.0, 0.0), **options: Any) -> vv.Solid:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)).build().moved(at)
+    return vv.Solid(mesh=mesh, material=MATERIAL, name=name, **options)
+
+
+def slide(solid: vv.Solid, nodes: Any, *axes: int) -> vv.Fixed:
+    return vv.Fixed(solid=solid, nodes=nodes, directions=tuple(k in axes for k in range(3)))
+
+
+HELD: list[tuple[Callable[[vv.Solid], list[Any]], str]] = [
+    (lambda b: [], ALL),
+    (
+        lambda b: [vv.SymmetryPlane(solid=b, nodes="z0", normal=(0, 0, 1))],
+        "translation along x, y; rotation about z",
+    ),
+    (lambda b: [slide(b, "z0", 1, 2)], "translation along x"),
+    (lambda b: [slide(b, [0], 0, 1, 2)], r"rotation about the axis .*; rotation about the axis .*"),
+    (lambda b: [slide(b, [0, 2], 0, 1, 2)], "rotation about the axis through (0.5, 0, 0) along (1, 0, 0)"),
+    (
+        lambda b: [vv.Prescribed(solid=b, nodes="y1", motion=("0.1*t", None, None))],
+        "translation along y, z; rotation about x; rotation about the axis through (0.5, 1, 0.5) along (0, 0, 1)",
+    ),
+    (
+        lambda b: [vv.SymmetryPlane(solid=b, nodes="x0", normal=(1, 1, 0)), slide(b, "z0", 2)],
+        "translation along (0.7071, -0.7071, 0)",
+    ),
+    (
+        lambda b: [vv.ElasticFoundation(solid=b, faces="z0", normal=1e-4)],
+        "translation along x, y; rotation about z",
+    ),
+]
+
+
+@pytest.mark.parametrize("density", [0.0, 1.0])
+@pytest.mark.parametrize(("supports", "words"), HELD)
+def test_free_motions_of_a_solid(supports: Any, words: str, density: float) -> None:
+    solid = block(density=density)
+    system = vv.System(
+        [solid, *supports(solid), vv.Force(on=solid, at=(1, 1, 1), force=(1, 1, 1), times="t")]
+    )
+    pattern = words if ".*" in words else re.escape(words)
+    with pytest.raises(vv.InputError, match=rf"nothing holds Solid 'block' \({pattern}\): .*vv.Fixed"):
+        vv.quasi_static(system, until=1.0, step=1.0)
+    with pytest.raises(vv.InputError, match=rf"nothing holds Solid 'block' \({pattern}\)"):
+        vv.arc_length(system, step=1.0, steps=1)
+
+
+def test_soft_springs_hold() -> None:
+    """A billionth of the block's stiffness is enough to make it well posed."""
+    solid, ground = block(), vv.Ground()
+    end = vv.RigidCoupling(solid=solid, faces="z0")
+    stiffness = {"stiffness": (1e-7,) * 3, "rotational_stiffness": (1e-7,) * 3}
+    soft = vv.Bushing(a=ground, b=end, at=(0.5, 0.5, 0), **stiffness)
+    refuse_free(vv.System([solid, ground, end, soft]))
+
+
+def test_plane_solids_have_three_motions() -> None:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+    plate = vv.Solid(mesh=mesh, material=MATERIAL, name="plate")
+    with pytest.raises(vv.InputError, match=re.escape("(translation along x, y; rotation about z)")):
+        refuse_free(vv.System([plate]))
+    ring = vv.Solid(mesh=mesh.build().moved((1, 0)), material=MATERIAL, plane="axisymmetric", name="ring")
+    with pytest.raises(vv.InputError, match=re.escape("Solid 'ring' (translation along y):")):
+        refuse_free(vv.System([ring]))
+
+
+@pytest.mark.parametrize("kind", [vv.RigidCoupling, vv.DistributedCoupling])
+def test_joined_bodies_move_together(kind: Any) -> None:
+    """A body hinged to a solid that slides: the slide of both, and the turn of the body on its hinge."""
+    solid = block(density=1.0)
+    end = kind(solid=solid, faces="x1")
+    arm = vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(2, 0.5, 0.5), name="arm")
+    hinge = vv.Revolute(a=end, b=arm, at=(1.5, 0.5, 0.5), axis=(0, 0, 1), angle=True)
+    system = vv.System([solid, end, arm, hinge, slide(solid, "x0", 1, 2), slide(solid, "x1", 1, 2)])
+    arm_moves = "translation along x; rotation about the axis through (1.5, 0.5, 0.5) along (0, 0, 1)"
+    with pytest.raises(vv.InputError) as caught:
+        refuse_free(system)
+    assert "Solid 'block' (translation along x)" in str(caught.value)
+    assert f"RigidBody 'arm' ({arm_moves})" in str(caught.value)
+    assert "Coupling" not in str(caught.value)
+
+
+def test_a_chain_to_the_ground_is_held() -> None:
+    solid, ground = block(), vv.Ground()
+    end = vv.RigidCoupling(solid=solid, faces="x0")
+    system = vv.System([solid, ground, end, vv.Rigid(a=ground, b=end, at=(0, 0.5, 0.5))])
+    refuse_free(system)
+    u = vv.quasi_static(system, until=1.0, step=1.0)
+    assert np.abs(u.states[-1] - u.states[0]).max() < 1e-14
