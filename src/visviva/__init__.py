@@ -32,7 +32,7 @@ from visviva.load.spring import Damper, Spring
 from visviva.load.support import Fixed, Prescribed, SymmetryPlane
 from visviva.load.surface import ElasticFoundation, Pressure, Traction
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
-from visviva.loading import ArcLength, Statics, arc_length, quasi_static
+from visviva.loading import ArcLength, NoEquilibrium, Statics, arc_length, quasi_static
 from visviva.material.base import Material
 from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from visviva.material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
@@ -137,6 +137,7 @@ __all__ = [
     "Motor",
     "NeoHooke",
     "Newton",
+    "NoEquilibrium",
     "Offset",
     "Ogden",
     "Planar",

@@ -50,6 +50,10 @@ class Component(metaclass=Validated):
     def start(self, system: System, scheme: Scheme) -> None:
         """Before the first step of a run with a scheme."""
 
+    def trouble(self, x: Array) -> str:
+        """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
+        return ""
+
     def weights(self) -> list[tuple[float, Vector]]:
         """Masses with the points they hang on: what uniform gravity acts upon."""
         return []

@@ -132,7 +132,7 @@ class Equilibrium:
             d = self.solve(time, r)
             size = self.size(d)
             if not np.isfinite(size) or size > 1e3:
-                raise NoEquilibrium(f"the iteration diverges at the load parameter {time:.6g}")
+                raise self.failure(time, "the iteration diverges")
             self.dx[:] += d
             if size <= o.tolerance * extent or (size > 0.5 * last and size <= 1e-13):
                 self.residual(time)
@@ -140,9 +140,9 @@ class Equilibrium:
             if o.line_search and size < last * 1e3:
                 self._search(time, d, float(d @ r))
             r, last = self.linearise(time), size
-        raise NoEquilibrium(
-            f"no equilibrium in {o.max_iterations} iterations at the load parameter {time:.6g}: the last relative "
-            f"increment is {size:.1e}"
+        raise self.failure(
+            time,
+            f"no equilibrium in {o.max_iterations} iterations (last relative increment {size:.1e})",
         )
 
     def _search(self, time: float, d: Array, g0: float) -> None:
@@ -159,6 +159,12 @@ class Equilibrium:
     def _refused(self, time: float) -> str:
         step = Static().step(self.system.time, time - self.system.time)
         return str(self.system.core.refuse(step, self.system.signals(step)))
+
+    def failure(self, time: float, what: str) -> NoEquilibrium:
+        """The error of an iteration that failed at a load parameter, with elements that it has turned inside out."""
+        trouble = self.system.trouble().removesuffix(". ")
+        at = f"{what} at the load parameter {time:.6g}"
+        return NoEquilibrium(f"{at}: {trouble}; mesh the place finer, or load it less" if trouble else at)
 
     def accept(self, time: float) -> None:
         """Make the trial state the new state."""
@@ -397,9 +403,7 @@ class Path:
             d = d1 + change * d2
             size = e.size(d)
             if not np.isfinite(size) or size > 1e3:
-                raise NoEquilibrium(
-                    f"the arc-length iteration diverges at the load parameter {self.time:.6g}"
-                )
+                raise e.failure(self.time, "the arc-length iteration diverges")
             self.time += float(change)
             e.at(self.time)
             e.dx[e.free] += d[e.free]
@@ -408,6 +412,4 @@ class Path:
                 e.residual(self.time)
                 return k + 1
             last = size
-        raise NoEquilibrium(
-            f"no convergence of the arc-length iteration at the load parameter {self.time:.6g}"
-        )
+        raise e.failure(self.time, "no convergence of the arc-length iteration")

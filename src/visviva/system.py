@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.component import Attachable, Component
-from visviva.errors import InputError, RunError
+from visviva.errors import InputError, RunError, VisvivaError
 from visviva.form import Form, Strain, Vector
 from visviva.linear import SMALL, Automatic, LinearOptions, Problem, rigid_motions
 from visviva.model import Field, Model, inertia_terms, strain_terms
@@ -78,17 +78,20 @@ class StepFailure(RunError):
         Where the last increment was largest.
     increments : list of float
         Relative size of the increment in every iteration.
+    trouble : str
+        What components found wrong with the last iterate, such as an inverted element.
     """
 
     def __init__(self, system: System, time: float, h: float, report: Any) -> None:
         self.component, self.unknown = system.describe(report.worst_unknown)
         self.increments = list(report.increments)
         self.time, self.h, self.reason = time, h, report.reason
+        self.trouble = system.trouble()
         history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
         super().__init__(
             f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; worst is {self.unknown} "
-            f"of {self.component}; relative increments ... {history}. Try a smaller step, or look at this "
-            f"component's data near t = {time:.4g}"
+            f"of {self.component}; relative increments ... {history}. {self.trouble}Try a smaller step, or look at "
+            f"this component's data near t = {time:.4g}"
         )
 
 
@@ -380,6 +383,15 @@ class System:
             self.core.discard()
             raise failure
         return report
+
+    def trouble(self) -> str:
+        """What components find wrong with the trial state, in sentences; empty if nothing."""
+        trial = self.x + self.core.dx
+        if not np.isfinite(trial).all():
+            return ""
+        with suppress(VisvivaError):  # of a user's function, which has failed before
+            return "".join(f"{found}. " for c in self.components if (found := c.trouble(trial)))
+        return ""
 
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+SQUEEZED = 0.1
+"""Elements with less of their volume than this are named when a step fails."""
 Plane = Literal["strain", "stress", "axisymmetric"]
 
 
@@ -84,7 +86,7 @@ class Solid(Attachable):
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is negative")
         if not self.thickness > 0:
             raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
-        self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        self.grid = self._checked_mesh()
         if self.grid.dimension == 3 and self.plane != "strain":
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
@@ -96,6 +98,19 @@ class Solid(Attachable):
             )
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
+
+    def _checked_mesh(self) -> Mesh:
+        try:
+            grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        d = grid.points.shape[1]
+        if grid.dimension != d:
+            raise InputError(
+                f"{self.label}: its mesh has cells {', '.join(grid.cells)} of dimension {grid.dimension} in {d} "
+                "dimensions; a solid needs cells of volume, or plane cells with points (n, 2)"
+            )
+        return grid
 
     # --- sets ----------------------------------------------------------------------------------------------
     def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
@@ -360,6 +375,18 @@ class Solid(Attachable):
     def mean(self, name: str, x: Array) -> Array:
         """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
         return of_cells(self, name, x)
+
+    def trouble(self, x: Array) -> str:
+        J, worst = SQUEEZED, ""
+        for _, nodes, cells, _, part in evaluated(self, x):
+            least = part.J.min(axis=1)
+            e = int(np.argmin(least))
+            if least[e] < J:
+                J, place = float(least[e]), self.positions(x)[nodes[e]].mean(axis=0)
+                at = ", ".join(f"{c:.4g}" for c in place)
+                state = "inverted" if J <= 0 else "nearly flat"
+                worst = f"element {cells.start + e} of {self.label} near ({at}) is {state} (det F = {J:.3g})"
+        return worst
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""

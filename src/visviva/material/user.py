@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
+from visviva.errors import InputError, RunError
 from visviva.material.base import Kind, Material
 from visviva.values import Function
 
@@ -26,6 +28,12 @@ class UserMaterial(Material):
         Maps ``C`` as an array (6, n), rows 11, 22, 33, 12, 23, 31, to energies (n,) per reference volume. Written
         with numpy functions that take complex numbers, first derivatives are exact to round-off.
 
+    Raises
+    ------
+    InputError
+        If the energy is not finite about rest, has another shape or a kink where its stress jumps. A stress at rest
+        is warned of with its value: prestress is legal.
+
     Examples
     --------
     >>> import numpy as np
@@ -39,6 +47,12 @@ class UserMaterial(Material):
 
     function: Function
     kind: ClassVar[Kind] = Kind.USER
+
+    def __post_init__(self) -> None:
+        try:
+            examine(self.function)
+        except RunError as error:
+            raise InputError(str(error)) from error
 
     def constants(self) -> list[float]:
         return [0.0]
@@ -67,3 +81,59 @@ class UserMaterial(Material):
         lam = (H[0, 1] + H[1, 2] + H[2, 0]) / 3
         mu = ((H[0, 0] + H[1, 1] + H[2, 2]) / 3 - lam) / 2
         return round(float(lam), 9), round(float(mu), 9)
+
+
+PATHS = {"uniaxial": (1, 0, 0, 0, 0, 0), "volumetric": (1, 1, 1, 0, 0, 0), "shear": (0, 0, 0, 1, 0, 0)}
+"""Directions in C along which an energy is tried."""
+REACH = 0.3
+"""How far from rest, in C."""
+
+
+def examine(function: Callable[[Any], Any]) -> None:
+    """Try an energy at rest and along some paths from it.
+
+    Raises
+    ------
+    RunError
+        If it raises, has another shape, is not finite at rest or has a kink.
+    """
+    from visviva.callback import Function as Derivatives
+
+    W = Derivatives(function, 6, 1, "UserMaterial, its energy")
+    rest = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    W.value(rest[:, None])
+    for name, path in PATHS.items():
+        refuse_kink(W, name, rest, np.array(path, dtype=float))
+    stress = 2 * W.gradient(rest[:, None])[0, :, 0] * [1, 1, 1, 0.5, 0.5, 0.5]
+    stiffness = 4 * np.abs(W.hessian(rest[:, None])).max()
+    if np.abs(stress).max() > 1e-7 * stiffness:
+        warnings.warn(
+            f"UserMaterial: its stress at rest is {stress.round(9).tolist()} (11, 22, 33, 12, 23, 31), not zero; a "
+            "body of it is prestressed. If that is not meant, add terms to the energy that take it away",
+            stacklevel=2,
+        )
+
+
+def refuse_kink(W: Any, name: str, rest: Array, path: Array) -> None:
+    """Refuse a jump of the slope of `W` along a path: second differences that do not shrink with their distance."""
+    s = np.linspace(-REACH, REACH, 62)  # rest is between two points, a kink there as well
+    centre, least = 0.0, np.inf
+    for _ in range(4):
+        with np.errstate(all="ignore"):
+            f = np.real(W.raw(rest[:, None] + path[:, None] * s)[0]).astype(float)
+        if not np.isfinite(f).all():
+            return  # not defined so far from rest
+        distance = s[1] - s[0]
+        jumps = np.abs(f[2:] - 2 * f[1:-1] + f[:-2]) / distance
+        worst = int(np.argmax(jumps))
+        slope = np.abs(np.diff(f) / distance).max()
+        if jumps[worst] <= max(
+            0.3 * least if least < np.inf else 0.0, 1e-6 * slope, 1e-9 * np.abs(f).max() / distance
+        ):
+            return
+        centre, least = float(s[worst + 1]), float(jumps[worst])
+        s = np.linspace(centre - 2 * distance, centre + 2 * distance, 62)
+    raise RunError(
+        f"UserMaterial, its energy: it has a kink near C = {(rest + centre * path).round(6).tolist()} ({name}), where "
+        f"its slope along the path jumps by about {least:.2g}; Newton's method needs a continuous stress: round it off"
+    )

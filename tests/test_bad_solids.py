@@ -1,0 +1,236 @@
+"""Bad input of solids is refused with name, value and cure; what goes wrong in a step says where."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+MATERIAL = vv.NeoHooke(young=100.0, poisson=0.3)
+BOX = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+
+
+def block(**options: Any) -> vv.Solid:
+    return vv.Solid(**({"mesh": BOX, "material": MATERIAL, "density": 1.0, "name": "block"} | options))
+
+
+# --- elements turned inside out -------------------------------------------------------------------------------
+def test_inverted_elements_in_the_mesh() -> None:
+    mesh = BOX.build()
+    points = mesh.points.copy()
+    points[np.argmin(np.abs(points - 0.5).max(axis=1))] = (0.9, 0.9, 1.3)  # the middle of all
+    with pytest.raises(
+        vv.InputError, match=r"Solid 'block': .*hex8 .*inverted.*cell \d+.*at \(.*Mesh the place anew"
+    ):
+        block(mesh=vv.Mesh(points, mesh.cells))
+
+
+def squeezed() -> vv.System:
+    """A lid that goes through the floor."""
+    solid = block()
+    lid = vv.Prescribed(solid=solid, nodes="z1", motion=(None, None, "-1.5*smoothstep(t)"))
+    return vv.System([solid, vv.Fixed(solid=solid, nodes="z0"), lid])
+
+
+NAMED = r"element \d of Solid 'block' near \(.*\) is (inverted|nearly flat) \(det F = .*\)"
+
+
+@pytest.mark.parametrize(
+    ("run", "error", "advice"),
+    [
+        (vv.simulate, vv.StepFailure, "Try a smaller step"),
+        (vv.quasi_static, vv.NoEquilibrium, "mesh the place finer.*last equilibrium"),
+    ],
+)
+def test_steps_that_invert_elements_are_cut_and_name_them(run: Any, error: Any, advice: str) -> None:
+    system = squeezed()
+    with pytest.raises(error, match=rf"{NAMED}.*{advice}"):
+        run(system, until=1.0, step=0.1)
+    assert system.rejected > 5
+    assert 0.3 < system.time < 0.7
+    assert system.components[0].fields(system.x).J.min() > 0  # the last accepted state
+
+
+def test_a_step_that_is_too_long_is_cut_and_goes_on() -> None:
+    """A block thrown at a soft wall of springs: long steps would turn its elements inside out."""
+    solid = block(velocity=lambda X: -8.0 * X[:, [2]] * ((0.0, 0.0, 1.0),))
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="z0")])
+    result = vv.simulate(system, until=0.6, step=0.2)
+    assert result.statistics.rejected > 0
+    assert system.time == pytest.approx(0.6)
+    assert solid.fields(system.x).J.min() > 0
+    assert result.conservation()["energy"] < 1e-9
+
+
+# --- materials ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("constants", "words"),
+    [
+        ({"young": 1.0, "poisson": 0.5}, r"poisson = 0.5 is incompressible.*mixed"),
+        ({"young": 1.0, "poisson": 0.7}, r"poisson = 0.7"),
+        ({"young": 1.0, "poisson": -1.0}, r"poisson = -1 is outside -1 ... 0.5"),
+        ({"young": -2.0, "poisson": 0.3}, r"shear modulus -0.769231.*'young': -2.0.*must be positive"),
+        ({"shear": 1.0, "bulk": -1.0}, r"bulk modulus -1.*must be positive"),
+        ({"young": 10.0, "bulk": 1.0}, r"shear modulus.*must be positive"),
+        ({"young": float("nan"), "poisson": 0.3}, r"young.*finite.*nan"),
+        ({"young": 1.0}, r"exactly two of young, poisson.*given are \['young'\]"),
+    ],
+)
+@pytest.mark.parametrize("kind", [vv.LinearElastic, vv.SaintVenantKirchhoff, vv.NeoHooke])
+def test_elastic_constants_outside_their_range(kind: Any, constants: dict[str, float], words: str) -> None:
+    with pytest.raises(vv.InputError, match=rf"{kind.__name__}: .*{words}"):
+        kind(**constants)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda: vv.MooneyRivlin(c10=-1.0, c01=0.2, bulk=1.0),
+            r"MooneyRivlin: c10 \+ c01 = -0.8 is not positive",
+        ),
+        (lambda: vv.Yeoh(c1=-1.0, c2=0.0, c3=0.0, bulk=1.0), r"Yeoh: .*c1.*-1"),
+        (lambda: vv.Gent(shear=1.0, limit=-3.0, bulk=1.0), r"Gent: .*limit.*-3"),
+        (lambda: vv.Ogden(mu=(1.0,), alpha=(-2.0,), bulk=1.0), r"Ogden: .*not positive"),
+    ],
+)
+def test_rubber_outside_its_range(make: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=words):
+        make()
+
+
+@pytest.mark.parametrize("name", ["density", "mass_damping", "stiffness_damping"])
+def test_negative_parameters_of_a_solid(name: str) -> None:
+    with pytest.raises(vv.InputError, match=rf"Solid 'block': {name} = -1 is negative"):
+        block(**{name: -1.0})
+
+
+# --- energies in Python ---------------------------------------------------------------------------------------
+def sound(C: Array) -> Array:
+    energy: Array = (C[0] - 1) ** 2 + (C[1] - 1) ** 2 + (C[2] - 1) ** 2 + C[3] ** 2 + C[4] ** 2 + C[5] ** 2
+    return energy
+
+
+@pytest.mark.parametrize(
+    ("energy", "words"),
+    [
+        (lambda C: np.log(C[0] - 5), r"returned \[nan\] at the strains \[1.0, 1.0, 1.0, 0.0, 0.0, 0.0\]"),
+        (lambda C: C, r"returned shape \(6, 1\).*expected \(1,\)"),
+        (lambda C: C[7], r"raised IndexError: index 7"),
+        (
+            lambda C: sound(C) + abs(C[0] - 1),
+            r"kink near C = \[1.0000.*uniaxial.*jumps by about.*round it off",
+        ),
+        (lambda C: sound(C) + 0.01 * abs(C[0] - 1.137), r"kink near C = \[1.13[67]"),
+        (lambda C: sound(C) + abs(C[3] + 0.1), r"kink near C = .*shear"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_energies_that_cannot_be_used(energy: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=rf"UserMaterial, its energy: it .*{words}"):
+        vv.UserMaterial(function=energy)
+
+
+def test_an_energy_with_a_stress_at_rest_is_warned_of() -> None:
+    with pytest.warns(UserWarning, match=r"stress at rest is \[0.2, 0.0, 0.0, 0.0, 0.0, 0.3\].*prestressed"):
+        vv.UserMaterial(function=lambda C: sound(C) + 0.1 * C[0] + 0.3 * C[5])
+
+
+@pytest.mark.parametrize(
+    "energy",
+    [
+        sound,
+        lambda C: sound(C) + np.maximum(C[0] - 1, 0) ** 2,  # fibres that bear tension alone
+        lambda C: sound(C) + np.exp(30 * (C[0] - 1) ** 2),
+        lambda C: sound(C) + np.where(np.real(C[0]) < 1.2, 0.0, np.nan),  # not defined everywhere
+    ],
+)
+def test_energies_that_can_be_used(energy: Any) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        vv.UserMaterial(function=energy)
+
+
+def test_an_energy_that_fails_later_says_at_which_strains() -> None:
+    def energy(C: Array) -> Array:
+        return np.where(np.real(C[2]) > 0.9, sound(C), np.nan)
+
+    solid = block(material=vv.UserMaterial(function=energy))
+    load = vv.Traction(solid=solid, faces="z1", traction=(0, 0, -3.0), times="t")
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="z0"), load])
+    with pytest.raises(
+        vv.RunError, match=r"Solid 'block': energy of its material: it returned \[nan\] at the strains"
+    ):
+        vv.simulate(system, until=1.0, step=0.05)
+
+
+# --- meshes and sets ------------------------------------------------------------------------------------------
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "words"),
+    [
+        (CORNERS, {"tetra": [(0, 1, 2, 3)]}, r"no cell type 'tetra'; did you mean 'tet4'"),
+        (
+            CORNERS,
+            {"tet4": [(0, 1, 2, 3)], "tri3": [(0, 1, 2)]},
+            r"Solid 'block': the mesh mixes cells.*tri3 \(2D\)",
+        ),
+        (
+            CORNERS[:3],
+            {"tri3": [(0, 1, 2)]},
+            r"Solid 'block': .*tri3 of dimension 2 in 3 dim.*points \(n, 2\)",
+        ),
+        ([(0, 0), (1, 0)], {"line2": [(0, 1)]}, r"Solid 'block': .*line2 of dimension 1"),
+        (CORNERS, {"tet4": [(0, 1, 2, 9)]}, r"node 9|9"),
+    ],
+)
+def test_cells_that_make_no_solid(points: Any, cells: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=words):
+        block(mesh=vv.Mesh(points, cells))
+
+
+@pytest.mark.parametrize(
+    ("make", "label"),
+    [
+        (lambda b, s: vv.Fixed(solid=b, nodes=s), "Fixed"),
+        (lambda b, s: vv.Prescribed(solid=b, nodes=s, motion=(0, 0, 0)), "Prescribed"),
+        (lambda b, s: vv.SymmetryPlane(solid=b, nodes=s, normal=(1, 0, 0)), "SymmetryPlane"),
+        (lambda b, s: vv.Traction(solid=b, faces=s, traction=(1, 0, 0)), "Traction"),
+        (lambda b, s: vv.Pressure(solid=b, faces=s, pressure=1.0), "Pressure"),
+        (lambda b, s: vv.ElasticFoundation(solid=b, faces=s, normal=1.0), "ElasticFoundation"),
+        (lambda b, s: vv.RigidCoupling(solid=b, faces=s), "RigidCoupling"),
+        (lambda b, s: vv.DistributedCoupling(solid=b, faces=s), "DistributedCoupling"),
+    ],
+)
+def test_unknown_sets_give_the_nearest(make: Any, label: str) -> None:
+    mesh = BOX.build().with_faces("wall", lambda X: X[:, 0] < 1e-9)
+    solid = block(mesh=mesh)
+    with pytest.raises(
+        vv.InputError, match=rf"{label}: the mesh has no set .* 'walls'; did you mean 'wall'\?"
+    ):
+        make(solid, "walls")
+
+
+def test_numbers_of_nodes_that_do_not_exist() -> None:
+    with pytest.raises(vv.InputError, match=r"Fixed: Solid 'block': there is no node 27"):
+        vv.Fixed(solid=block(), nodes=[3, 27])
+
+
+# --- memory ---------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("run", [vv.simulate, vv.quasi_static])
+def test_factors_that_do_not_fit_are_refused_before_they_are_made(run: Any) -> None:
+    solid = block(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(6, 6, 6)))
+    load = vv.Traction(solid=solid, faces="z1", traction=(0, 0, 1), times="t")
+    parts = [solid, vv.Fixed(solid=solid, nodes="z0"), load]
+    system = vv.System(parts, vv.Newton(linear=vv.Direct(memory_limit=1e5)))
+    with pytest.raises(vv.InputError, match=r"tangent of \d+ equations needs about .* GB.*Iterative"):
+        run(system, until=1.0, step=0.5)
