@@ -34,3 +34,14 @@ def test_script_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     readme = ROOT / "README.md"
     if readme.exists():
         assert SCRIPT.read_text().split('"""')[2].strip() in readme.read_text()
+
+
+def test_reference_has_every_public_name() -> None:
+    """As an entry of its own, under the name it is imported by or that of its module."""
+    entries = (ROOT / "docs" / "reference.rst").read_text().split()
+    missing = [
+        name
+        for name in visviva.__all__
+        if not any(e.split(".")[-1] == name for e in entries if "visviva." in e)
+    ]
+    assert not missing
