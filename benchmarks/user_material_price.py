@@ -15,9 +15,9 @@ import time
 
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
-import numpy as np  # noqa: E402
+import numpy as np
 
-import visviva as vv  # noqa: E402
+import visviva as vv
 
 YOUNG, POISSON = 1000.0, 0.3
 LAMBDA, SHEAR = YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON), YOUNG / 2 / (1 + POISSON)
