@@ -16,7 +16,7 @@ from visviva.errors import InputError
 from visviva.load.where import point_of
 from visviva.measure import Reading
 from visviva.mesh.locate import locate
-from visviva.values import Vector3
+from visviva.values import Nodes, Vector3
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -134,12 +134,12 @@ class SupportForce(Reading):
     Parameters
     ----------
     solid : Solid
-    nodes : str, Faces or array of int
+    nodes : str or array of int
         A set of the mesh, or numbers of nodes; all if not given.
     """
 
     solid: Solid
-    nodes: Any = None
+    nodes: Nodes | None = None
 
     def __post_init__(self) -> None:
         if self.nodes is not None:

@@ -128,13 +128,15 @@ def _motion(value: Any) -> Any:
         return value
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 3:
         raise ValueError(f"expected a function of (t, X), or 3 functions of time or None, not {value!r}")
-    return tuple(None if f is None else TimeFunction(f) for f in value)
+    return tuple(
+        None if f is None or (isinstance(f, str) and f == "free") else TimeFunction(f) for f in value
+    )
 
 
 def _plain_motion(value: Any) -> Any:
     if callable(value):
         raise ValueError("a Python function cannot be written to a file")
-    return [None if f is None else f.source for f in value]
+    return ["free" if f is None else f.source for f in value]
 
 
 Motion = Annotated[
@@ -150,4 +152,4 @@ Motion = Annotated[
         }
     ),
 ]
-"""Displacements: a function of time and positions, or a function of time or None for each direction."""
+"""Displacements: a function of time and positions, or a function of time, None or 'free' for each direction."""

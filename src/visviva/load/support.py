@@ -129,7 +129,7 @@ class Prescribed(Support):
         Name of a set of nodes or faces, 'all', or numbers.
     motion : callable, or three of number, expression, table, callable or None
         Displacements from the reference positions: ``f(t, X)`` of time and reference positions (n, 3) with values
-        (n, 3), or for x, y and z whatever `TimeFunction` takes, None where the nodes are free.
+        (n, 3), or for x, y and z whatever `TimeFunction` takes, None or "free" where the nodes are free.
     directions : (3,) of bool
         Which components of the motion count; the others are free.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from visviva.arguments import ArgumentError, told
 from visviva.component import Attachable, Component
@@ -22,6 +22,7 @@ from visviva.system import Newton, System
 if TYPE_CHECKING:
     from visviva.study import Study
 
+OBJECTS = ConfigDict(arbitrary_types_allowed=True)
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -227,7 +228,8 @@ class Reader:
         try:
             if hasattr(cls, "__pydantic_validator__"):
                 return cls(**arguments, **more)
-            checked = {n: TypeAdapter(hints[n]).validate_python(value) for n, value in arguments.items()}
+            types = {n: TypeAdapter(hints[n], config=OBJECTS) for n in arguments}
+            checked = {n: types[n].validate_python(value) for n, value in arguments.items()}
             return cls(**checked, **more)
         except ArgumentError as error:
             raise self.document.error((*key, *error.where), error.complaint) from None

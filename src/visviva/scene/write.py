@@ -123,8 +123,8 @@ def plain(label: str, item: Any) -> Any:
     """Numbers, texts, lists and paths."""
     if isinstance(item, np.ndarray | np.generic):
         return item.tolist()
-    if isinstance(item, list | tuple):
-        return [value(label, part) for part in item]
+    if isinstance(item, list | tuple):  # TOML knows no null: a direction without prescribed motion is 'free'
+        return ["free" if part is None else value(label, part) for part in item]
     if isinstance(item, Path):
         return str(item.absolute())
     if isinstance(item, bool | int | float | str):
