@@ -86,7 +86,7 @@ def test_small_strains_converge_to_the_limit() -> None:
 
 @pytest.mark.parametrize(
     ("cell", "published"),
-    [("hex8", 5.86169)],
+    [("hex8", 5.86169), ("hex20", 16.198), ("hex27", 16.32952)],
 )
 def test_membrane_in_space(cell: str, published: float) -> None:
     """4 x 1 x 4 cells, thickness 4, E = 2261, nu = 0.4955, traction 100: u_z of the corner (48, 4, 60)."""
