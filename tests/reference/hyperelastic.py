@@ -135,7 +135,8 @@ def state(W: Energy, given: dict[int, float], pressure: float = 0.0) -> tuple[Ar
         P = nominal(W, stretch) + pressure * np.prod(stretch) / stretch
         return P[free]
 
-    found = root(unbalanced, np.ones(len(free)), tol=1e-13)
+    start = np.prod(list(given.values())) ** (-0.5 / len(free)) if given else 1.0
+    found = root(unbalanced, np.full(len(free), start), tol=1e-13)
     assert np.abs(unbalanced(found.x)).max() < 1e-10
     return full(found.x), nominal(W, full(found.x))
 
