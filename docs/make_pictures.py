@@ -1,28 +1,32 @@
-"""Draw the picture of the README: the crane under way, and its energies with the error of the balance.
+"""Draw the pictures of the README.
 
-    python docs/make_pictures.py
+    python docs/make_pictures.py [crane | solids]
 
-writes ``docs/pictures/crane.png`` (less than 300 kB) from a run of ``visviva run crane``.
+writes ``docs/pictures/crane.png``, the crane under way and its energies with the error of their balance, and
+``docs/pictures/solids.jpg``, the hollow torus in flight and the slider-crank with a flexible rod.
 """
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from pathlib import Path
 
 import matplotlib.image as image
 from matplotlib.figure import Figure
 
-from visviva.examples import crane
+from visviva.examples import crane, flexible_slider_crank, torus
 from visviva.output.picture import snapshot
 from visviva.output.plot import energy_plot
 from visviva.run import run
 
-TARGET = Path(__file__).resolve().parent / "pictures" / "crane.png"
+PICTURES = Path(__file__).resolve().parent / "pictures"
 MOMENT = 0.9  # s, with the load swung out and still near the crane
+BENT = 0.145  # s, with the rod bent
+NEAR = ((1.75, -1.7, 1.15), (0.65, 0.05, -0.15), (0.0, 0.0, 1.0))  # camera of the slider-crank
 
 
-def main() -> None:
+def draw_crane() -> Path:
     """Run the crane, draw both panels, put them side by side."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
@@ -32,12 +36,34 @@ def main() -> None:
             files / "trajectory.vtkhdf", here / "left.png", time=MOMENT, trails=("load",), size=(900, 800)
         )
         energy_plot(files / "ledger.csv", here / "right.png", title="Rotary crane, h = 0.01 s")
-        side_by_side([here / "left.png", here / "right.png"], TARGET)
-    print(f"{TARGET} {TARGET.stat().st_size / 1000:.0f} kB")
+        return side_by_side([here / "left.png", here / "right.png"], PICTURES / "crane.png")
 
 
-def side_by_side(panels: list[Path], target: Path) -> None:
-    """One picture from several, scaled to equal height, in few colours to keep the file small."""
+def draw_solids() -> Path:
+    """Run torus and slider-crank, draw their stresses side by side."""
+    views = {
+        "torus": (torus.study(), None, None),
+        "crank": (flexible_slider_crank.study(until=2 * BENT), BENT, NEAR),
+    }
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        panels = []
+        for name, (study, moment, camera) in views.items():
+            run(study, here / name, progress=False, pictures=False)
+            panels.append(here / f"{name}.png")
+            snapshot(
+                here / name / "trajectory.vtkhdf",
+                panels[-1],
+                time=moment,
+                field="von_mises",
+                camera=camera,
+                size=(900, 700),
+            )
+        return side_by_side(panels, PICTURES / "solids.jpg")
+
+
+def side_by_side(panels: list[Path], target: Path) -> Path:
+    """One picture from several, scaled to equal height; in few colours where a PNG shall stay small."""
     pictures = [image.imread(panel) for panel in panels]
     ratios = [p.shape[1] / p.shape[0] for p in pictures]
     figure = Figure(figsize=(10, 10 / sum(ratios)), dpi=120)
@@ -47,10 +73,16 @@ def side_by_side(panels: list[Path], target: Path) -> None:
         axis.set_axis_off()
     figure.subplots_adjust(left=0, right=1, bottom=0, top=1, wspace=0.01)
     figure.savefig(target)
+    if target.suffix != ".png":
+        return target
     from PIL import Image
 
     Image.open(target).convert("RGB").quantize(192).save(target, optimize=True)
+    return target
 
 
 if __name__ == "__main__":
-    main()
+    drawn = {"crane": draw_crane, "solids": draw_solids}
+    for name in sys.argv[1:] or drawn:
+        path = drawn[name]()
+        print(f"{path} {path.stat().st_size / 1000:.0f} kB")

@@ -31,7 +31,7 @@ def study(
     )
     mesh = vv.BoxMesh(
         size=(rod_length, width, width),
-        counts=(10, 1, 1),
+        counts=(10, 2, 1),
         cell="hex20",
         origin=(crank, -width / 2, -width / 2),
     )
