@@ -91,7 +91,7 @@ def test_shading_turns_with_the_body(tmp_path):
 
 def test_camera_sees_every_point():
     rng = np.random.default_rng(5)
-    for scale in ([1, 1, 1], [20, 1, 1], [1, 1, 30], [1, 1e-9, 1]):
+    for scale in ([1, 1, 1], [20, 1, 1], [1, 1, 30], [1, 1e-9, 1], [1, 1, 0]):
         cloud = rng.normal(size=(200, 3)) * scale + [100, 0, 0]
         scene = stage.Scene((MARK,), cloud, size=(1280, 720))
         eye, target, up = (np.array(vector) for vector in scene.fitted_camera(30.0))

@@ -29,7 +29,8 @@ Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
 MARGIN = 1.12  # of the view around what is shown
-VIEW = (1.0, -1.7, 0.75)  # from where one looks by default, third axis up
+VIEW = ((1.0, -1.7, 0.75), (0.0, 0.0, 1.0))  # from where one looks by default, and what is up
+ABOVE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))  # the same for what lies in the plane of the first two axes
 
 PROBE = """
 import pyvista
@@ -96,6 +97,11 @@ class Scene:
         return float(np.linalg.norm(self.high - self.low)) or 1.0
 
     @property
+    def view(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Direction from which one looks if no camera is given, and the direction that is up."""
+        return ABOVE if self.high[2] - self.low[2] < 1e-9 * self.extent else VIEW
+
+    @property
     def ground(self) -> float:
         """Height of the ground, a little below everything."""
         return float(self.low[2]) - 0.005 * self.extent
@@ -127,8 +133,9 @@ class Scene:
         """
         if self.camera is not None:
             return self.camera
-        back = np.array(VIEW) / np.linalg.norm(VIEW)
-        right = np.cross([0.0, 0.0, 1.0], back)
+        direction, up = self.view
+        back = np.array(direction) / np.linalg.norm(direction)
+        right = np.cross(up, back)
         axes = np.array([right / np.linalg.norm(right), np.zeros(3), back])
         axes[1] = np.cross(back, axes[0])
         half = np.tan(np.radians(opening) / 2) / MARGIN
@@ -142,7 +149,7 @@ class Scene:
         distance = max(float(((upper + lower) / 2).max()), 0.5 * self.extent)
         aside = (1 - self.room) * distance * half * MARGIN * aspect * axes[0]
         target = middle + (slopes * (upper - lower) / 2) @ axes[:2] + aside
-        return tuple(target + distance * back), tuple(target), (0.0, 0.0, 1.0)
+        return tuple(target + distance * back), tuple(target), up
 
 
 class Stage(Protocol):

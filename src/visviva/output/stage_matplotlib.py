@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.output.coloring import COLORS
 from visviva.output.skin import skin
-from visviva.output.stage import INK, VIEW, Points, Scene, Trails, Values
+from visviva.output.stage import INK, Points, Scene, Trails, Values
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100
@@ -69,10 +69,10 @@ class MatplotlibStage:
         axes.set_box_aspect(size, zoom=0.95 * scene.room)
         axes.set_axis_off()
         axes.patch.set_visible(False)
-        view = np.array(VIEW) if scene.camera is None else np.subtract(scene.camera[0], scene.camera[1])
+        view = np.array(scene.view[0]) if scene.camera is None else np.subtract(*scene.camera[:2])
         axes.view_init(
             elev=np.degrees(np.arctan2(view[2], np.hypot(view[0], view[1]))),
-            azim=np.degrees(np.arctan2(view[1], view[0])),
+            azim=np.degrees(np.arctan2(view[1], view[0])) if np.any(view[:2]) else -90.0,
         )
 
     def _ground(self) -> None:

@@ -79,9 +79,9 @@ class PyVistaStage:
 
         self.plotter.set_background("#f3f6f9", top="#cfdbe6")
         self.plotter.enable_anti_aliasing("msaa", multi_samples=1 if self._fine > 1 else 4)
-        eye, target, _ = self.scene.fitted_camera(self.plotter.camera.view_angle)
+        eye, target, up = self.scene.fitted_camera(self.plotter.camera.view_angle)
         sight = np.subtract(eye, target) / np.linalg.norm(np.subtract(eye, target))
-        aside = np.cross(sight, [0.0, 0.0, 1.0])
+        aside = np.cross(sight, up)
         for towards, strength in ((-SUN, 0.65), (sight + 1.2 * aside, 0.4), (sight, 0.2)):
             light = pyvista.Light(position=tuple(towards), focal_point=(0, 0, 0), intensity=strength)
             self.plotter.add_light(light)
