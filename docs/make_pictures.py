@@ -23,7 +23,7 @@ from visviva.run import run
 PICTURES = Path(__file__).resolve().parent / "pictures"
 MOMENT = 0.9  # s, with the load swung out and still near the crane
 BENT = 0.145  # s, with the rod bent
-NEAR = ((1.75, -1.7, 1.15), (0.65, 0.05, -0.15), (0.0, 0.0, 1.0))  # camera of the slider-crank
+NEAR = ((1.9, -2.0, 1.35), (0.58, 0.05, -0.15), (0.0, 0.0, 1.0))  # camera of the slider-crank
 
 
 def draw_crane() -> Path:

@@ -177,3 +177,18 @@ def test_run_of_a_solid_resumes_with_its_fields(tmp_path):
     whole, split = (read_by_vtk(tmp_path / name / "trajectory.vtkhdf")[1] for name in ("whole", "split"))
     assert len(whole) == len(split)
     np.testing.assert_array_equal(whole[-1]["cauchy"], split[-1]["cauchy"])
+
+
+def test_smoothed_von_mises_has_the_kink_of_bending():
+    """Pure bending u = k (x y, -x^2 / 2): the stress is E k y, von Mises' E k |y|, also on the neutral axis."""
+    mesh = vv.BoxMesh(size=(2, 1, 1), counts=(4, 1, 1), cell="hex20", origin=(0, -0.5, 0))
+    steel = vv.LinearElastic(young=200.0, poisson=0.0)
+    beam = vv.Solid(mesh=mesh, material=steel)
+    system = vv.System([beam])
+    x, y, _ = beam.points.T
+    bent = system.x.copy()
+    bent[beam.motion.start :][: beam.motion.size] += (
+        0.01 * np.column_stack([x * y, -(x**2) / 2, 0 * x]).ravel()
+    )
+    np.testing.assert_allclose(beam.nodal("von_mises", bent), 200 * 0.01 * np.abs(y), atol=1e-12)
+    np.testing.assert_allclose(beam.nodal("principal_stresses", bent)[:, 0], np.maximum(2 * y, 0), atol=1e-12)
