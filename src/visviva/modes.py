@@ -164,7 +164,7 @@ def dense_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
     if Z.shape[1] == 0:
         return np.zeros(0), np.zeros((q, 0))
     light, direction = np.linalg.eigh(M)
-    if light[0] < 1e-13 * light[-1]:
+    if light[0] <= 1e-13 * light[-1]:
         system = at.system
         k = int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale))
         component, unknown = system.describe(int(at.coordinates[k]))
