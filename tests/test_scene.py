@@ -78,11 +78,12 @@ def test_round_trip_marches_to_identical_bits(suffix: str, tmp_path: Path) -> No
 @pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)
 def test_studies_round_trip_with_probes(file: Path, tmp_path: Path) -> None:
     study = read_scene(file)
-    study.scheme = vv.GeneralizedAlpha(rho=0.7)
+    study.scheme, study.fields = vv.GeneralizedAlpha(rho=0.7), ("stretches", "J")
     write_scene(study, tmp_path / "copy.toml")
     again = read_scene(tmp_path / "copy.toml")
     assert list(again.probes) == list(study.probes)
     assert (again.trails, again.title, again.scheme) == (study.trails, study.title, study.scheme)
+    assert again.fields == study.fields
     for name in study.probes:
         ours, theirs = study.probes[name](study.system), again.probes[name](again.system)
         np.testing.assert_array_equal(ours, theirs)

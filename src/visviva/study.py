@@ -13,6 +13,9 @@ from visviva.system import System
 Probe = Form | Vector | Strain | Callable[[System], Any]
 """What can be recorded over time: a form, vector or strain, or a function of the system."""
 
+FIELDS = ("von_mises", "pressure", "cauchy", "energy")
+"""Fields of solids that trajectories hold unless others are chosen."""
+
 
 @dataclass
 class Study:
@@ -44,7 +47,7 @@ class Study:
     probes: Mapping[str, Probe] = field(default_factory=dict)
     trails: tuple[str, ...] = ()
     ropes: list[tuple[Vector, Vector]] = field(default_factory=list)
-    fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")
+    fields: Sequence[str] = FIELDS
     title: str = ""
     notes: str = ""
 

@@ -19,7 +19,7 @@ from visviva.scheme import Scheme
 
 T = TypeVar("T")
 
-TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails")
+TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails", "fields")
 RUN = ("until", "step", "scheme")
 ATTACHMENTS: dict[str, tuple[str, ...]] = {
     "point": ("X",),

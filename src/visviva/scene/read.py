@@ -56,7 +56,7 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
     >>> study.system.components[0].mass, study.until
     (2.0, 1.0)
     """
-    from visviva.study import Study
+    from visviva.study import FIELDS, Study
 
     document = parse(file)
     if not isinstance(document.data, dict):
@@ -78,6 +78,7 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
         scheme=reader.scheme(("run", "scheme"), run.get("scheme", "EnergyMomentum")),
         probes=reader.probes(),
         trails=tuple(reader.value(("trails",), data.get("trails", []), list[str])),
+        fields=tuple(reader.value(("fields",), data.get("fields", list(FIELDS)), list[str])),
         title=reader.value(("title",), data.get("title", Path(file).stem), str),
         notes=reader.value(("notes",), data.get("notes", ""), str),
     )

@@ -55,6 +55,7 @@ def scene_schema() -> Schema:
                 "run": closed(run, required=["until", "step"]),
                 "probes": {"type": "object", "additionalProperties": ref("probe")},
                 "trails": {"type": "array", "items": TEXT},
+                "fields": {"type": "array", "items": TEXT},
             },
             required=["system", "run"],
         ),

@@ -58,6 +58,8 @@ def write_scene(what: Study | System, file: str | Path, *, until: float = 1.0, s
 
 def of_study(study: Study) -> dict[str, Any]:
     """A study as plain data."""
+    from visviva.study import FIELDS
+
     data = {"title": study.title, "notes": study.notes} | of_system(study.system, study.until, study.step)
     data["run"]["scheme"] = value("scheme", study.scheme)
     data["probes"] = {}
@@ -69,7 +71,8 @@ def of_study(study: Study) -> dict[str, Any]:
             )
         data["probes"][name] = value(f"probe {name}", probe)
     data["trails"] = list(study.trails)
-    return {key: item for key, item in data.items() if item}
+    fields = {} if tuple(study.fields) == FIELDS else {"fields": list(study.fields)}
+    return {key: item for key, item in data.items() if item} | fields
 
 
 def of_system(system: System, until: float, step: float) -> dict[str, Any]:
