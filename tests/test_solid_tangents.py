@@ -130,3 +130,17 @@ def test_every_plane_cell(name: str, cell: str, plane: str, scheme: vv.Scheme) -
 def test_every_material_in_plane_stress(name: str, scheme: vv.Scheme) -> None:
     for damping in (0.0, 0.3):
         assert defect(shaken(solid(MATERIALS[name](), "quad4", damping, "stress", (3, 3, 1))), scheme) < 1e-9
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_step_that_hardly_begins(material: str) -> None:
+    """Where the strain changes by rounding alone, the tangent is the midpoint rule's, turned bodies included."""
+    system = shaken(solid(MATERIALS[material](), "hex8", 0.0, None, (4, 4, 2)))
+    x = system.core.x.reshape(-1, 3)
+    angle = 0.7
+    x[:] = x @ np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]]) + 3.0
+    for size in (0.0, 1e-15, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9):
+        system.core.dx[:] = size * np.random.default_rng(5).standard_normal(len(system.x))
+        K = system.tangent(vv.EnergyMomentum().step(0.3, 0.05))[1].toarray()
+        expected = system.tangent(vv.Midpoint().step(0.3, 0.05))[1].toarray()
+        assert np.abs(K - expected).max() <= 1e-6 * np.abs(expected).max(), size

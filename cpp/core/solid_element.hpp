@@ -131,7 +131,9 @@ struct SolidElement {
     }
 
     // S = W'(Cm) + f dC with f dC.dC = W1 - W0 - W'(Cm).dC; where that difference would drown in rounding it
-    // is Simpson's rule in the gradients, and nothing where it is below the rounding of the energy.
+    // is Simpson's rule in the gradients, and nothing where it is below the rounding of the energy or where
+    // the strain hardly changes: what is left out is of third order, what rounding leaves of f dC and its
+    // gradient is not.
     template <bool tangent>
     VISVIVA_INLINE void discrete_gradient(const V* par, SolidPoint& p) const {
         V cm[6], d[6], second[6], first[6];
@@ -149,7 +151,7 @@ struct SolidElement {
             const VI smooth = contract(second, second) <= 1e-8 * contract(first, first);
             const V size = contract(d, d);
             const V b = select(smooth, contract(second, d) / 6.0, r1.W - r0.W - contract(m.s, d));
-            const VI idle = (size <= 1e-30) | (b * b <= 1e-30 * contract(m.s, m.s) * contract(cm, cm));
+            const VI idle = (size <= 1e-20) | (b * b <= 1e-30 * contract(m.s, m.s) * contract(cm, cm));
             inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size));
             f = b * inverse;
             if constexpr (tangent)
