@@ -257,6 +257,8 @@ def pull(t: float) -> float:
     return 2.0 + float(np.cos(5 * t))
 
 
+INCOMPRESSIBLE: Any = {"formulation": "mixed", "material": vv.NeoHooke(shear=10.0, poisson=0.5)}
+
 # --- what is conserved --------------------------------------------------------------------------------------
 NOTHING: frozenset[str] = frozenset()
 ENERGY = frozenset({"energy"})
@@ -392,6 +394,14 @@ CATALOGUE = [
     ),
     # solids
     Entry("solid, plane stress", lambda: flying("quad4", plane="stress"), ALL, steps=100),
+    Entry("solid, F-bar", lambda: flying("hex8", (2, 1, 1), formulation="F-bar"), ALL, steps=50),
+    Entry("solid, F-bar in the plane", lambda: flying("quad4", formulation="F-bar"), ALL, steps=100),
+    Entry("solid, enhanced", lambda: flying("hex8", (2, 1, 1), formulation="enhanced"), ALL, steps=50),
+    Entry("solid, enhanced in the plane", lambda: flying("quad4", formulation="enhanced"), ALL, steps=100),
+    Entry("solid, mixed", lambda: flying("hex27", (1, 1, 1), formulation="mixed"), ALL, steps=25),
+    Entry("solid, incompressible", lambda: flying("quad9", (1, 1), **INCOMPRESSIBLE), ALL, steps=50),
+    Entry("solid, Taylor and Hood", lambda: flying("tet10", (1, 1, 1), formulation="mixed"), ALL, steps=25),
+    Entry("solid, equal order", lambda: flying("tri3", (3, 2), formulation="mixed"), ALL, steps=100),
     # solids and what acts on them
     *(
         Entry(f"solid, {c}", partial(loaded, cell=c), ALL, steps=60)

@@ -48,7 +48,12 @@ PLANE_CELLS = ["tri3", "tri6", "quad4", "quad8", "quad9"]
 
 
 def solid(
-    material: vv.Material, cell: str, damping: float, plane: str | None, counts: tuple[int, ...]
+    material: vv.Material,
+    cell: str,
+    damping: float,
+    plane: str | None,
+    counts: tuple[int, ...],
+    formulation: Any = "displacement",
 ) -> Any:
     """A brick or a rectangle of cells of size 1, apart from the axis if it is axisymmetric."""
     if plane is None:
@@ -62,8 +67,9 @@ def solid(
         material=material,
         density=2.0,
         mass_damping=damping,
-        stiffness_damping=0.1 * damping,
+        stiffness_damping=0.0 if formulation == "enhanced" else 0.1 * damping,
         plane=plane or "strain",
+        formulation=formulation,
     )
 
 
@@ -144,3 +150,28 @@ def test_step_that_hardly_begins(material: str) -> None:
         K = system.tangent(vv.EnergyMomentum().step(0.3, 0.05))[1].toarray()
         expected = system.tangent(vv.Midpoint().step(0.3, 0.05))[1].toarray()
         assert np.abs(K - expected).max() <= 1e-6 * np.abs(expected).max(), size
+
+
+SPLIT = [n for n in MATERIALS if n not in ("user", "blatz_ko")]
+FORMULATIONS = [
+    *[("F-bar", c, p) for c, p in (("hex8", None), ("quad4", "strain"), ("quad4", "axisymmetric"))],
+    *[("enhanced", c, p) for c, p in (("hex8", None), ("quad4", "stress"), ("quad4", "axisymmetric"))],
+    *[("mixed", c, None) for c in ("hex20", "hex27", "tet10", "tet4")],
+    *[("mixed", c, p) for c in ("quad9", "tri6", "tri3") for p in ("strain", "axisymmetric")],
+]
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize(("formulation", "cell", "plane"), FORMULATIONS)
+def test_every_formulation(formulation: str, cell: str, plane: str | None, scheme: vv.Scheme) -> None:
+    for damping in (0.0, 0.3):
+        part = solid(MATERIALS["mooney_isochoric"](), cell, damping, plane, (1, 1, 1), formulation)
+        assert defect(shaken(part), scheme) < 1e-9
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Static()], ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize(("formulation", "cell"), [("F-bar", "hex8"), ("F-bar", "quad4"), ("mixed", "tri6")])
+@pytest.mark.parametrize("name", SPLIT)
+def test_every_material_against_locking(name: str, formulation: str, cell: str, scheme: vv.Scheme) -> None:
+    plane = None if cell == "hex8" else "strain"
+    assert defect(shaken(solid(MATERIALS[name](), cell, 0.3, plane, (1, 1, 1), formulation)), scheme) < 1e-9

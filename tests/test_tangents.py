@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def shake(system: vv.System, rng: np.random.Generator) -> None:
     """A random state near the initial one, off the constraints, with a random trial increment and history."""
     core, n = system.core, len(system.order)
-    sizes = [(1.0 if f.order == 0 else 0.03 if f.node > 1 else 0.1) for f in system.model.fields]
+    sizes = [(0.03 if f.node > 1 else 1.0 if f.order == 0 else 0.1) for f in system.model.fields]
     size = np.repeat(sizes, [f.size for f in system.model.fields])  # no element of a mesh turns inside out
     core.x[:n] += size * rng.standard_normal(n)
     core.dx[:n] = size * rng.standard_normal(n)

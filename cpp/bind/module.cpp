@@ -133,7 +133,8 @@ static void bind_solid(nb::module_& m) {
                const Doubles& volume, const Doubles& par, nb::object hoop, nb::object mass,
                nb::object damping) {
                 SolidData d{};
-                d.n = static_cast<int>(index.shape(0)), d.n_nodes = static_cast<int>(index.shape(1));
+                d.n = static_cast<int>(index.shape(0)), d.n_nodes = static_cast<int>(gradients.shape(2));
+                d.n_pressures = static_cast<int>(index.shape(1)) - d.n_nodes;
                 d.n_points = static_cast<int>(volume.shape(1)), d.dim = static_cast<int>(gradients.shape(3));
                 d.n_par = static_cast<int>(par.shape(1)), d.kind = static_cast<MaterialKind>(kind),
                 d.small = small;
@@ -147,6 +148,16 @@ static void bind_solid(nb::module_& m) {
         .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
         .def("set_symmetric", &SolidTerm::set_symmetric)
         .def("set_plane_stress", &SolidTerm::set_plane_stress)
+        .def(
+            "set_centre",
+            [](SolidTerm& t, const Doubles& gradients, nb::object hoop) {
+                t.set_centre(gradients.data(), optional(hoop));
+            },
+            nb::arg("gradients"), nb::arg("hoop").none())
+        .def("set_pressure",
+             [](SolidTerm& t, const Doubles& shape, const Doubles& compliance, int measure, bool multiplier) {
+                 t.set_pressure(shape.data(), compliance.data(), measure, multiplier);
+             })
         .def("fields",
              [](SolidTerm& t, const Doubles& x, int begin, int end) {
                  const auto size = static_cast<std::size_t>(padded(end - begin)) * t.n_points() * 16;

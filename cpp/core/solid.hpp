@@ -11,6 +11,7 @@ namespace visviva {
 inline constexpr int solid_lanes = 8;
 inline constexpr int solid_max_nodes = 27;
 inline constexpr int solid_max_points = 27;
+inline constexpr int solid_max_pressures = 4;
 
 struct SolidView {
     int n = 0, n_blocks = 0;        // elements, blocks
@@ -21,15 +22,22 @@ struct SolidView {
     bool symmetric = false;  // tangents symmetrised for solvers that need it
     bool damped = false;
     bool plane_stress = false;        // in two dimensions: no stress across the plane
-    const int* index = nullptr;       // [node] first unknown of the node
+    const int* index = nullptr;       // [node, then pressure] first unknown of the node, or the pressure
     const double* G = nullptr;        // [point][node][dim] gradients of the shape functions in the reference
     const double* H = nullptr;        // [point][node] weights of the hoop stretch, or null
     const double* w = nullptr;        // [point] reference volume
     const double* mass = nullptr;     // [a <= b] packed
     const double* par = nullptr;      // [parameter]
     const double* damping = nullptr;  // [3]: per mass, bulk-like and shear viscosity (lambda, mu)
-    // Scatter: place of row 0 of the node in the matrix (or -1), length of its rows, offset of every column
-    // block (or 0xffff)
+    // F-bar: gradients and weights at the element's centre, [node][dim] and [node]
+    const double *centre_G = nullptr, *centre_H = nullptr;
+    // Mixed: pressures with shape functions [point][pressure] and compliance [pressure][pressure]; how they
+    // measure the volume (see mixed_energy.hpp), and whether they are multipliers, without energy
+    int n_pressures = 0, measure = 0;
+    bool multiplier = false;
+    const double *shape = nullptr, *compliance = nullptr;
+    // Scatter, nodes and pressures alike: place of row 0 of the node in the matrix (or -1), length of its
+    // rows, offset of every column block (or 0xffff)
     const std::int64_t* row = nullptr;      // [node]
     const std::int64_t* length = nullptr;   // [node]
     const std::uint16_t* offset = nullptr;  // [a][b]

@@ -15,7 +15,17 @@ struct SolidKernels {
     void (*material)(MaterialKind, const double* par, int n_par, int n, const double* c, double* out);
 };
 
+/// Of elements whose energy depends on more than C at a point; see solid_mixed_element.hpp.
+struct MixedKernels {
+    void (*residual)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* r);
+    void (*tangent)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* values);
+    void (*energy)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+    void (*fields)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+    void (*forces)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
+};
+
 /// The kernels for the machine that runs.
 const SolidKernels& solid_kernels();
+const MixedKernels& mixed_kernels(int dim, bool fbar);
 
 }  // namespace visviva

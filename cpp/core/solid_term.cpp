@@ -6,7 +6,6 @@
 
 #include "parallel.hpp"
 #include "pattern.hpp"
-#include "solid_dispatch.hpp"
 
 namespace visviva {
 
@@ -30,7 +29,7 @@ void interleave(To& to, const From* from, std::int64_t rows, int n) {
 
 SolidTerm::SolidTerm(const SolidData& d) {
     const int na = d.n_nodes, nq = d.n_points;
-    interleave(index_, d.index, na, d.n);
+    interleave(index_, d.index, na + d.n_pressures, d.n);
     interleave(G_, d.gradients, static_cast<std::int64_t>(nq) * na * d.dim, d.n);
     interleave(H_, d.hoop, static_cast<std::int64_t>(nq) * na, d.n);
     interleave(w_, d.volume, nq, d.n);
@@ -40,7 +39,8 @@ SolidTerm::SolidTerm(const SolidData& d) {
     auto data = [](const auto& a) { return a.empty() ? nullptr : a.data(); };
     SolidView& v = view_;
     v.n = d.n, v.n_blocks = (d.n + L8 - 1) / L8, v.n_nodes = na, v.n_points = nq, v.dim = d.dim;
-    v.n_par = d.n_par, v.kind = d.kind, v.small = d.small, v.damped = d.damping != nullptr;
+    v.n_pressures = d.n_pressures, v.n_par = d.n_par, v.kind = d.kind, v.small = d.small,
+    v.damped = d.damping != nullptr;
     v.index = data(index_), v.G = data(G_), v.H = data(H_), v.w = data(w_), v.mass = data(mass_);
     v.par = data(par_), v.damping = data(damping_);
     out_.assign(static_cast<std::size_t>(solid_ledger_rows) * v.n_blocks * L8, 0.0);
@@ -49,12 +49,28 @@ SolidTerm::SolidTerm(const SolidData& d) {
     colour_tasks();
 }
 
+void SolidTerm::set_centre(const double* gradients, const double* hoop) {
+    interleave(centre_G_, gradients, view_.n_nodes * view_.dim, view_.n);
+    interleave(centre_H_, hoop, view_.n_nodes, view_.n);
+    view_.centre_G = centre_G_.data(), view_.centre_H = hoop ? centre_H_.data() : nullptr;
+    mixed_ = &mixed_kernels(view_.dim, true);
+}
+
+void SolidTerm::set_pressure(const double* shape, const double* compliance, int measure, bool multiplier) {
+    const int np = view_.n_pressures;
+    interleave(shape_, shape, view_.n_points * np, view_.n);
+    interleave(compliance_, compliance, np * np, view_.n);
+    view_.shape = shape_.data(), view_.compliance = compliance_.data();
+    view_.measure = measure, view_.multiplier = multiplier;
+    mixed_ = &mixed_kernels(view_.dim, false);
+}
+
 // Tasks of neighbouring blocks of elements; tasks that share a node get different colours.
 void SolidTerm::colour_tasks() {
     const int n_tasks = (view_.n_blocks + task_blocks - 1) / task_blocks;
     std::map<int, std::vector<char>> used;  // per node: colours that touch it
     for (int t = 0; t < n_tasks; ++t) {
-        const std::int64_t size = static_cast<std::int64_t>(view_.n_nodes) * L8;
+        const std::int64_t size = static_cast<std::int64_t>(n_slots()) * L8;
         std::vector<int> nodes(
             index_.begin() + t * task_blocks * size,
             index_.begin() + std::min<std::int64_t>((t + 1) * task_blocks, view_.n_blocks) * size);
@@ -85,7 +101,7 @@ void SolidTerm::for_tasks(F f) const {
 }
 
 void SolidTerm::couple(Pattern& pattern) const {
-    const int na = view_.n_nodes;
+    const int na = n_slots();
     for (int e = 0; e < view_.n; ++e) {
         const int* index = &index_[(static_cast<std::size_t>(e / L8) * na) * L8 + e % L8];
         for (int a = 0; a < na; ++a)
@@ -94,7 +110,7 @@ void SolidTerm::couple(Pattern& pattern) const {
 }
 
 void SolidTerm::connect(const Pattern& pattern) {
-    const int na = view_.n_nodes;
+    const int na = n_slots();
     const std::size_t lanes = static_cast<std::size_t>(view_.n_blocks) * na * L8;
     row_.assign(lanes, -1), length_.assign(lanes, 0), offset_.assign(lanes * na, 0xffff);
     for (int block = 0; block < view_.n_blocks; ++block)
@@ -153,19 +169,21 @@ void SolidTerm::call_back(const Context& c, bool want_tangent) {
 
 void SolidTerm::residual(const Context& c, double* r) {
     call_back(c, false);
-    for_tasks([&](int begin, int end) { solid_kernels().residual(view_, c.step, c.vectors, begin, end, r); });
+    const auto kernel = mixed_ ? mixed_->residual : solid_kernels().residual;
+    for_tasks([&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, r); });
 }
 
 void SolidTerm::tangent(const Context& c, double* values) {
     call_back(c, true);
-    for_tasks(
-        [&](int begin, int end) { solid_kernels().tangent(view_, c.step, c.vectors, begin, end, values); });
+    const auto kernel = mixed_ ? mixed_->tangent : solid_kernels().tangent;
+    for_tasks([&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, values); });
 }
 
 void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     call_back(c, false);
     for_tasks([&](int begin, int end) {
         solid_kernels().ledger(view_, c.step, c.vectors, v1, begin, end, out_.data());
+        if (mixed_) mixed_->energy(view_, c.step, c.vectors, begin, end, out_.data());  // instead of row 0
     });
     const std::size_t stride = static_cast<std::size_t>(view_.n_blocks) * L8;
     double total[solid_ledger_rows] = {};
@@ -194,18 +212,20 @@ void SolidTerm::at_rest(At kernel, const double* x, int begin, int end, std::int
 }
 
 void SolidTerm::fields(const double* x, int begin, int end, double* out) {
-    at_rest(solid_kernels().fields, x, begin, end, std::int64_t{view_.n_points} * solid_field_rows, out);
+    at_rest(mixed_ ? mixed_->fields : solid_kernels().fields, x, begin, end,
+            std::int64_t{view_.n_points} * solid_field_rows, out);
 }
 
 void SolidTerm::forces(const double* x, int begin, int end, double* out) {
-    at_rest(solid_kernels().forces, x, begin, end, std::int64_t{view_.n_nodes} * view_.dim, out);
+    at_rest(mixed_ ? mixed_->forces : solid_kernels().forces, x, begin, end,
+            std::int64_t{view_.n_nodes} * view_.dim, out);
 }
 
 // Inverted elements: their energy is finite, but no body is like that.
 Refusal SolidTerm::refuse(const Context& c) {
     for (int e = 0; e < view_.n; ++e) {
         if (smallest_[e] > 0) continue;
-        const int* index = &index_[(static_cast<std::size_t>(e / L8) * view_.n_nodes) * L8 + e % L8];
+        const int* index = &index_[(static_cast<std::size_t>(e / L8) * n_slots()) * L8 + e % L8];
         double place[3] = {};
         for (int a = 0; a < view_.n_nodes; ++a)
             for (int k = 0; k < view_.dim; ++k) place[k] += c.vectors.x0[index[a * L8] + k] / view_.n_nodes;

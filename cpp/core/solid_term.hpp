@@ -4,16 +4,17 @@
 #include <vector>
 
 #include "solid.hpp"
+#include "solid_dispatch.hpp"
 #include "term.hpp"
 
 namespace visviva {
 
 /// What a batch is made of; arrays as given by Python, [element][...].
 struct SolidData {
-    int n, n_nodes, n_points, dim, n_par;
+    int n, n_nodes, n_pressures, n_points, dim, n_par;
     MaterialKind kind;
     bool small;
-    const int* index;  // [element][node] first unknown
+    const int* index;  // [element][node, then pressure] first unknown
     const double *gradients, *hoop,
         *volume;  // [element][point][node][dim], [element][point][node], [element][point]
     const double *mass, *par, *damping;  // [element][pair], [element][parameter], [element][3]
@@ -25,6 +26,10 @@ class SolidTerm : public Term {
 
     void set_callback(LawCallback f);
     void set_symmetric(bool on) { view_.symmetric = on; }
+    // F-bar: gradients [element][node][dim] and hoop weights [element][node] at the centres
+    void set_centre(const double* gradients, const double* hoop);
+    // Mixed: [element][point][pressure] and [element][pressure][pressure]; see SolidView
+    void set_pressure(const double* shape, const double* compliance, int measure, bool multiplier);
     void set_plane_stress(bool on) { view_.plane_stress = on; }
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
@@ -60,9 +65,13 @@ class SolidTerm : public Term {
     template <class F>
     void for_tasks(F f) const;
 
+    int n_slots() const { return view_.n_nodes + view_.n_pressures; }
+
     SolidView view_;
+    const MixedKernels* mixed_ = nullptr;
     LawCallback callback_;
     Aligned<double> G_, H_, w_, mass_, par_, damping_, out_, smallest_;
+    Aligned<double> centre_G_, centre_H_, shape_, compliance_;
     Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
     std::vector<int> index_;
     std::vector<std::int64_t> row_, length_;

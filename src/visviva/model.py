@@ -42,6 +42,8 @@ class Field:
         Unknowns that keep their values and have no equation.
     node : int
         So many consecutive unknowns make up a node of a mesh.
+    definite : bool
+        Whether the energy is least in them; not so for pressures.
     """
 
     component: Component
@@ -56,6 +58,7 @@ class Field:
     block: Any
     fixed: NDArray[np.bool_]
     node: int = 1
+    definite: bool = True
 
     @property
     def size(self) -> int:
@@ -173,6 +176,7 @@ class Model:
         block: Any = None,
         fixed: ArrayLike = False,
         node: int = 1,
+        definite: bool = True,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -183,7 +187,9 @@ class Model:
         scales[:], held[:] = scale, fixed
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
-        new = Field(component, name, order, start, x, v, scales, stage, multiplier, block, held, node)
+        new = Field(
+            component, name, order, start, x, v, scales, stage, multiplier, block, held, node, definite
+        )
         self.fields.append(new)
         self._remember(new)
         return new

@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.body import formulation as forms
 from visviva.body.element import geometry, masses
 from visviva.body.fields import Fields, at_nodes, evaluated, of_cells, quantity
+from visviva.body.formulation import Formulation
 from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
@@ -21,6 +23,7 @@ from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.quadrature import stiffness_rule
 from visviva.values import Number, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
@@ -48,6 +51,10 @@ class Solid(Attachable):
     plane : {'strain', 'stress', 'axisymmetric'}
         What a plane mesh means. In plane stress the thickness changes so that nothing pulls across. Axisymmetric
         meshes have the coordinates (radius, axis), and all quantities are those of the whole revolution.
+    formulation : {'displacement', 'F-bar', 'enhanced', 'mixed'}
+        Against locking, see :doc:`/theory/solids`. 'F-bar' (quad4, hex8) scales the change of volume to that of the
+        element's centre; 'enhanced' (quad4, hex8) adds strains, for bending too; 'mixed' has pressures: linear in each
+        quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4. It takes incompressible materials.
     thickness : float
         Of a plane solid.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
@@ -71,6 +78,7 @@ class Solid(Attachable):
     material: Material
     density: Number = 0.0
     plane: Plane = "strain"
+    formulation: Formulation = "displacement"
     thickness: Number = 1.0
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
@@ -96,6 +104,7 @@ class Solid(Attachable):
                 f"{self.label}: plane='stress' needs second derivatives inside the core; take one of its materials "
                 "instead of a UserMaterial, or a thin three-dimensional mesh"
             )
+        forms.check(self)
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
 
@@ -228,6 +237,16 @@ class Solid(Attachable):
         self.motion = model.field(
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
         )
+        if self.formulation == "enhanced":  # d modes per element, without inertia
+            zero = np.zeros((self.grid.n_cells, d, d))
+            self.inner = model.field(self, "enhanced", zero, order=0, scale=model.length, stage=1, node=d)
+        elif self.formulation == "mixed":
+            self._numbers, n = forms.pressure_numbers(self.grid)
+            _, bulk, _ = self.material.split()
+            free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
+            self.inner = model.field(
+                self, "pressure", np.zeros(n), order=0, stage=1, multiplier=free, definite=False
+            )
 
     def contribute(self, model: Model) -> None:
         self.terms: list[Any] = []  # of the core, one per cell type
@@ -243,20 +262,39 @@ class Solid(Attachable):
 
     def _term(self, model: Model, cell: str, nodes: Ints, first: int) -> Any:
         g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
-        damped = self.mass_damping > 0 or self.stiffness_damping > 0
+        d, damped = self.dimension, self.mass_damping > 0 or self.stiffness_damping > 0
+        index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
+        mass = self._masses(cell, nodes) if self.density > 0 else None
+        if self.formulation == "enhanced":
+            modes = self.inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
+            index = np.hstack([index, modes.reshape(len(nodes), d)])
+            g = forms.enhanced(self, cell, nodes, g)
+            mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
+        elif self.formulation == "mixed":
+            parameters = np.tile(self.material.split()[0], (len(nodes), 1))
+            index = np.hstack([index, self.inner.start + self._numbers[cell]])
         term = _core.SolidTerm(
             int(self.material.kind),
             self.material.small,
-            self.node_unknowns(nodes),
+            np.ascontiguousarray(index, dtype=np.int32),
             g.gradients,
             g.volume,
-            self.material.parameters(len(nodes)),
+            parameters,
             g.hoop,
-            self._masses(cell, nodes) if self.density > 0 else None,
+            mass,
             self._damping(len(nodes)) if damped else None,
         )
         term.name = self.label
         term.set_plane_stress(self.plane == "stress")
+        if self.formulation == "F-bar":
+            middle = forms.centre(self, cell, nodes)
+            hoop = None if middle.hoop is None else middle.hoop[:, 0]
+            term.set_centre(middle.gradients[:, 0], hoop)
+        elif self.formulation == "mixed":
+            _, bulk, measure = self.material.split()
+            shapes = forms.pressure_shapes(self.grid, cell, nodes, stiffness_rule(cell).points)
+            compliance = forms.pressure_compliance(self, cell, nodes, bulk)
+            term.set_pressure(shapes, compliance, measure, self.inner.multiplier)
         if self.material.energy is not None:
             from visviva.callback import energy_callback
 
@@ -272,6 +310,7 @@ class Solid(Attachable):
 
     def _damping(self, n: int) -> Array:
         lam, mu = self.material.lame
+        lam = lam if np.isfinite(lam) else 0.0
         if self.plane == "stress":  # what is left of small strains without stress across
             lam = 2 * lam * mu / (lam + 2 * mu)
         return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
@@ -393,7 +432,7 @@ class Solid(Attachable):
         total = np.zeros((self.grid.n_nodes, 3))
         first = 0
         for (_, nodes), term in zip(self.each_cell(), self.terms, strict=True):
-            force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))
+            force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))[:, : nodes.shape[1]]
             if cells is not None:
                 force *= cells[first : first + len(nodes), None, None]
             for c in range(self.dimension):

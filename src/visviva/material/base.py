@@ -43,6 +43,21 @@ class Kind(IntEnum):
     USER = 8
 
 
+BULK = {
+    Kind.HOOKE: 0,
+    Kind.NEO_HOOKE: 1,
+    Kind.MOONEY: 3,
+    Kind.ISOCHORIC: 4,
+    Kind.GENT: 2,
+    Kind.HOLZAPFEL: 4,
+    Kind.OGDEN: 0,
+}
+"""Place of the modulus of the volumetric energy among the constants; the number of that energy follows it."""
+
+TRACE = 3
+"""Number of the volumetric energy of linear materials, ``(tr e)^2 / 2``."""
+
+
 @dataclass(config=settings, kw_only=True)
 class Material(metaclass=Validated):
     """Base of all materials; a material knows nothing of elements or time."""
@@ -62,6 +77,29 @@ class Material(metaclass=Validated):
     def lame(self) -> tuple[float, float]:
         """Lame's constants ``lambda, mu`` of small strains about rest."""
         raise NotImplementedError
+
+    def split(self) -> tuple[list[float], float, int]:
+        """Constants without the volumetric energy, its modulus, and its number in the core.
+
+        Raises
+        ------
+        InputError
+            If the energy has no such part.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> vv.LinearElastic(young=3.0, poisson=0.5).split()
+        ([0.0, 1.0], inf, 3)
+        """
+        if self.kind not in BULK:
+            raise self.refuse(
+                "formulation='mixed' needs an energy with a volumetric part of its own; take e.g. NeoHooke, or "
+                "formulation='F-bar'"
+            )
+        rest, place = list(self.constants()), BULK[self.kind]
+        bulk, rest[place] = rest[place], 0.0
+        return rest, bulk, TRACE if self.kind is Kind.HOOKE else int(rest[place + 1])
 
     def respond(self, C: Array) -> tuple[Array, Array, Array]:
         """Energy, stress and moduli at right Cauchy-Green tensors.
@@ -121,6 +159,7 @@ class Elastic(Material):
     ----------
     young, poisson, shear, bulk, lame_lambda : float
         Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small strains.
+        ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
     """
 
     young: Number | None = None
@@ -140,12 +179,7 @@ class Elastic(Material):
                 f"give exactly two of young, poisson, shear, bulk, lame_lambda; given are {sorted(given) or 'none'}"
             )
         nu = given.get("poisson")
-        if nu is not None and nu >= 0.5:
-            raise self.refuse(
-                f"poisson = {nu:g} is incompressible, which elements of displacements alone cannot carry; use "
-                "formulation='mixed' of the solid with a finite bulk modulus, e.g. poisson = 0.4999"
-            )
-        if nu is not None and nu <= -1:
+        if nu is not None and not -1 < nu <= 0.5:
             raise self.refuse(f"poisson = {nu:g} is outside -1 ... 0.5")
         self._lame = two_constants(given)
         if not (self._lame[1] > 0 and self._lame[0] + 2 / 3 * self._lame[1] > 0):
@@ -192,7 +226,7 @@ def two_constants(given: dict[str, float]) -> tuple[float, float]:
         if K is not None:
             L = K - 2 / 3 * G
         elif nu is not None:
-            L = 2 * G * nu / (1 - 2 * nu)
+            L = 2 * G * nu / (1 - 2 * nu) if nu < 0.5 else np.inf
         else:
             assert E is not None
             L = G * (E - 2 * G) / (3 * G - E)

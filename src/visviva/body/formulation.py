@@ -1,0 +1,158 @@
+"""Formulations of solids against locking: what their elements have beside nodes; see docs/theory/solids.rst."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.element import Geometry, geometry
+from visviva.body.fields import linear
+from visviva.errors import InputError
+from visviva.mesh.cells import CELLS
+from visviva.mesh.quadrature import Rule, mass_rule, stiffness_rule
+
+if TYPE_CHECKING:
+    from visviva.body.solid import Solid
+    from visviva.mesh.mesh import Mesh
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+Formulation = Literal["displacement", "F-bar", "enhanced", "mixed"]
+
+DISCONTINUOUS = ("quad9", "hex20", "hex27")
+"""Cells with a linear pressure of their own."""
+CONTINUOUS = ("tri3", "tri6", "tet4", "tet10")
+"""Cells with a continuous pressure, linear between the corners."""
+STABILISED = ("tri3", "tet4")
+"""Cells whose pressure is kept from oscillating."""
+BRICKS = ("quad4", "hex8")
+
+SUITED = {"F-bar": BRICKS, "enhanced": BRICKS, "mixed": (*DISCONTINUOUS, *CONTINUOUS)}
+
+
+def check(solid: Solid) -> None:
+    """Refuse combinations of formulation, cells, plane and material that do not go together."""
+    label, kind = solid.label, solid.formulation
+    if kind != "mixed" and not np.isfinite(solid.material.lame[0]):
+        raise InputError(
+            f"{label}: its material is incompressible, which elements of displacements alone cannot carry; use "
+            "formulation='mixed'"
+        )
+    if kind == "displacement":
+        return
+    for cell in solid.grid.cells:
+        if cell not in SUITED[kind]:
+            fit = [name for name, cells in SUITED.items() if cell in cells] or ["displacement"]
+            raise InputError(
+                f"{label}: formulation={kind!r} is for the cells {', '.join(SUITED[kind])}, and its mesh has {cell}; "
+                f"for those take formulation={fit[0]!r}, or convert the mesh"
+            )
+    if kind == "enhanced" and solid.stiffness_damping > 0:
+        raise InputError(
+            f"{label}: stiffness_damping = {solid.stiffness_damping:g} needs rates, which enhanced strains have not; "
+            "use mass_damping, or another formulation"
+        )
+    if solid.plane == "stress" and kind != "enhanced":
+        raise InputError(
+            f"{label}: in plane stress the thickness adapts and no volume locks; take formulation='displacement' or "
+            f"'enhanced' instead of {kind!r}"
+        )
+    if solid.material.energy is not None and kind != "enhanced":
+        raise InputError(
+            f"{label}: formulation={kind!r} needs one of the core's materials, not a UserMaterial; take "
+            "formulation='enhanced' or 'displacement'"
+        )
+
+
+# --- F-bar --------------------------------------------------------------------------------------------------
+def centre(solid: Solid, cell: str, nodes: Ints) -> Geometry:
+    """Gradients at the centres of the elements."""
+    middle = CELLS[cell].nodes.mean(axis=0, keepdims=True)
+    return geometry(
+        solid.grid.points, nodes, cell, rule=Rule(middle, np.ones(1)), axisymmetric=solid.axisymmetric
+    )
+
+
+# --- enhanced strains ---------------------------------------------------------------------------------------
+def enhanced(solid: Solid, cell: str, nodes: Ints, g: Geometry) -> Geometry:
+    """Geometry with the gradients of d more 'nodes', the enhanced modes ``M_k = (j0 / j) xi_k J0^-T e_k``.
+
+    Their unknowns `alpha_k` (d,) add ``sum alpha_k x M_k`` to F; the modes are orthogonal to constant stresses, so
+    patches pass (Simo & Rifai 1990, Simo & Armero 1992).
+    """
+    xi, w = stiffness_rule(cell).points, stiffness_rule(cell).weights
+    middle = CELLS[cell].nodes.mean(axis=0)
+    d = len(middle)
+    J0 = np.einsum("eai,aj->eij", solid.grid.points[nodes], CELLS[cell].dN(middle[None])[0])
+    ratio = g.volume.sum(axis=1, keepdims=True) / w.sum() * w / g.volume
+    modes = np.einsum("eq,qk,ekj->eqkj", ratio, xi - middle, np.linalg.inv(J0))
+    hoop = None if g.hoop is None else np.pad(g.hoop, ((0, 0), (0, 0), (0, d)))
+    return Geometry(np.ascontiguousarray(np.concatenate([g.gradients, modes], axis=2)), g.volume, hoop)
+
+
+def without_mass(mass: Array, k: int, more: int) -> Array:
+    """Packed mass matrices of k nodes for `more` further ones that have none."""
+    a, b = np.triu_indices(k)
+    wide: Array = np.zeros((len(mass), (k + more) * (k + more + 1) // 2))
+    wide[:, a * (k + more) - a * (a - 1) // 2 + b - a] = mass
+    return wide
+
+
+# --- pressures ----------------------------------------------------------------------------------------------
+def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], int]:
+    """Numbers (m, p) of the pressures of each cell type's elements, and how many there are."""
+    d, numbers, n = grid.dimension, {}, 0
+    corners = [nodes[:, : d + 1] for cell, nodes in grid.cells.items() if cell in CONTINUOUS]
+    place = np.full(grid.n_nodes, -1)
+    if corners:
+        used = np.unique(np.concatenate([c.ravel() for c in corners]))
+        n = len(used)
+        place[used] = np.arange(n)
+    for cell, nodes in grid.cells.items():
+        if cell in CONTINUOUS:
+            numbers[cell] = place[nodes[:, : d + 1]]
+        else:
+            numbers[cell] = n + np.arange(len(nodes) * (d + 1)).reshape(-1, d + 1)
+            n += numbers[cell].size
+    return numbers, n
+
+
+def pressure_shapes(grid: Mesh, cell: str, nodes: Ints, xi: Array) -> Array:
+    """Shape functions (m, q, p) of the pressure at reference points: of the corners, or 1, x, y (, z)."""
+    if cell in CONTINUOUS:
+        N = linear(CELLS[cell]).N(xi)
+        return np.broadcast_to(N, (len(nodes), *N.shape)).copy()
+    X = grid.points[nodes]
+    middle = X.mean(axis=1, keepdims=True)
+    size = np.abs(X - middle).max(axis=(1, 2), keepdims=True)
+    linear_part = (CELLS[cell].N(xi) @ X - middle) / size
+    return np.ascontiguousarray(np.concatenate([np.ones((*linear_part.shape[:2], 1)), linear_part], axis=2))
+
+
+def pressure_compliance(solid: Solid, cell: str, nodes: Ints, bulk: float) -> Array:
+    """``1 / bulk`` times the pressures' Gram matrices (m, p, p), and what stabilises cells of equal order.
+
+    That is the distance of the pressure from its mean over the element, over the shear modulus (Dohrmann & Bochev
+    2004).
+    """
+    rule = mass_rule(cell)
+    w = geometry(
+        solid.grid.points,
+        nodes,
+        cell,
+        rule=rule,
+        thickness=solid.thickness,
+        axisymmetric=solid.axisymmetric,
+    ).volume
+    N = pressure_shapes(solid.grid, cell, nodes, rule.points)
+    gram: Array = np.einsum("eq,eqk,eql->ekl", w, N, N)
+    total: Array = gram / bulk
+    if cell in STABILISED:
+        mean = np.einsum("eq,eqk->ek", w, N)
+        spread = gram - mean[:, :, None] * mean[:, None, :] / w.sum(axis=1)[:, None, None]
+        total = total + spread / solid.material.lame[1]
+    return np.ascontiguousarray(total)
