@@ -117,7 +117,7 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     at = Instant(system)
     at.factor()
     balance(system, at, tolerance)
-    K = system.tangent(instant(system.time, theta=1.0))[1][at._q][:, at._q].tocsr()
+    K = condensed(system.tangent(instant(system.time, theta=1.0))[1], at)
     lack = abs(K - K.T).max() if K.nnz else 0.0
     if lack > 1e-7 * abs(K).max():
         raise InputError(
@@ -130,6 +130,18 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     shapes = np.zeros((len(squared), len(system.x)))
     shapes[:, at.coordinates] = z.T
     return Modes(system, squared, shapes)
+
+
+def condensed(A: sp.csr_array, at: Instant) -> sp.csr_array:
+    """Stiffness of the coordinates, with unknowns of no motion (pressures, enhanced strains) in their equilibrium."""
+    import scipy.sparse.linalg as spl
+
+    q, rest = at._q, np.setdiff1d(np.arange(A.shape[0]), np.concatenate([at._q, at._m]))
+    K = A[q][:, q].tocsr()
+    if len(rest) == 0:
+        return K
+    follow = spl.spsolve(A[rest][:, rest].tocsc(), A[rest][:, q].tocsc())
+    return (K - A[q][:, rest] @ follow).tocsr()
 
 
 def balance(system: System, at: Instant, tolerance: float) -> None:
