@@ -252,9 +252,9 @@ class System:
             n=self.core.n_equations,
             n_entries=self.core.n_entries,
             symmetric=True,
-            definite=all(f.order != 1 for f in fields),
+            definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints,
-            has_modes=any(f.node > 1 for f in fields),
+            has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
             has_inertia=inertia,
             regularization=self.newton.regularization,
         )
@@ -262,7 +262,8 @@ class System:
     def _modes(self) -> Array:
         """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
         parts = [
-            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 else None for f in self.model.fields
+            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order > 0 else None
+            for f in self.model.fields
         ]
         modes = np.zeros(
             (self.model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0))
