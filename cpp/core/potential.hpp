@@ -44,7 +44,7 @@ VISVIVA_INLINE V correction(const Energy& energy, const V* c0, const V* c1, cons
     const VI smooth = contract_all<n>(second, second) <= 1e-8 * contract_all<n>(first, first);
     const V size = contract_all<n>(d, d);
     const V b = select(smooth, contract_all<n>(second, d) / 6.0, p1.W - p0.W - contract_all<n>(m.s, d));
-    const VI idle = (size <= 1e-30) | (b * b <= 1e-30 * contract_all<n>(m.s, m.s) * contract_all<n>(cm, cm));
+    const VI idle = (size <= 1e-22) | (b * b <= 1e-30 * contract_all<n>(m.s, m.s) * contract_all<n>(cm, cm));
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;
     for (int k = 0; tangent && k < n; ++k) {
         V half{};

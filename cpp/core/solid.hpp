@@ -22,7 +22,7 @@ struct SolidView {
     bool symmetric = false;  // tangents symmetrised for solvers that need it
     bool damped = false;
     bool plane_stress = false;        // in two dimensions: no stress across the plane
-    const int* index = nullptr;       // [node, then pressure] first unknown of the node, or the pressure
+    const int* index = nullptr;       // [node] first unknown of the node
     const double* G = nullptr;        // [point][node][dim] gradients of the shape functions in the reference
     const double* H = nullptr;        // [point][node] weights of the hoop stretch, or null
     const double* w = nullptr;        // [point] reference volume
@@ -35,6 +35,7 @@ struct SolidView {
     // measure the volume (see mixed_energy.hpp), and whether they are multipliers, without energy
     int n_pressures = 0, measure = 0;
     bool multiplier = false;
+    const int* pressure_index = nullptr;  // [pressure]
     const double *shape = nullptr, *compliance = nullptr;
     // Scatter, nodes and pressures alike: place of row 0 of the node in the matrix (or -1), length of its
     // rows, offset of every column block (or 0xffff)

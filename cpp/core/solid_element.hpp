@@ -39,9 +39,7 @@ struct SolidElement {
             for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c), x1[a * D + c] = at(x.x1, a, c);
     }
     VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
-    VISVIVA_INLINE const int* index(int a) const {
-        return v.index + (block * (nodes() + v.n_pressures) + a) * L8 + lane;
-    }
+    VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
     VISVIVA_INLINE V at(const double* u, int a, int c) const { return gather(u + c, index(a)); }
     VISVIVA_INLINE const double* gradients(int q) const {
         return v.G + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes()) * D * L8 + lane;

@@ -29,7 +29,7 @@ struct MixedElement {
           ends(e.step.stress == Stress::at_theta) {
         for (int k = 0; k < v.n_par; ++k) par[k] = e.parameter(k);
         for (int k = 0; k < v.n_pressures; ++k) {
-            const V p0 = gather(e.x.x0, e.index(e.nodes() + k)), p1 = end_pressure(k);
+            const V p0 = gather(e.x.x0, pressure_index(k)), p1 = end_pressure(k);
             pressure[k] = p0 + share() * (p1 - p0);
         }
         if constexpr (!fbar) return;
@@ -40,7 +40,10 @@ struct MixedElement {
 
     /// Share of the end in the pressure that acts: where the pressure is no state, all.
     VISVIVA_INLINE double share() const { return v.multiplier ? 1.0 : e.step.theta; }
-    VISVIVA_INLINE V end_pressure(int k) const { return gather(e.x.x1, e.index(e.nodes() + k)); }
+    VISVIVA_INLINE const int* pressure_index(int k) const {
+        return v.pressure_index + (e.block * v.n_pressures + k) * L8 + e.lane;
+    }
+    VISVIVA_INLINE V end_pressure(int k) const { return gather(e.x.x1, pressure_index(k)); }
     VISVIVA_INLINE V shape(int q, int k) const {
         return vload(v.shape +
                      ((static_cast<std::int64_t>(e.block) * v.n_points + q) * v.n_pressures + k) * L8 +

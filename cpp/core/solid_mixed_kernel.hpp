@@ -2,6 +2,7 @@
 #pragma once
 #include "solid_dispatch.hpp"
 #include "solid_mixed_element.hpp"
+#include "solid_scatter.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -40,10 +41,9 @@ struct Mixed {
         for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int, int, int n) {
             V f[mixed_max_unknowns];
             element.forces(f);
-            const auto& e = element.e;
-            for (int a = 0, row = 0; a < e.nodes() + v.n_pressures; ++a)
-                for (int i = 0; i < (a < e.nodes() ? D : 1); ++i, ++row)
-                    for (int l = 0; l < n; ++l) r[e.index(a)[l] + i] += f[row][l];
+            solid_scatter_forces(element.e, f, n, r);
+            for (int k = 0; k < v.n_pressures; ++k)
+                for (int l = 0; l < n; ++l) r[element.pressure_index(k)[l]] += f[element.n_motion + k][l];
         });
     }
 

@@ -29,7 +29,11 @@ void interleave(To& to, const From* from, std::int64_t rows, int n) {
 
 SolidTerm::SolidTerm(const SolidData& d) {
     const int na = d.n_nodes, nq = d.n_points;
-    interleave(index_, d.index, na + d.n_pressures, d.n);
+    interleave(slots_, d.index, na + d.n_pressures, d.n);
+    for (auto from = slots_.begin(); from != slots_.end(); from += (na + d.n_pressures) * L8) {
+        index_.insert(index_.end(), from, from + na * L8);
+        pressure_index_.insert(pressure_index_.end(), from + na * L8, from + (na + d.n_pressures) * L8);
+    }
     interleave(G_, d.gradients, static_cast<std::int64_t>(nq) * na * d.dim, d.n);
     interleave(H_, d.hoop, static_cast<std::int64_t>(nq) * na, d.n);
     interleave(w_, d.volume, nq, d.n);
@@ -41,7 +45,8 @@ SolidTerm::SolidTerm(const SolidData& d) {
     v.n = d.n, v.n_blocks = (d.n + L8 - 1) / L8, v.n_nodes = na, v.n_points = nq, v.dim = d.dim;
     v.n_pressures = d.n_pressures, v.n_par = d.n_par, v.kind = d.kind, v.small = d.small,
     v.damped = d.damping != nullptr;
-    v.index = data(index_), v.G = data(G_), v.H = data(H_), v.w = data(w_), v.mass = data(mass_);
+    v.index = data(index_), v.pressure_index = data(pressure_index_), v.G = data(G_), v.H = data(H_),
+    v.w = data(w_), v.mass = data(mass_);
     v.par = data(par_), v.damping = data(damping_);
     out_.assign(static_cast<std::size_t>(solid_ledger_rows) * v.n_blocks * L8, 0.0);
     smallest_.assign(static_cast<std::size_t>(v.n_blocks) * L8, 1.0);
@@ -72,8 +77,8 @@ void SolidTerm::colour_tasks() {
     for (int t = 0; t < n_tasks; ++t) {
         const std::int64_t size = static_cast<std::int64_t>(n_slots()) * L8;
         std::vector<int> nodes(
-            index_.begin() + t * task_blocks * size,
-            index_.begin() + std::min<std::int64_t>((t + 1) * task_blocks, view_.n_blocks) * size);
+            slots_.begin() + t * task_blocks * size,
+            slots_.begin() + std::min<std::int64_t>((t + 1) * task_blocks, view_.n_blocks) * size);
         std::sort(nodes.begin(), nodes.end());
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         std::vector<char> taken(colours_.size() + 1, 0);
@@ -103,7 +108,7 @@ void SolidTerm::for_tasks(F f) const {
 void SolidTerm::couple(Pattern& pattern) const {
     const int na = n_slots();
     for (int e = 0; e < view_.n; ++e) {
-        const int* index = &index_[(static_cast<std::size_t>(e / L8) * na) * L8 + e % L8];
+        const int* index = &slots_[(static_cast<std::size_t>(e / L8) * na) * L8 + e % L8];
         for (int a = 0; a < na; ++a)
             for (int b = 0; b < na; ++b) pattern.couple(index[a * L8], index[b * L8]);
     }
@@ -117,14 +122,14 @@ void SolidTerm::connect(const Pattern& pattern) {
         for (int a = 0; a < na; ++a)
             for (int l = 0; l < L8; ++l) {
                 const std::size_t at = (static_cast<std::size_t>(block) * na + a) * L8 + l;
-                const int u = index_[at];
+                const int u = slots_[at];
                 const bool filler = block * L8 + l >= view_.n;  // of the last block
                 if (filler || pattern.position(u, u) < 0) continue;
                 length_[at] = pattern.row_length(u);
                 row_[at] = pattern.row_start(u);
                 for (int b = 0; b < na; ++b) {
                     const auto p =
-                        pattern.position(u, index_[(static_cast<std::size_t>(block) * na + b) * L8 + l]);
+                        pattern.position(u, slots_[(static_cast<std::size_t>(block) * na + b) * L8 + l]);
                     if (p >= 0)
                         offset_[((static_cast<std::size_t>(block) * na + a) * na + b) * L8 + l] =
                             static_cast<std::uint16_t>(p - row_[at]);
@@ -225,7 +230,7 @@ void SolidTerm::forces(const double* x, int begin, int end, double* out) {
 Refusal SolidTerm::refuse(const Context& c) {
     for (int e = 0; e < view_.n; ++e) {
         if (smallest_[e] > 0) continue;
-        const int* index = &index_[(static_cast<std::size_t>(e / L8) * n_slots()) * L8 + e % L8];
+        const int* index = &slots_[(static_cast<std::size_t>(e / L8) * n_slots()) * L8 + e % L8];
         double place[3] = {};
         for (int a = 0; a < view_.n_nodes; ++a)
             for (int k = 0; k < view_.dim; ++k) place[k] += c.vectors.x0[index[a * L8] + k] / view_.n_nodes;

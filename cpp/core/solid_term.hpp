@@ -73,7 +73,7 @@ class SolidTerm : public Term {
     Aligned<double> G_, H_, w_, mass_, par_, damping_, out_, smallest_;
     Aligned<double> centre_G_, centre_H_, shape_, compliance_;
     Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
-    std::vector<int> index_;
+    std::vector<int> index_, pressure_index_, slots_;  // slots: nodes, then pressures
     std::vector<std::int64_t> row_, length_;
     std::vector<std::uint16_t> offset_;
     std::vector<std::vector<int>> colours_;  // first blocks of tasks that touch different nodes
