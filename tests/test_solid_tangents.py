@@ -144,7 +144,9 @@ def test_step_that_hardly_begins(material: str) -> None:
     system = shaken(solid(MATERIALS[material](), "hex8", 0.0, None, (4, 4, 2)))
     x = system.core.x.reshape(-1, 3)
     angle = 0.7
-    x[:] = x @ np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]]) + 3.0
+    x[:] = (
+        x @ np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]]) + 3.0
+    )
     for size in (0.0, 1e-15, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9):
         system.core.dx[:] = size * np.random.default_rng(5).standard_normal(len(system.x))
         K = system.tangent(vv.EnergyMomentum().step(0.3, 0.05))[1].toarray()
