@@ -50,6 +50,21 @@ def pictures() -> None:
     """Asks for pictures to be drawn."""
 
 
+def test_solids_are_drawn_in_colours(cli: Run, tmp_path: Path) -> None:
+    code, out, err = cli(
+        "run", "cantilever", "--set", "motion=static", "--set", "counts=[4, 1, 1]", "--out", "c"
+    )
+    assert "Cantilever in equilibrium" in out, err
+    for name, options in (("a", []), ("b", ["--field", "von_mises"]), ("c", ["--field", "", "--outline"])):
+        assert cli("picture", "c", "--out", f"{name}.png", *options)[0] == 0
+    code, _, err = cli("movie", "c", "--out", "m.gif", "--fps", 4)
+    assert (code, err) == (0, "")
+    first, second, third = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
+    assert first == second  # what is stored of solids is shown unless something else is asked for
+    assert first != third
+    assert "too many components" in cli("picture", "c", "--field", "cauchy")[2]
+
+
 def test_run_crane_leaves_everything(cli: Run, tmp_path: Path, pictures: None) -> None:
     code, out, err = cli("run", "crane", "--until", 0.5)
     assert (code, err) == (0, "")

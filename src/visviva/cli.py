@@ -30,7 +30,8 @@ app = App(
 Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
 Directory = Annotated[Path, Parameter(help="Directory of a run.")]
 Field = Annotated[
-    str, Parameter(help="Colour by this field: displacement, velocity, or one that solids have stored.")
+    str | None,
+    Parameter(help="Field that colours solids, or '' for none; von_mises if it is stored and none is given."),
 ]
 Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
 Settings = Annotated[
@@ -125,7 +126,7 @@ def movie(
     ] = None,
     fps: Annotated[int, Parameter(help="Frames per second.")] = 25,
     speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
-    field: Field = "",
+    field: Field = None,
     outline: Outline = False,
 ) -> None:
     """Turn a run into a movie."""
@@ -137,7 +138,13 @@ def movie(
     target = out or files.movie
     with counting_bar("movie") as show:
         make_movie(
-            files.trajectory, target, fps=fps, speed=speed, field=field, outline=outline, progress=show
+            files.trajectory,
+            target,
+            fps=fps,
+            speed=speed,
+            field=shown(files.trajectory, field),
+            outline=outline,
+            progress=show,
         )
     print(target)
 
@@ -149,7 +156,7 @@ def picture(
     *,
     out: Annotated[Path | None, Parameter(help="*.png; picture.png in the directory if not given.")] = None,
     time: Annotated[float | None, Parameter(help="Moment to draw; the end if not given.")] = None,
-    field: Field = "",
+    field: Field = None,
     outline: Outline = False,
 ) -> None:
     """Draw one moment of a run."""
@@ -158,17 +165,19 @@ def picture(
 
     files = RunDirectory.open(directory)
     target = out or files.picture
+    field = shown(files.trajectory, field)
     snapshot(files.trajectory, target, time=time, field=field, outline=outline)
     print(target)
 
 
 @app.command
-def view(directory: Directory, /, *, field: Field = "") -> None:
+def view(directory: Directory, /, *, field: Field = None) -> None:
     """Show a run in a window."""
     from visviva.output.directory import RunDirectory
     from visviva.output.viewer import show
 
-    show(RunDirectory.open(directory).trajectory, field=field)
+    trajectory = RunDirectory.open(directory).trajectory
+    show(trajectory, field=shown(trajectory, field))
 
 
 @app.command
@@ -258,6 +267,16 @@ def introduce(source: Source) -> None:
     redundant = f", {len(report.redundant)} constraints are redundant" if report.redundant else ""
     print(source.study.title or source.name)
     print(f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}", flush=True)
+
+
+def shown(trajectory: Path, field: str | None) -> str:
+    """The field that was asked for, or von Mises' stress where solids have stored it."""
+    from visviva.output.trajectory import Trajectory
+
+    if field is not None:
+        return field
+    with Trajectory(trajectory) as motion:
+        return "von_mises" if "von_mises" in motion.fields else ""
 
 
 def report_check(source: Source, result: Result) -> bool:
