@@ -332,6 +332,8 @@ def _follow(system: System, first: float, steps: int, rule: ArcLength) -> Iterat
                     longest, shortest = rule.longest * arc, arc / 2**rule.statics.halvings
                 iterations = path.correct(arc)
                 increment = equations.dx.copy(), path.time - system.time
+                if previous is not None and path.retraced(increment, previous):
+                    raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
                 equations.accept(path.time)
             except NoEquilibrium as failure:
                 system.core.discard()
@@ -367,6 +369,14 @@ class Path:
         """Length of an increment."""
         return float(np.sqrt(self.metric @ dx**2 + (self.load_weight * dt / self.unit) ** 2))
 
+    def product(self, a: tuple[Array, float], b: tuple[Array, float]) -> float:
+        """Scalar product of two increments of unknowns and load parameter."""
+        return float(self.metric @ (a[0] * b[0])) + (self.load_weight / self.unit) ** 2 * a[1] * b[1]
+
+    def retraced(self, a: tuple[Array, float], b: tuple[Array, float]) -> bool:
+        """Whether displacements and load parameter both turned: at limit points only one of them does."""
+        return bool(self.metric @ (a[0] * b[0]) < 0 and a[1] * b[1] < 0)
+
     def predict(self, arc: float, previous: tuple[Array, float] | None) -> float:
         """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
         e = self.equations
@@ -374,8 +384,7 @@ class Path:
         d = e.solve(self.time, e.slope(self.time, self.unit))
         dt = self.unit
         if previous is not None:
-            ahead = self.metric @ (d * previous[0]) + self.load_weight**2 * previous[1] / self.unit**2
-            dt = float(np.sign(float(ahead))) * arc / self.length(d, 1.0)
+            dt = float(np.sign(self.product((d, 1.0), previous))) * arc / self.length(d, 1.0)
         else:
             arc = arc or self.length(d * dt, dt)
             dt = arc / self.length(d, 1.0)
