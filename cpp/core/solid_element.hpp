@@ -38,6 +38,8 @@ struct SolidElement {
         for (int a = 0; a < nodes(); ++a)
             for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c), x1[a * D + c] = at(x.x1, a, c);
     }
+    // How many of the W lanes hold elements; none or less in groups that fill the last block.
+    VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
     VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
     VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
     VISVIVA_INLINE V at(const double* u, int a, int c) const { return gather(u + c, index(a)); }
@@ -280,10 +282,5 @@ struct SolidElement {
             }
     }
 };
-
-VISVIVA_INLINE int solid_active(const SolidView& v, int block, int lane) {
-    const int left = v.n - block * L8 - lane;
-    return left < W ? left : W;
-}
 
 }  // namespace visviva::VISVIVA_ISA

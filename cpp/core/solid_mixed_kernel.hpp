@@ -19,19 +19,10 @@ VISVIVA_INLINE void for_mixed(const SolidView& v, const Step& step, const Vector
     const SolidView centre = view_of_centre(v);
     for (int block = begin; block < end; ++block)
         for (int lane = 0; lane < L8; lane += W) {
-            const int n = solid_active(v, block, lane);
-            if (n <= 0) break;
             const SolidElement<D, 0> e(v, step, x, block, lane), middle(centre, step, x, block, lane);
             MixedElement<D, fbar> element(e, middle);
-            f(element, block, lane, n);
+            f(element, block, lane, e.active());
         }
-}
-
-// The numbers of `rows` rows of W elements to where Python finds them, `size` to an element.
-VISVIVA_INLINE void put_rows(const V* row, int rows, std::int64_t element, std::int64_t size,
-                             std::int64_t first, int lanes, double* out) {
-    for (int l = 0; l < lanes; ++l)
-        for (int k = 0; k < rows; ++k) out[(element + l) * size + first + k] = row[k][l];
 }
 
 template <int D, bool fbar>

@@ -108,4 +108,11 @@ VISVIVA_INLINE void solid_scatter(const SolidElement<D, N>& e, const V* K, bool 
                 solid_scatter_block<D, N, false>(e, a, b, K + (a * n + b) * D * D, values);
 }
 
+// The numbers of `rows` rows of W elements to where Python finds them, `size` to an element.
+VISVIVA_INLINE void put_rows(const V* row, int rows, std::int64_t element, std::int64_t size,
+                             std::int64_t first, int lanes, double* out) {
+    for (int l = 0; l < lanes; ++l)
+        for (int k = 0; k < rows; ++k) out[(element + l) * size + first + k] = row[k][l];
+}
+
 }  // namespace visviva::VISVIVA_ISA
