@@ -32,7 +32,7 @@ from visviva.load.spring import Damper, Spring
 from visviva.load.support import Fixed, Prescribed, SymmetryPlane
 from visviva.load.surface import ElasticFoundation, Pressure, Traction
 from visviva.load.torque import FollowerTorque, Torque, TorquePair
-from visviva.loading import ArcLength, NoEquilibrium, Statics, arc_length, quasi_static
+from visviva.loading import NoEquilibrium, arc_length, quasi_static
 from visviva.material.base import Material
 from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from visviva.material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
@@ -65,6 +65,7 @@ from visviva.probe import (
 from visviva.reaction import ReactionForce, ReactionTorque, reaction
 from visviva.result import Result
 from visviva.scheme import (
+    ArcLength,
     BackwardEuler,
     EnergyMomentum,
     GeneralizedAlpha,
@@ -174,7 +175,6 @@ __all__ = [
     "Spring",
     "SquaredDistance",
     "Static",
-    "Statics",
     "StepFailure",
     "Study",
     "SupportForce",

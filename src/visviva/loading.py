@@ -6,7 +6,7 @@ so what is not held by supports, springs or its own stiffness makes the tangent 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,37 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
-from visviva.freedom import refuse_free
 from visviva.result import Result
-from visviva.scheme import Static
-from visviva.solve import begin, keep, record
+from visviva.scheme import ArcLength, Static
+from visviva.solve import advance, begin, keep
 from visviva.system import Attempt, System
 
 Array = NDArray[np.float64]
 
 TINY = 1e-7
 """Relative length of the differences that linearise prescribed motion and loads in time."""
-
-
-@dataclass(frozen=True)
-class Statics:
-    """How equilibria are found.
-
-    Parameters
-    ----------
-    tolerance : float
-        Largest increment of an accepted iterate, relative to the size of the model and of the load step.
-    max_iterations : int
-    halvings : int
-        A load step that fails is tried again with half its length so many times.
-    line_search : bool
-        Shorten increments that overshoot along their own direction.
-    """
-
-    tolerance: float = 1e-10
-    max_iterations: int = 25
-    halvings: int = 8
-    line_search: bool = True
 
 
 class NoEquilibrium(RunError):
@@ -56,7 +34,7 @@ class Equilibrium:
     """The equations of equilibrium of a system at load parameters from `start` on, at the trial state of its core."""
 
     system: System
-    options: Statics
+    options: Static
     start: float = field(init=False)
     free: NDArray[np.bool_] = field(init=False)
     inverse_scale: Array = field(init=False)
@@ -174,19 +152,28 @@ class Equilibrium:
         self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())
 
 
+@dataclass(frozen=True)
+class LoadReport:
+    """What a load step took."""
+
+    iterations: int
+    factorizations: int
+
+
 def quasi_static(
-    system: System, *, until: float, step: float, options: Statics | None = None, every: int = 1
+    system: System, *, until: float, step: float, scheme: Static | None = None, every: int = 1
 ) -> Result:
     """Follow the equilibrium of a structure while its loads grow in time.
+
+    The same as `simulate` with the scheme `Static`.
 
     Parameters
     ----------
     system : System
         At rest in equilibrium at its present time, or close to it.
     until, step : float
-        Last load parameter, and length of the first load step. A step that fails is halved; steps grow again, up to
-        `step`, when they converge fast.
-    options : Statics
+        Last load parameter, and length of the first load step.
+    scheme : Static
         Tolerances of the iteration.
     every : int
         Keep the states of every so many load steps.
@@ -198,6 +185,8 @@ def quasi_static(
 
     Raises
     ------
+    InputError
+        If a body can move rigidly without resistance.
     NoEquilibrium
         If the smallest load step fails; the system keeps the last equilibrium.
 
@@ -212,25 +201,20 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
-    if not step > 0:
-        raise InputError(f"step = {step} is not positive")
-    if not until > system.time:
-        raise InputError(f"until = {until} is not after the present time {system.time:g}")
-    refuse_free(system)
-    result, books = begin(system, Static())
-    with system.without_inertia():
-        for iterations in _load(system, until, step, options or Statics()):
-            record(result, books, iterations, iterations)
-            if result.statistics.steps % every == 0 or system.time >= until:
-                keep(result)
+    result, books = begin(system, scheme or Static())
+    for _ in advance(result, books, until=until, step=step):
+        if result.statistics.steps % every == 0 or system.time >= until:
+            keep(result)
     return result
 
 
-def _load(system: System, until: float, step: float, options: Statics) -> Iterator[int]:
-    """Load steps to the end; yields the iterations of each."""
-    h, tiny = step, step / 2**options.halvings
+def load_steps(system: System, scheme: Static, until: float, step: float) -> Iterator[LoadReport]:
+    """Load steps to the end; ``system.pace`` carries the length of the next one."""
+    if not until > system.time:
+        raise InputError(f"until = {until} is not after the present time {system.time:g}")
+    h, tiny = float(system.pace.get("load_step", step)), step / 2**scheme.halvings
     while until - system.time > 1e-9 * step:
-        equations = Equilibrium(system, options)
+        equations = Equilibrium(system, scheme)
         target = min(system.time + h, until)
         if until - target < 1e-9 * step:
             target = until
@@ -244,43 +228,23 @@ def _load(system: System, until: float, step: float, options: Statics) -> Iterat
             h = (target - system.time) / 2
             if h < tiny:
                 raise NoEquilibrium(
-                    f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {options.halvings} "
+                    f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {scheme.halvings} "
                     "times"
                 ) from failure
             continue
         h = min(step, 2 * h if iterations <= 6 else h)
-        yield iterations
-
-
-@dataclass(frozen=True)
-class ArcLength:
-    """How an equilibrium path is followed through limit points (Riks 1979, Crisfield 1981).
-
-    Parameters
-    ----------
-    load_weight : float
-        Weight of the load parameter, relative to `step`, in the arc length; displacements count relative to the size of
-        the model, as root mean square over the moving unknowns. 0 is the cylindrical method.
-    iterations : int
-        Wanted number of iterations; the arc grows or shrinks to meet it.
-    longest : float
-        Largest growth of the arc, relative to the first.
-    """
-
-    load_weight: float = 0.0
-    iterations: int = 5
-    longest: float = 8.0
-    statics: Statics = field(default_factory=lambda: Statics(line_search=False))
+        system.pace["load_step"] = np.array(h)
+        yield LoadReport(iterations, iterations)
 
 
 def arc_length(
     system: System,
     *,
     step: float,
-    until: float | None = None,
+    until: float = np.inf,
     steps: int = 200,
-    rule: ArcLength | None = None,
-    stop: Any = None,
+    scheme: ArcLength | None = None,
+    stop: Callable[[System], bool] | None = None,
 ) -> Result:
     """Follow an equilibrium path by its length, through limit points of load and of displacement.
 
@@ -294,7 +258,7 @@ def arc_length(
         Stop when the load parameter has passed this value.
     steps : int
         Largest number of steps.
-    rule : ArcLength
+    scheme : ArcLength
     stop : callable
         Called with the system after each step; the path ends when it returns True.
 
@@ -303,51 +267,42 @@ def arc_length(
     Result
         The times are the load parameters of the kept states; they need not grow.
     """
-    rule = rule or ArcLength()
-    if not step > 0:
-        raise InputError(f"step = {step} is not positive")
-    refuse_free(system)
-    result, books = begin(system, Static())
-    with system.without_inertia():
-        for iterations in _follow(system, step, steps, rule):
-            record(result, books, iterations, iterations)
-            keep(result)
-            if (until is not None and system.time >= until) or (stop is not None and stop(system)):
-                break
+    result, books = begin(system, scheme or ArcLength())
+    for _ in advance(result, books, until=until, step=step):
+        keep(result)
+        if result.statistics.steps >= steps or (stop is not None and stop(system)):
+            break
     return result
 
 
-def _follow(system: System, first: float, steps: int, rule: ArcLength) -> Iterator[int]:
-    """Steps along the path; yields the iterations of each."""
-    arc: float = 0.0
-    shortest = longest = 0.0
-    previous: tuple[Array, float] | None = None
-    for _ in range(steps):
-        while True:
-            equations = Equilibrium(system, rule.statics)
-            path = Path(equations, first, rule.load_weight)
-            try:
-                arc = path.predict(arc, previous)
-                if longest == 0.0:
-                    longest, shortest = rule.longest * arc, arc / 2**rule.statics.halvings
-                iterations = path.correct(arc)
-                increment = equations.dx.copy(), path.time - system.time
-                if previous is not None and path.retraced(increment, previous):
-                    raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
-                equations.accept(path.time)
-            except NoEquilibrium as failure:
-                system.core.discard()
-                system.rejected += 1
-                arc /= 2
-                if arc < shortest or longest == 0.0:
-                    raise NoEquilibrium(
-                        f"{failure}; the arc was cut {rule.statics.halvings} times"
-                    ) from failure
-                continue
-            break
+def follow_path(system: System, scheme: ArcLength, until: float, step: float) -> Iterator[LoadReport]:
+    """Steps along the path; ``system.pace`` carries arcs, the last increment and the number of steps."""
+    arc, shortest, longest, done = system.pace.get("arcs", np.zeros(4)).tolist()
+    previous = system.pace.get("increment")
+    while system.time < until and done < scheme.most:
+        equations = Equilibrium(system, scheme)
+        path = Path(equations, step, scheme.load_weight)
+        try:
+            arc = path.predict(arc, previous)
+            if longest == 0.0:
+                longest, shortest = scheme.longest * arc, arc / 2**scheme.halvings
+            iterations = path.correct(arc)
+            increment = np.append(equations.dx, path.time - system.time)
+            if previous is not None and path.retraced(increment, previous):
+                raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
+            equations.accept(path.time)
+        except NoEquilibrium as failure:
+            system.core.discard()
+            system.rejected += 1
+            arc /= 2
+            if arc < shortest or longest == 0.0:
+                raise NoEquilibrium(f"{failure}; the arc was cut {scheme.halvings} times") from failure
+            continue
         previous = increment
-        arc = min(arc * float(np.sqrt(rule.iterations / iterations)), longest)
-        yield iterations
+        arc = min(arc * float(np.sqrt(scheme.iterations / iterations)), longest)
+        done += 1
+        system.pace |= {"arcs": np.array([arc, shortest, longest, done]), "increment": increment}
+        yield LoadReport(iterations, iterations)
 
 
 @dataclass
@@ -369,22 +324,22 @@ class Path:
         """Length of an increment."""
         return float(np.sqrt(self.metric @ dx**2 + (self.load_weight * dt / self.unit) ** 2))
 
-    def product(self, a: tuple[Array, float], b: tuple[Array, float]) -> float:
-        """Scalar product of two increments of unknowns and load parameter."""
-        return float(self.metric @ (a[0] * b[0])) + (self.load_weight / self.unit) ** 2 * a[1] * b[1]
+    def product(self, a: Array, b: Array) -> float:
+        """Scalar product of two increments of unknowns and, as their last entries, the load parameter."""
+        return float(self.metric @ (a[:-1] * b[:-1])) + (self.load_weight / self.unit) ** 2 * float(a[-1] * b[-1])
 
-    def retraced(self, a: tuple[Array, float], b: tuple[Array, float]) -> bool:
+    def retraced(self, a: Array, b: Array) -> bool:
         """Whether displacements and load parameter both turned: at limit points only one of them does."""
-        return bool(self.metric @ (a[0] * b[0]) < 0 and a[1] * b[1] < 0)
+        return bool(self.metric @ (a[:-1] * b[:-1]) < 0 and a[-1] * b[-1] < 0)
 
-    def predict(self, arc: float, previous: tuple[Array, float] | None) -> float:
+    def predict(self, arc: float, previous: Array | None) -> float:
         """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
         e = self.equations
         e.linearise(self.time)
         d = e.solve(self.time, e.slope(self.time, self.unit))
         dt = self.unit
         if previous is not None:
-            dt = float(np.sign(self.product((d, 1.0), previous))) * arc / self.length(d, 1.0)
+            dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
         else:
             arc = arc or self.length(d * dt, dt)
             dt = arc / self.length(d, 1.0)

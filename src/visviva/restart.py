@@ -46,6 +46,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     arrays |= {"memory": system.core.memory(), "books/done": books.done}
     arrays |= {"kept/times": np.array(result.times), "kept/x": np.array(result.states)}
     arrays["kept/v"] = np.array(result.rates)
+    arrays |= {f"pace/{name}": value for name, value in system.pace.items()}
     for k, (term, _) in enumerate(system.model.terms):
         for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
             arrays |= {f"terms/{k}/{when}/{name}": value for name, value in history.items()}
@@ -100,11 +101,15 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
     system.time = float(attributes["time"])
     for name in ("halvings", "part", "rejected"):
         setattr(system, name, int(attributes[name]))
+    system.pace = {n.removeprefix("pace/"): a.copy() for n, a in arrays.items() if n.startswith("pace/")}
     system.has_acceleration = bool(attributes["has_acceleration"])
     for statistic in fields(result.statistics):
         setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])
     books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
-    books.ledger.rows[:] = rows_until(ledger, books.ledger.names, system.time)
+    rows = rows_until(
+        ledger, books.ledger.names, system.time, json.loads(str(attributes["notes"])).get("rows")
+    )
+    books.ledger.rows[:] = rows
     result.times[:] = arrays["kept/times"].tolist()
     result.states[:], result.rates[:] = list(arrays["kept/x"]), list(arrays["kept/v"])
 
@@ -122,13 +127,15 @@ def _load_memory(system: System, arrays: Arrays) -> None:
             system.core.remember(np.ascontiguousarray(arrays["memory"]))
 
 
-def rows_until(ledger: Path, names: list[str], time: float) -> list[NDArray[np.float64]]:
-    """Rows of a table of books up to a time."""
+def rows_until(
+    ledger: Path, names: list[str], time: float, n: int | None = None
+) -> list[NDArray[np.float64]]:
+    """Rows of a table of books up to a time, or the first `n`."""
     columns = read_table(ledger)
     if list(columns) != names:
         raise InputError(f"{ledger}: holds other columns than {names}; resume with the same system")
     rows = np.column_stack([columns[name] for name in names])
-    return list(rows[rows[:, 0] <= time])
+    return list(rows[rows[:, 0] <= time] if n is None else rows[:n])
 
 
 def signature(system: System) -> str:

@@ -135,6 +135,7 @@ class Recorder:
         self.notes: dict[str, Any] = {}
         self.ledger: Table
         self.probes: Table
+        self.rows = 0  # written to both tables; times need not grow
         self._saved = 0.0
         self._cost = 0.0
         self.trajectory: TrajectoryWriter | None = None
@@ -173,11 +174,11 @@ class Recorder:
         restart.load(files.state, files.ledger, result, books)
         recorder = cls(study, files, result, books)
         recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
-        now = study.system.time
-        recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now)
-        recorder.probes = Table.reopen(files.probes, probe_columns(study), now)
+        recorder.rows, now = kept["rows"], study.system.time
+        recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now, recorder.rows)
+        recorder.probes = Table.reopen(files.probes, probe_columns(study), now, recorder.rows)
         if recorder.drawing.surfaces:
-            recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, now)
+            recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
         return recorder
 
     def __enter__(self) -> Recorder:
@@ -225,6 +226,7 @@ class Recorder:
     def write_row(self, row: Array) -> None:
         """Books and probes of the present state."""
         self.ledger.append(row)
+        self.rows += 1
         system = self.study.system
         values = [np.ravel(measure(system, probe)) for probe in self.study.probes.values()]
         self.probes.append(np.concatenate([[system.time], *values]))
@@ -234,7 +236,13 @@ class Recorder:
         if self.trajectory is not None:
             system = self.study.system
             points, values = self.drawing.points(system.x), self.drawing.values(system.x, system.v)
-            self.trajectory.append(system.time, points, values)
+            self.trajectory.append(self.clock, points, values)
+
+    @property
+    def clock(self) -> float:
+        """Time of the frames: that of the system, or the number of steps where it need not grow."""
+        growing = self.study.scheme.has_growing_time
+        return self.study.system.time if growing else float(self.result.statistics.steps)
 
     def save_now_and_then(self, seconds: float) -> None:
         """Save the state if it is due; seldom enough that saving costs little."""
@@ -250,7 +258,7 @@ class Recorder:
             self.files.state,
             self.result,
             self.books,
-            notes | {"cadence": asdict(self.cadence), "study": self.notes},
+            notes | {"cadence": asdict(self.cadence), "rows": self.rows, "study": self.notes},
         )
         self._saved = time.perf_counter()
         self._cost = self._saved - start

@@ -8,14 +8,17 @@ start. Rows of a table: rate at the evaluation point, second rate there, then ``
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+
+if TYPE_CHECKING:
+    from visviva.system import System
 
 Row = Sequence[float] | NDArray[np.float64]
 Table = Sequence[Row]
@@ -36,6 +39,10 @@ class Scheme:
         Whether the history starts from consistent initial accelerations.
     projects_velocity : bool
         Whether velocities are projected onto the constraints after each step.
+    has_inertia : bool
+        Whether masses take part; without them, what nothing holds has no equilibrium.
+    has_growing_time : bool
+        Whether time grows in every step; otherwise pictures and movies count steps.
     """
 
     order: ClassVar[int] = 0
@@ -44,6 +51,12 @@ class Scheme:
     discrete_gradient: ClassVar[bool] = False
     needs_acceleration: ClassVar[bool] = False
     projects_velocity: ClassVar[bool] = False
+    has_inertia: ClassVar[bool] = True
+    has_growing_time: ClassVar[bool] = True
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
+        """Steps of its own to `until`, yielding a report of each; None where they are equal steps of time."""
+        return None
 
     def motion(self, h: float) -> Table:
         """Table of a field of order 2."""
@@ -148,11 +161,77 @@ class GeneralizedAlpha(Scheme):
 
 @dataclass(frozen=True)
 class Static(Scheme):
-    """Static equilibrium at the end of the step: no rates, no inertia; time only drives the loads."""
+    """Static equilibrium at the end of every load step: no rates, no inertia; time is the load parameter.
 
+    A load step that fails is halved; steps grow again, up to the given one, when they converge fast.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest increment of an accepted iterate, relative to the size of the model and of the load step.
+    max_iterations : int
+    halvings : int
+        A load step that fails is tried again with half its length so many times.
+    line_search : bool
+        Shorten increments that overshoot along their own direction.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0)
+    >>> hold = vv.Bushing(a=ground, b=ball, at=(0, 0, 0), stiffness=(10.0, 10.0, 10.0))
+    >>> system = vv.System([ground, ball, hold, vv.Force(on=ball, force=(5, 0, 0), times="t")])
+    >>> result = vv.simulate(system, until=1.0, step=0.5, scheme=Static())
+    >>> [round(float(x[0]), 9) for x in result.states]
+    [0.0, 0.25, 0.5]
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 25
+    halvings: int = 8
+    line_search: bool = True
     order: ClassVar[int] = 0
+    has_inertia: ClassVar[bool] = False
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
+        from visviva.loading import load_steps
+
+        return load_steps(system, self, until, step)
 
     def motion(self, h: float) -> Table:
         return (NONE,) * 5
 
     transport = motion
+
+
+@dataclass(frozen=True)
+class ArcLength(Static):
+    """Statics that follow an equilibrium path by its length through limit points (Riks 1979, Crisfield 1981).
+
+    The first step goes along the path by the load `step`, and fixes the length of the arc. Time is the load parameter,
+    which may fall; the path ends when it has passed the end time, or after `most` steps.
+
+    Parameters
+    ----------
+    load_weight : float
+        Weight of the load parameter, relative to the step, in the arc length; displacements count relative to the size
+        of the model, as root mean square over the moving unknowns. 0 is the cylindrical method.
+    iterations : int
+        Wanted number of iterations; the arc grows or shrinks to meet it.
+    longest : float
+        Largest growth of the arc, relative to the first.
+    most : int
+        Largest number of steps.
+    """
+
+    line_search: bool = False
+    load_weight: float = 0.0
+    iterations: int = 5
+    longest: float = 8.0
+    most: int = 1000
+    has_growing_time: ClassVar[bool] = False
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
+        from visviva.loading import follow_path
+
+        return follow_path(system, self, until, step)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from visviva.adaptive import Adaptive, adaptive_steps
 from visviva.errors import InputError
+from visviva.freedom import refuse_free
 from visviva.ledger import Bookkeeper
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
@@ -48,10 +49,14 @@ def march(
     """
     if not (step > 0 and math.isfinite(step)):
         raise InputError(f"step = {step} is not a positive number")
-    if not (until > system.time and math.isfinite(until)):
-        raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     scheme = EnergyMomentum() if scheme is None else scheme
+    own = scheme.march(system, until=until, step=step)
+    if own is None and not (until > system.time and math.isfinite(until)):
+        raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     prepare(system, scheme)
+    if own is not None:
+        yield from own
+        return
     if adaptive is not None:
         yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
         return
@@ -88,8 +93,13 @@ def lengthen(system: System) -> None:
 def prepare(system: System, scheme: Scheme) -> None:
     """Before the first step: a consistent state, and accelerations where the scheme starts from them.
 
-    The check is made once in a system's life; what it found stays in ``system.report``.
+    The check is made once in a system's life; what it found stays in ``system.report``. Without inertia bodies must
+    be held, and other linear solvers are due.
     """
+    if scheme.has_inertia != system.has_inertia:
+        if not scheme.has_inertia:
+            refuse_free(system)
+        system.choose_linear(inertia=scheme.has_inertia)
     if system.report is None:
         from visviva.check import check
 
@@ -142,6 +152,7 @@ def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkee
     """A result that holds the present state, and the books opened with it."""
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme)
+    system.pace.clear()
     books = Bookkeeper(system.model.accounts)
     result = Result(system, scheme, books.ledger)
     system.take_stock()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,10 @@ class Relaxation(Static):
     """
 
     duration: float = 1.0
+    has_inertia: ClassVar[bool] = True
+
+    def march(self, system: System, *, until: float, step: float) -> None:
+        return None
 
     def motion(self, h: float) -> Sequence[Sequence[float]]:
         """Table of a field of order 2."""
@@ -81,7 +86,7 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
     for history in (system.v, system.core.a, system.core.w):
         history[:] = 0.0
     system.touch()
-    result, books = begin(system, Static())
+    result, books = begin(system, Relaxation())
     system.v[:] = 0.0
     start = system.time
     for k in range(steps):
@@ -103,7 +108,7 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
     first = duration = natural_time(system, inverse)
     failures = 0
     for _ in range(most):
-        scheme = Relaxation(duration)
+        scheme = Relaxation(duration=duration)
         try:
             attempt = system.attempt(scheme.step(system.time, h))
         except StepFailure:

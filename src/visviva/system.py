@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -124,6 +124,7 @@ class System:
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
         self.halvings = 0  # of the step length, after failures
         self.part = 0  # how many steps of that length were taken within the whole one
+        self.pace: dict[str, Array] = {}  # what the steps of statics carry on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
         self._name_components()
@@ -191,7 +192,7 @@ class System:
             ),
         )
         core.finalize()
-        self._choose_linear()
+        self.choose_linear()
         core.x[:] = np.concatenate([f.values for f in fields])
         core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
@@ -222,17 +223,12 @@ class System:
         small = int(self.block_sizes.max()) <= 20
         return small and not self.model.terms and not any(a.kind == "servo" for a in self.model.accounts)
 
-    @contextmanager
-    def without_inertia(self) -> Iterator[None]:
-        """Within the block, linear solvers that pivot freely: without masses block elimination has no pivots."""
-        self._choose_linear(inertia=False)
-        try:
-            yield
-        finally:
-            self._choose_linear()
+    def choose_linear(self, *, inertia: bool = True) -> None:
+        """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU.
 
-    def _choose_linear(self, *, inertia: bool = True) -> None:
-        """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU."""
+        Without masses block elimination has no pivots; then solvers are taken that pivot freely.
+        """
+        self.has_inertia = inertia
         core, options = self.core, self.newton.linear
         if options is not None and self.newton.null_space:
             raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")

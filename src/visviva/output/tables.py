@@ -59,8 +59,10 @@ class Table:
         self._open(rows_end=len(_header(self.columns).encode()), last_time=None)
 
     @classmethod
-    def reopen(cls, path: str | Path, columns: Sequence[str], keep_until: float) -> Self:
-        """Continue an existing table after dropping the rows with a time above `keep_until`.
+    def reopen(
+        cls, path: str | Path, columns: Sequence[str], keep_until: float, rows: int | None = None
+    ) -> Self:
+        """Continue an existing table after dropping the rows with a time above `keep_until`, or all but `rows`.
 
         Raises
         ------
@@ -74,7 +76,7 @@ class Table:
             raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
         lines = text.splitlines(keepends=True)
         times = [float(line.split(b",", 1)[0]) for line in lines[1:]]
-        kept = [time for time in times if time <= keep_until]
+        kept = [time for time in times if time <= keep_until] if rows is None else times[:rows]
         rows_end = sum(map(len, lines[: len(kept) + 1]))
         with reporting(table.path):
             os.truncate(table.path, rows_end)
