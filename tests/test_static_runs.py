@@ -115,28 +115,37 @@ probes:
 
 
 @pytest.mark.parametrize(
-    "scheme", ["Static", "{Static: {tolerance: 1.0e-10}}", "{ArcLength: {longest: 2.0}}"]
+    ("text", "scheme"),
+    [
+        ("Static", vv.Static()),
+        ("{Static: {tolerance: 1.0e-9}}", vv.Static(tolerance=1e-9)),
+        ("{ArcLength: {longest: 2.0}}", vv.ArcLength(longest=2.0)),
+    ],
 )
-def test_scenes_of_statics_run_from_the_command_line(scheme: str, tmp_path: Path) -> None:
-    (tmp_path / "scene.yaml").write_text(SCENE.replace("SCHEME", scheme))
+def test_scenes_of_statics_make_the_round_trip(text: str, scheme: vv.Scheme, tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE.replace("SCHEME", text))
     study = read_scene(tmp_path / "scene.yaml")
+    assert study.scheme == scheme
     write_scene(study, tmp_path / "copy.toml")
-    assert read_scene(tmp_path / "copy.toml").scheme == study.scheme
+    again = read_scene(tmp_path / "copy.toml")
+    assert again.scheme == scheme
+    ends = [vv.simulate(s.system, until=0.3, step=0.125, scheme=s.scheme).states[-1] for s in (study, again)]
+    assert ends[0].tobytes() == ends[1].tobytes()
+    assert np.abs(study.probes["tip"](study.system)).max() > 0.1  # type: ignore[operator]
+
+
+def test_a_scene_of_statics_runs_and_resumes_from_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(SCENE.replace("SCHEME", "Static"))
     environment = {**os.environ, "PYTHONPATH": str(Path(vv.__file__).parent.parent)}
-
-    def visviva(*arguments: str) -> Any:
-        command = [sys.executable, "-m", "visviva", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
-
-    done = visviva("run", "scene.yaml", "--until", "0.5", "--out", "out")
-    assert done.returncode == 0, done.stderr
-    done = visviva("run", "scene.yaml", "--until", "1.0", "--out", "out", "--resume")
-    assert done.returncode == 0, done.stderr
-    assert "audit of" in done.stdout
+    for more in (("--until", "0.5"), ("--until", "1.0", "--resume")):
+        command = [sys.executable, "-m", "visviva", "run", "scene.yaml", "--out", "out", *more]
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert "audit of 8 steps" in done.stdout
+    study = read_scene(tmp_path / "scene.yaml")
+    vv.quasi_static(study.system, until=1.0, step=0.125)
     tip = read_table(tmp_path / "out" / "probes.csv")
-    vv.simulate(study.system, until=1.0, step=0.125, scheme=study.scheme)
-    if "Arc" not in scheme:
-        assert tip["tip_z"][-1] == study.probes["tip"](study.system)[2]  # type: ignore[operator]
+    assert tip["tip_z"][-1] == study.probes["tip"](study.system)[2]  # type: ignore[operator]
     assert (tmp_path / "out" / "picture.png").exists()
 
 

@@ -178,9 +178,9 @@ class Static(Scheme):
     Examples
     --------
     >>> import visviva as vv
-    >>> ground, ball = vv.Ground(), vv.PointMass(mass=2.0)
-    >>> hold = vv.Bushing(a=ground, b=ball, at=(0, 0, 0), stiffness=(10.0, 10.0, 10.0))
-    >>> system = vv.System([ground, ball, hold, vv.Force(on=ball, force=(5, 0, 0), times="t")])
+    >>> ground, block = vv.Ground(), vv.RigidBody(mass=2.0, inertia=(1, 1, 1))
+    >>> hold = vv.Bushing(a=ground, b=block, at=(0, 0, 0), stiffness=(10, 10, 10), rotational_stiffness=(1, 1, 1))
+    >>> system = vv.System([ground, block, hold, vv.Force(on=block, force=(5, 0, 0), times="t")])
     >>> result = vv.simulate(system, until=1.0, step=0.5, scheme=Static())
     >>> [round(float(x[0]), 9) for x in result.states]
     [0.0, 0.25, 0.5]
