@@ -326,7 +326,9 @@ class Path:
 
     def product(self, a: Array, b: Array) -> float:
         """Scalar product of two increments of unknowns and, as their last entries, the load parameter."""
-        return float(self.metric @ (a[:-1] * b[:-1])) + (self.load_weight / self.unit) ** 2 * float(a[-1] * b[-1])
+        return float(self.metric @ (a[:-1] * b[:-1])) + (self.load_weight / self.unit) ** 2 * float(
+            a[-1] * b[-1]
+        )
 
     def retraced(self, a: Array, b: Array) -> bool:
         """Whether displacements and load parameter both turned: at limit points only one of them does."""

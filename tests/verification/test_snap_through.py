@@ -40,7 +40,7 @@ def test_von_mises_truss(weight: float) -> None:
         system,
         step=0.05 * top,
         steps=400,
-        rule=vv.ArcLength(load_weight=weight, longest=1.0),
+        scheme=vv.ArcLength(load_weight=weight, longest=1.0),
         stop=lambda s: s.value(tip.point().position)[1] < -1.3 * RISE,
     )
     y, load = result.history(tip.point().position)[:, 1], np.array(result.times)
@@ -93,7 +93,7 @@ def test_deep_arch_buckles() -> None:
     result = vv.arc_length(
         system,
         step=60.0,
-        rule=vv.ArcLength(longest=3.0),
+        scheme=vv.ArcLength(longest=3.0),
         stop=lambda s: solid.displacements(s.x)[crown, 1] < -1.16 * RADIUS,
     )
     load = np.array(result.times)
@@ -106,7 +106,7 @@ def test_deep_arch_buckles() -> None:
 def test_path_does_not_turn_back() -> None:
     """From too long a first step the iteration would find the part of the path that it came along."""
     solid, crown, system = arch(80)
-    result = vv.arc_length(system, step=100.0, steps=12, rule=vv.ArcLength(longest=1.0))
+    result = vv.arc_length(system, step=100.0, steps=12, scheme=vv.ArcLength(longest=1.0))
     down = [solid.displacements(x)[crown, 1] for x in result.states]
     assert np.all(np.diff(down) < 0)
     assert np.all(np.diff(result.times) > 0)
@@ -132,7 +132,7 @@ def test_sphere_of_rubber_gives_way() -> None:
         stretch.append(1 + float(displacement(s, solid, (1, 0))[0]))
         return stretch[-1] > 2.4
 
-    pressure = np.array(vv.arc_length(system, step=0.2, rule=vv.ArcLength(longest=2.0), stop=far).times)
+    pressure = np.array(vv.arc_length(system, step=0.2, scheme=vv.ArcLength(longest=2.0), stop=far).times)
     peak = int(np.argmax(pressure))
     assert pressure[-1] < 0.95 * pressure[peak]
     near = slice(peak - 2, peak + 3)
