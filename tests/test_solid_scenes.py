@@ -174,8 +174,10 @@ def test_wrong_names_give_line_and_nearest_valid_name(
 
 def test_values_out_of_range_give_line_and_value(tmp_path: Path) -> None:
     message = refused(SCENE.replace("poisson: 0.3", "poisson: 0.5"), tmp_path)
+    assert "Solid 'block': its material is incompressible" in message
+    message = refused(SCENE.replace("poisson: 0.3", "poisson: 0.7"), tmp_path)
     assert "scene.yaml:7: " in message
-    assert "poisson = 0.5 is incompressible" in message
+    assert "poisson = 0.7 is outside" in message
     message = refused(SCENE.replace("density: 1.0", "density: -1.0"), tmp_path)
     assert "density = -1 is negative" in message
 
