@@ -41,3 +41,11 @@ def test_initial_values_are_there_while_fields_are_being_made() -> None:
     x, v = system.model.initial
     assert np.array_equal(x, system.x)
     assert np.array_equal(v, system.v)
+
+
+def test_nothing_free_is_refused() -> None:
+    solid = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1, poisson=0.3)
+    )
+    with pytest.raises(vv.InputError, match="leave something free"):
+        vv.System([solid, vv.Fixed(solid=solid, nodes="all")])

@@ -146,6 +146,10 @@ class System:
             c.contribute(self.model)
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")
+        if all(f.fixed.all() for f in self.model.fields):
+            raise InputError(
+                "all unknowns of the system are held or prescribed: leave something free to move"
+            )
         self._build_core()
         self._check_finite()
 
