@@ -261,3 +261,22 @@ def test_memory_decides_every_bit() -> None:
         one.step(0.005)
         other.step(0.005)
         assert np.array_equal(one.x, other.x)
+
+
+def test_adaptive_steps_go_on_alike(tmp_path: Path) -> None:
+    """Length, error and rates that the choice of steps rests on are part of the state."""
+
+    def composed() -> vv.Study:
+        study = STUDIES["crane"]()
+        study.adaptive = vv.Adaptive(tolerance=1e-6)
+        return study
+
+    run(composed(), tmp_path / "whole")
+    with pytest.raises(KeyboardInterrupt):
+        run(pressing_ctrl_c(composed(), 0.1), tmp_path / "split")
+    with pytest.raises(vv.InputError, match="adaptive"):
+        run(STUDIES["crane"](), tmp_path / "split", resume=True)
+    run(composed(), tmp_path / "split", resume=True)
+    times = read_table(tmp_path / "whole" / "ledger.csv")["time"]
+    assert np.ptp(np.diff(times)) > 1e-4
+    assert_same(tmp_path / "whole", tmp_path / "split")

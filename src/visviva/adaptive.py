@@ -78,12 +78,18 @@ class _Estimate:
 def adaptive_steps(
     system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive
 ) -> Iterator[Any]:
-    """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports."""
+    """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports.
+
+    ``system.pace`` carries the next length, the last error, and what the estimate remembers.
+    """
     low, high = rule.bounds(step)
     scale = np.concatenate([f.scale for f in system.model.fields])
     moves = (scale > 0) & (system.order > 0)
     estimate = _Estimate(np.where(moves, 1 / np.where(moves, scale, 1.0), 0.0))
-    h, last = float(np.clip(step, low, high)), 1.0
+    h, last, estimate.length = system.pace.get(
+        "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0])
+    ).tolist()
+    estimate.rates = system.pace.get("rates")
     while until - system.time > 1e-12 * max(abs(until), step):
         left = until - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
@@ -106,6 +112,7 @@ def adaptive_steps(
         estimate.rates, estimate.length = rates, taken
         h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
         h, last = float(np.clip(h, low, high)), error
+        system.pace |= {"adaptive": np.array([h, last, taken]), "rates": rates}
         yield attempt.report
 
 

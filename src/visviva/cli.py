@@ -51,6 +51,9 @@ def run(
     scheme: Annotated[
         str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")
     ] = None,
+    adaptive: Annotated[
+        float | None, Parameter(help="Choose step sizes by this error per step; the step given is the first.")
+    ] = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
     resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
 ) -> int:
@@ -59,7 +62,7 @@ def run(
     from visviva.run import run as run_study
 
     directory = out or Path("runs") / Path(model).stem
-    changes = {"until": until, "step": step, "scheme": scheme}
+    changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive}
     given = {key: value for key, value in changes.items() if value is not None}
     parameters = assignments(settings)
     if resume:
@@ -224,6 +227,10 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any]) -> So
         from visviva.scene.read import scheme_of_text
 
         source.study.scheme = scheme_of_text(given["scheme"])
+    if "adaptive" in given:
+        from visviva.adaptive import Adaptive
+
+        source.study.adaptive = Adaptive(tolerance=given["adaptive"])
     return source
 
 

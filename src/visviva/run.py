@@ -125,6 +125,15 @@ def checked(study: Study) -> Study:
     return study
 
 
+def steps_of(study: Study) -> dict[str, Any]:
+    """How a study steps through time: what a resumed run must have in common with the first."""
+    return {
+        "step": study.step,
+        "scheme": str(study.scheme),
+        "adaptive": study.adaptive and str(study.adaptive),
+    }
+
+
 class Recorder:
     """The files of a run and what goes into them while it marches."""
 
@@ -164,10 +173,10 @@ class Recorder:
         """Open the files of an earlier run at its last saved state."""
         files = RunDirectory.open(directory)
         kept = restart.notes_of(files.state)
-        for name, wanted in (("step", study.step), ("scheme", str(study.scheme))):
-            if kept[name] != wanted:
+        for name, wanted in steps_of(study).items():
+            if kept.get(name) != wanted:
                 raise InputError(
-                    f"{files.path}: was run with {name} = {kept[name]}, not {wanted}; resume with the same "
+                    f"{files.path}: was run with {name} = {kept.get(name)}, not {wanted}; resume with the same "
                     f"{name} or start anew in another directory"
                 )
         result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
@@ -197,7 +206,9 @@ class Recorder:
             return
         try:
             with progress_bar(study, self.books.ledger, progress) as show:
-                for row in advance(self.result, self.books, until=study.until, step=study.step):
+                for row in advance(
+                    self.result, self.books, until=study.until, step=study.step, adaptive=study.adaptive
+                ):
                     self.write(steps.steps, row)
                     self.save_now_and_then(save_every)
                     show(row)
@@ -253,7 +264,7 @@ class Recorder:
         """Save the state."""
         start = time.perf_counter()
         study = self.study
-        notes = {"step": study.step, "scheme": str(study.scheme), "until": study.until}
+        notes = {**steps_of(study), "until": study.until}
         restart.save(
             self.files.state,
             self.result,
@@ -314,8 +325,7 @@ def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str,
         "title": study.title,
         **notes,
         "until": study.until,
-        "step": study.step,
-        "scheme": str(result.scheme),
+        **steps_of(study),
         "unknowns": len(system.x),
         **numbers,
         "degrees_of_freedom": system.report and system.report.degrees_of_freedom,

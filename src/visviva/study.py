@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from visviva.adaptive import Adaptive
 from visviva.form import Form, Strain, Vector
 from visviva.scheme import EnergyMomentum, Scheme
 from visviva.system import System
@@ -38,6 +39,8 @@ class Study:
     title : str
     notes : str
         Choices the source leaves open.
+    adaptive : Adaptive, optional
+        Chooses step sizes; `step` is then the first.
     """
 
     system: System
@@ -50,6 +53,7 @@ class Study:
     fields: Sequence[str] = FIELDS
     title: str = ""
     notes: str = ""
+    adaptive: Adaptive | None = None
 
 
 def measure(system: System, probe: Probe) -> Any:

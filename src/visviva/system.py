@@ -124,7 +124,7 @@ class System:
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
         self.halvings = 0  # of the step length, after failures
         self.part = 0  # how many steps of that length were taken within the whole one
-        self.pace: dict[str, Array] = {}  # what the steps of statics carry on, for restarts
+        self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
         self._name_components()

@@ -20,7 +20,7 @@ from visviva.scheme import Scheme
 T = TypeVar("T")
 
 TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails", "fields")
-RUN = ("until", "step", "scheme")
+RUN = ("until", "step", "scheme", "adaptive")
 ATTACHMENTS: dict[str, tuple[str, ...]] = {
     "point": ("X",),
     "point_at": ("x",),

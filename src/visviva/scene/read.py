@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
+from visviva.adaptive import Adaptive
 from visviva.arguments import ArgumentError, told
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, nearest
@@ -76,6 +77,9 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
         until=reader.value(("run", "until"), run.get("until"), Positive),
         step=reader.value(("run", "step"), run.get("step"), Positive),
         scheme=reader.scheme(("run", "scheme"), run.get("scheme", "EnergyMomentum")),
+        adaptive=reader.construct(("run", "adaptive"), Adaptive, run["adaptive"])
+        if "adaptive" in run
+        else None,
         probes=reader.probes(),
         trails=tuple(reader.value(("trails",), data.get("trails", []), list[str])),
         fields=tuple(reader.value(("fields",), data.get("fields", list(FIELDS)), list[str])),

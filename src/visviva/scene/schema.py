@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from visviva.adaptive import Adaptive
 from visviva.component import settings
 from visviva.scene import language
 from visviva.system import Newton
@@ -33,7 +34,7 @@ def scene_schema() -> Schema:
     {'type': 'number'}
     """
     components, values, probes = language.components(), language.values(), language.probes()
-    classes = {**components, **values, **probes, **language.schemes(), "Newton": Newton}
+    classes = {**components, **values, **probes, **language.schemes(), "Newton": Newton, "Adaptive": Adaptive}
     definitions = {name: constructor(cls) for name, cls in classes.items()}
     definitions |= {
         "component": one_of(components),
@@ -42,7 +43,12 @@ def scene_schema() -> Schema:
     }
     definitions |= {name: one_of(language.public(base)) for name, base in language.CHOICES.items()}
     definitions |= {"reference": reference()}
-    run = {"until": POSITIVE, "step": POSITIVE, "scheme": {"$ref": "#/$defs/scheme"}}
+    run = {
+        "until": POSITIVE,
+        "step": POSITIVE,
+        "scheme": {"$ref": "#/$defs/scheme"},
+        "adaptive": ref("Adaptive"),
+    }
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "visviva scene",

@@ -62,6 +62,8 @@ def of_study(study: Study) -> dict[str, Any]:
 
     data = {"title": study.title, "notes": study.notes} | of_system(study.system, study.until, study.step)
     data["run"]["scheme"] = value("scheme", study.scheme)
+    if study.adaptive:
+        data["run"]["adaptive"] = given("adaptive", study.adaptive)
     data["probes"] = {}
     for name, probe in study.probes.items():
         if not isinstance(probe, Reading):
