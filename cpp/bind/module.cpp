@@ -388,6 +388,7 @@ static void bind_system(nb::module_& m) {
 
 NB_MODULE(_core, m) {
     m.doc() = "Compiled core of visviva; use the package, not this module.";
+    nb::set_leak_warnings(false);  // systems that somebody still holds at exit are no news to users
     bind_terms(m);
     bind_step(m);
     bind_linear(m);
