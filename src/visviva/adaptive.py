@@ -83,9 +83,7 @@ def adaptive_steps(
     ``system.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
-    scale = np.concatenate([f.scale for f in system.model.fields])
-    moves = (scale > 0) & (system.order > 0)
-    estimate = _Estimate(np.where(moves, 1 / np.where(moves, scale, 1.0), 0.0))
+    estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0))
     h, last, estimate.length = system.pace.get(
         "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0])
     ).tolist()

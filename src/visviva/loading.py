@@ -37,14 +37,11 @@ class Equilibrium:
     options: Static
     start: float = field(init=False)
     free: NDArray[np.bool_] = field(init=False)
-    inverse_scale: Array = field(init=False)
 
     def __post_init__(self) -> None:
         fields = self.system.model.fields
         self.start = self.system.time
         self.free = ~np.concatenate([f.fixed for f in fields])
-        scale = np.concatenate([f.scale for f in fields])
-        self.inverse_scale = np.where(scale > 0, 1 / np.where(scale > 0, scale, 1.0), 0.0)
 
     @property
     def dx(self) -> Array:
@@ -82,7 +79,7 @@ class Equilibrium:
 
     def size(self, d: Array) -> float:
         """Largest entry relative to the unknowns' scales."""
-        return float(np.abs(d * self.inverse_scale).max(initial=0.0))
+        return float(np.abs(d * self.system.inverse_scale).max(initial=0.0))
 
     def slope(self, time: float, h: float) -> Array:
         """Derivative of the residual by the load parameter at the trial state."""
@@ -318,7 +315,7 @@ class Path:
         e = self.equations
         self.time = e.system.time
         moving = e.free & (e.system.order > 0)
-        self.metric = np.where(moving, e.inverse_scale**2, 0.0) / max(int(moving.sum()), 1)
+        self.metric = np.where(moving, e.system.inverse_scale**2, 0.0) / max(int(moving.sum()), 1)
 
     def length(self, dx: Array, dt: float) -> float:
         """Length of an increment."""

@@ -66,7 +66,7 @@ class Modes:
 
     def leader(self, k: int) -> str:
         """The component that moves most in mode `k`, relative to the scales of its unknowns."""
-        scale = np.concatenate([f.scale for f in self.system.model.fields])
+        scale = self.system.scale
         moves = np.abs(self.shapes[k]) / np.where(scale > 0, scale, np.inf)
         return self.system.describe(int(np.argmax(moves)))[0]
 

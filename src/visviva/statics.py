@@ -103,8 +103,7 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
 
 def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int) -> None:
     """Go downhill under the loads of time ``system.time + h`` until nothing moves."""
-    scale = np.concatenate([f.scale for f in system.model.fields])
-    inverse = np.where((scale > 0) & (system.order > 0), 1 / np.where(scale > 0, scale, 1.0), 0.0)
+    inverse = np.where(system.order > 0, system.inverse_scale, 0.0)
     first = duration = natural_time(system, inverse)
     failures = 0
     for _ in range(most):

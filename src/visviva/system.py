@@ -173,9 +173,8 @@ class System:
     def _build_core(self) -> None:
         fields = self.model.fields
         order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
-        scale = np.concatenate([f.scale for f in fields])
         fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
-        core = self.core = _core.System(order, fixed, scale)
+        core = self.core = _core.System(order, fixed, self.scale)
         self.order = order
         terms = [*inertia_terms(self.model), *strain_terms(self.model), *self.model.batches]
         terms += [term.build(self.model, component) for term, component in self.model.terms]
@@ -287,6 +286,16 @@ class System:
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
         return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.order > 0)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Size (n,) by which a change of each unknown is judged; 0 where it is not."""
+        return np.concatenate([f.scale for f in self.model.fields])
+
+    @cached_property
+    def inverse_scale(self) -> Array:
+        """Its inverse; 0 where changes are not judged."""
+        return np.where(self.scale > 0, 1 / np.where(self.scale > 0, self.scale, 1.0), 0.0)
 
     @property
     def n_constraints(self) -> int:
