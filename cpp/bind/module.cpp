@@ -292,6 +292,7 @@ static void bind_system(nb::module_& m) {
              [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
                  s.set_blocks(blocks_of(block, stage, multiplier, rigid));
              })
+        .def("set_local", [](System& s, const Ints& element) { s.set_local(vector_of<int>(element)); })
         .def("finalize", &System::finalize)
         .def("use_solver",
              [](System& s, bool null_space, double regularization) {
@@ -303,8 +304,8 @@ static void bind_system(nb::module_& m) {
              [](System& s, const Doubles& modes) {
                  s.set_modes(vector_of<double>(modes), static_cast<int>(modes.shape(1)));
              })
-        .def_prop_ro("n_equations", [](const System& s) { return s.csr().n; })
-        .def_prop_ro("n_entries", [](const System& s) { return s.csr().col.size(); })
+        .def_prop_ro("n_equations", [](const System& s) { return s.solved().n; })
+        .def_prop_ro("n_entries", [](const System& s) { return s.solved().col.size(); })
         .def("use_linear",
              [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def_prop_ro("solver",

@@ -58,6 +58,8 @@ void System::finalize() {
         term->connect(pattern);
     }
     hold(pattern);
+    if (std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; }))
+        condensation_ = std::make_shared<Condensation>(csr_, element_);
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of

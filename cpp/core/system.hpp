@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "condensed.hpp"
 #include "linear.hpp"
 #include "predictor.hpp"
 #include "term.hpp"
@@ -39,6 +40,8 @@ class System {
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
+    // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
+    void set_local(std::vector<int> element) { element_ = std::move(element); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
@@ -95,6 +98,8 @@ class System {
 
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
+    // The equations that the linear solver gets.
+    const Csr& solved() const { return condensation_ ? condensation_->left() : csr_; }
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
@@ -136,6 +141,8 @@ class System {
     std::vector<int> prescribed_, prescribed_account_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
+    std::vector<int> element_;
+    std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
     std::unique_ptr<LinearSolver> solver_;
     struct Segment {
         int begin, end, order;  // unknowns of equal order in a row

@@ -6,7 +6,7 @@
 namespace visviva {
 
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
-    solver_ = std::move(solver);
+    solver_ = condensation_ ? make_condensed(condensation_, std::move(solver)) : std::move(solver);
     describe_nodes();
     solver_->analyze(csr_, blocks_);
     stale_factor_ = true;

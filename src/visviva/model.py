@@ -44,6 +44,9 @@ class Field:
         So many consecutive unknowns make up a node of a mesh.
     definite : bool
         Whether the energy is least in them; not so for pressures.
+    element : int array (size,)
+        The only element that touches each unknown, which is eliminated with that element's equations before the
+        others are solved; -1 if several do. An element's own unknowns follow each other.
     """
 
     component: Component
@@ -59,6 +62,16 @@ class Field:
     fixed: NDArray[np.bool_]
     node: int = 1
     definite: bool = True
+    element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+
+    def __post_init__(self) -> None:
+        if len(self.element) == 0:
+            self.element = np.full(self.size, -1, dtype=np.int32)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether elements eliminate all of its unknowns."""
+        return self.size > 0 and bool(np.all(self.element >= 0))
 
     @property
     def size(self) -> int:
@@ -177,6 +190,7 @@ class Model:
         fixed: ArrayLike = False,
         node: int = 1,
         definite: bool = True,
+        element: ArrayLike = (),
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -187,8 +201,9 @@ class Model:
         scales[:], held[:] = scale, fixed
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
+        local = np.asarray(element, dtype=np.int32).ravel()
         new = Field(
-            component, name, order, start, x, v, scales, stage, multiplier, block, held, node, definite
+            component, name, order, start, x, v, scales, stage, multiplier, block, held, node, definite, local
         )
         self.fields.append(new)
         self._remember(new)

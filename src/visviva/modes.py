@@ -137,11 +137,29 @@ def condensed(A: sp.csr_array, at: Instant) -> sp.csr_array:
     import scipy.sparse.linalg as spl
 
     q, rest = at._q, np.setdiff1d(np.arange(A.shape[0]), np.concatenate([at._q, at._m]))
+    element = at.system.local[at.system.free_unknowns[rest]]
+    own, rest = rest[element >= 0], rest[element < 0]
     K = A[q][:, q].tocsr()
-    if len(rest) == 0:
-        return K
-    follow = spl.spsolve(A[rest][:, rest].tocsc(), A[rest][:, q].tocsc())
-    return (K - A[q][:, rest] @ follow).tocsr()
+    if len(own):
+        K = K - A[q][:, own] @ (inverse_by_element(A[own][:, own], element[element >= 0]) @ A[own][:, q])
+    if len(rest):
+        K = K - A[q][:, rest] @ spl.spsolve(A[rest][:, rest].tocsc(), A[rest][:, q].tocsc())
+    return K.tocsr()
+
+
+def inverse_by_element(A: sp.csr_array, element: NDArray[np.int32]) -> sp.csr_array:
+    """Inverse of a matrix that couples the unknowns of each element with each other only."""
+    import scipy.sparse as sp
+
+    _, first, number, count = np.unique(element, return_index=True, return_inverse=True, return_counts=True)
+    place, k = np.arange(len(element)) - first[number], np.arange(count.max())
+    blocks = np.tile(np.eye(len(k)), (len(count), 1, 1))  # fillers of smaller ones are identities
+    entry = A.tocoo()
+    blocks[number, place, place] = 0.0
+    blocks[number[entry.row], place[entry.row], place[entry.col]] = entry.data
+    row, column = np.broadcast_arrays(first[:, None, None] + k[:, None], first[:, None, None] + k)
+    used = np.maximum(k[:, None], k) < count[:, None, None]
+    return sp.csr_array((np.linalg.inv(blocks)[used], (row[used], column[used])), shape=A.shape)
 
 
 def balance(system: System, at: Instant, tolerance: float) -> None:

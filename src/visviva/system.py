@@ -187,6 +187,7 @@ class System:
         core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
         core.set_blocks(*self._blocks())
         core.set_nodes(self._nodes())
+        core.set_local(self.local)
         prescribed = self.model.prescribed
         core.set_prescribed(
             np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
@@ -220,10 +221,23 @@ class System:
         starts = [f.start + np.arange(f.size) // f.node * f.node for f in self.model.fields]
         return np.concatenate(starts).astype(np.int32)
 
+    @cached_property
+    def local(self) -> NDArray[np.int32]:
+        """Element (n,) that alone touches each unknown, numbered through all fields, or -1.
+
+        Block elimination of rigid bodies, if it is forced, takes all blocks alike.
+        """
+        parts, first = [], 0
+        for f in self.model.fields:
+            parts.append(np.where(f.element >= 0, f.element + first, -1))
+            first = max(first, int(parts[-1].max(initial=-1)) + 1)
+        local: NDArray[np.int32] = np.concatenate(parts).astype(np.int32)
+        return np.full_like(local, -1) if self.newton.null_space else local
+
     def _use_null_space(self) -> bool:
         if self.newton.null_space is not None:
             return self.newton.null_space
-        small = int(self.block_sizes.max()) <= 20
+        small = int(self.block_sizes.max()) <= 20 and not any(f.is_local for f in self.model.fields)
         return small and not self.model.terms and not any(a.kind == "servo" for a in self.model.accounts)
 
     def choose_linear(self, *, inertia: bool = True) -> None:
@@ -246,7 +260,7 @@ class System:
 
     def _linear_problem(self, inertia: bool) -> Problem:
         """Tangents are taken to be symmetric and definite until the solver finds that they are not."""
-        fields = self.model.fields
+        fields = [f for f in self.model.fields if not f.is_local]
         return Problem(
             n=self.core.n_equations,
             n_entries=self.core.n_entries,

@@ -29,6 +29,9 @@ CONTINUOUS = ("tri3", "tri6", "tet4", "tet10")
 """Cells with a continuous pressure, linear between the corners."""
 STABILISED = ("tri3", "tet4")
 """Cells whose pressure is kept from oscillating."""
+STIFFEST = 1e6
+"""Pressures of materials whose bulk modulus exceeds this multiple of the shear modulus stay among the equations:
+without them these would lose as many digits."""
 BRICKS = ("quad4", "hex8")
 
 SUITED = {"F-bar": BRICKS, "enhanced": BRICKS, "mixed": (*DISCONTINUOUS, *CONTINUOUS)}
@@ -103,22 +106,24 @@ def without_mass(mass: Array, k: int, more: int) -> Array:
 
 
 # --- pressures ----------------------------------------------------------------------------------------------
-def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], int]:
-    """Numbers (m, p) of the pressures of each cell type's elements, and how many there are."""
-    d, numbers, n = grid.dimension, {}, 0
+def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
+    """Numbers (m, p) of the pressures of each cell type's elements, and the element (n,) that alone has it or -1."""
+    d, numbers, n, own = grid.dimension, {}, 0, [np.zeros(0, dtype=np.int64)]
     corners = [nodes[:, : d + 1] for cell, nodes in grid.cells.items() if cell in CONTINUOUS]
     place = np.full(grid.n_nodes, -1)
     if corners:
         used = np.unique(np.concatenate([c.ravel() for c in corners]))
         n = len(used)
         place[used] = np.arange(n)
+        own.append(np.full(n, -1))
     for cell, nodes in grid.cells.items():
         if cell in CONTINUOUS:
             numbers[cell] = place[nodes[:, : d + 1]]
         else:
             numbers[cell] = n + np.arange(len(nodes) * (d + 1)).reshape(-1, d + 1)
+            own.append(n + np.repeat(np.arange(len(nodes)), d + 1))
             n += numbers[cell].size
-    return numbers, n
+    return numbers, np.concatenate(own)
 
 
 def pressure_shapes(grid: Mesh, cell: str, nodes: Ints, xi: Array) -> Array:

@@ -239,13 +239,18 @@ class Solid(Attachable):
         )
         if self.formulation == "enhanced":  # d modes per element, without inertia
             zero = np.zeros((self.grid.n_cells, d, d))
-            self.inner = model.field(self, "enhanced", zero, order=0, scale=model.length, stage=1, node=d)
+            own = np.repeat(np.arange(len(zero)), d * d)
+            self.inner = model.field(
+                self, "enhanced", zero, order=0, scale=model.length, stage=1, node=d, element=own
+            )
         elif self.formulation == "mixed":
-            self._numbers, n = forms.pressure_numbers(self.grid)
+            self._numbers, own = forms.pressure_numbers(self.grid)
             _, bulk, _ = self.material.split()
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
+            if bulk > forms.STIFFEST * self.material.lame[1]:
+                own[:] = -1
             self.inner = model.field(
-                self, "pressure", np.zeros(n), order=0, stage=1, multiplier=free, definite=False
+                self, "pressure", 0.0 * own, order=0, stage=1, multiplier=free, definite=False, element=own
             )
 
     def contribute(self, model: Model) -> None:
