@@ -40,6 +40,30 @@ def depth(points: Array, nodes: Ints, N: Array, thickness: float, axisymmetric: 
     return 2 * np.pi * radius if axisymmetric else np.full_like(radius, thickness)
 
 
+def is_curved(points: Array, nodes: Ints, cell: str) -> bool:
+    """Whether a middle node of some element is off the middle of its corners, by more than rounding.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> side = np.array([(0.0, 0.0), (2.0, 0.0), (0.0, 2.0), (1.0, 0.1), (1.0, 1.0), (0.0, 1.0)])
+    >>> is_curved(side, np.arange(6)[None], "tri6")
+    True
+    """
+    X = points[nodes]
+    size = np.ptp(X, axis=1).max(initial=0.0)
+    middles = CELLS[cell].middles
+    corners = [X[:, list(group)].mean(axis=1) for group in middles]
+    first = CELLS[cell].n_corners
+    off = [np.abs(X[:, first + k] - middle).max(initial=0.0) for k, middle in enumerate(corners)]
+    return bool(max(off, default=0.0) > 1e-9 * size)
+
+
+def solid_rule(points: Array, nodes: Ints, cell: str) -> Rule:
+    """Quadrature of the internal forces of elements `nodes` among `points`."""
+    return stiffness_rule(cell, is_curved(points, nodes, cell))
+
+
 def geometry(
     points: Array,
     nodes: Ints,
@@ -58,7 +82,7 @@ def geometry(
     >>> float(geometry(square, np.array([[0, 1, 2, 3]]), "quad4").volume.sum())
     4.0
     """
-    xi, w = rule or stiffness_rule(cell)
+    xi, w = rule or solid_rule(points, nodes, cell)
     kind = CELLS[cell]
     J = jacobians(points, nodes, kind.dN(xi))
     gradients = kind.dN(xi) @ np.linalg.inv(J)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.body.element import is_curved
 from visviva.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.geometry import determinant
@@ -210,7 +211,11 @@ def _fitted(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
     total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
     for cell, nodes, _, volume, fields in evaluated(solid, x) if chosen else ():
         values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
-        taken = np.einsum("aq,eqc->eac", extrapolation(cell), np.concatenate(values, axis=2))
+        taken = np.einsum(
+            "aq,eqc->eac",
+            extrapolation(cell, is_curved(solid.grid.points, nodes, cell)),
+            np.concatenate(values, axis=2),
+        )
         size = volume.sum(axis=1)
         for a in range(nodes.shape[1]):
             weight += np.bincount(nodes[:, a], size, len(weight))
@@ -232,9 +237,9 @@ def of_cells(solid: Solid, name: str, x: Array) -> Array:
 
 
 @cache
-def extrapolation(cell: str) -> Array:
+def extrapolation(cell: str, curved: bool = False) -> Array:
     """Matrix (nodes, points) that takes values at the quadrature points to the nodes by least squares."""
-    xi = stiffness_rule(cell).points
+    xi = stiffness_rule(cell, curved).points
     for candidate in (CELLS[cell], linear(CELLS[cell])):
         N = candidate.N(xi)
         if np.linalg.matrix_rank(N) == N.shape[1]:
