@@ -398,6 +398,7 @@ CATALOGUE = [
     Entry("solid, F-bar in the plane", lambda: flying("quad4", formulation="F-bar"), ALL, steps=100),
     Entry("solid, enhanced", lambda: flying("hex8", (2, 1, 1), formulation="enhanced"), ALL, steps=50),
     Entry("solid, enhanced in the plane", lambda: flying("quad4", formulation="enhanced"), ALL, steps=100),
+    Entry("solid, mean dilatation", lambda: flying("hex8", (2, 1, 1), formulation="mixed"), ALL, steps=50),
     Entry("solid, mixed", lambda: flying("hex27", (1, 1, 1), formulation="mixed"), ALL, steps=25),
     Entry("solid, incompressible", lambda: flying("quad9", (1, 1), **INCOMPRESSIBLE), ALL, steps=50),
     Entry("solid, Taylor and Hood", lambda: flying("tet10", (1, 1, 1), formulation="mixed"), ALL, steps=25),
@@ -409,6 +410,12 @@ CATALOGUE = [
     ),
     Entry("solid, gravity", lambda: [block(), vv.Gravity()], FALLING, steps=60),
     Entry("solid, mass damping", lambda: loaded(mass_damping=0.4), NOTHING, steps=60),
+    Entry(
+        "solid, enhanced and damped",
+        lambda: flying("quad4", formulation="enhanced", stiffness_damping=0.02),
+        MOMENTA,
+        steps=100,
+    ),
     Entry("solid, stiffness damping", lambda: loaded(stiffness_damping=0.02), MOMENTA, steps=60),
     Entry(
         "solid, body force",

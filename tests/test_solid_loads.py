@@ -383,11 +383,16 @@ def test_mass_damping_slows_as_the_midpoint_rule_has_it() -> None:
     assert result.ledger["work_damping"][-1] == pytest.approx(before * (factor**2 - 1), rel=1e-11)
 
 
-def test_rayleigh_damping_of_a_mode() -> None:
+@pytest.mark.parametrize("formulation", ["displacement", "enhanced"])
+def test_rayleigh_damping_of_a_mode(formulation: Any) -> None:
     """A mode of a linear solid is an oscillator ``q'' + (alpha + beta w^2) q' + w^2 q = 0``, step by step."""
     alpha, beta, h = 0.3, 0.004, 0.03
     made: Callable[..., vv.Solid] = lambda **o: brick(  # noqa: E731
-        "hex8", (3, 1, 1), material=vv.LinearElastic(young=40.0, poisson=0.25), **o
+        "hex8",
+        (3, 1, 1),
+        material=vv.LinearElastic(young=40.0, poisson=0.25),
+        formulation=formulation,
+        **o,
     )
     still = made()
     modes = vv.modes(vv.System([still, vv.Fixed(solid=still, nodes="x0")]))

@@ -67,7 +67,7 @@ def solid(
         material=material,
         density=2.0,
         mass_damping=damping,
-        stiffness_damping=0.0 if formulation == "enhanced" else 0.1 * damping,
+        stiffness_damping=0.1 * damping,
         plane=plane or "strain",
         formulation=formulation,
     )
@@ -158,8 +158,8 @@ SPLIT = [n for n in MATERIALS if n not in ("user", "blatz_ko")]
 FORMULATIONS = [
     *[("F-bar", c, p) for c, p in (("hex8", None), ("quad4", "strain"), ("quad4", "axisymmetric"))],
     *[("enhanced", c, p) for c, p in (("hex8", None), ("quad4", "stress"), ("quad4", "axisymmetric"))],
-    *[("mixed", c, None) for c in ("hex20", "hex27", "tet10", "tet4")],
-    *[("mixed", c, p) for c in ("quad9", "tri6", "tri3") for p in ("strain", "axisymmetric")],
+    *[("mixed", c, None) for c in ("hex8", "wedge6", "hex20", "hex27", "tet10", "tet4")],
+    *[("mixed", c, p) for c in ("quad4", "quad9", "tri6", "tri3") for p in ("strain", "axisymmetric")],
 ]
 
 

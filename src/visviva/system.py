@@ -175,7 +175,7 @@ class System:
         order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
         fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
         core = self.core = _core.System(order, fixed, self.scale)
-        self.order = order
+        self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
         terms = [*inertia_terms(self.model), *strain_terms(self.model), *self.model.batches]
         terms += [term.build(self.model, component) for term, component in self.model.terms]
         core.set_accounts(
@@ -299,7 +299,7 @@ class System:
     @property
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
-        return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.order > 0)
+        return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.order > 0 and not f.is_local)
 
     @cached_property
     def scale(self) -> Array:

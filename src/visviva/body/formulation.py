@@ -23,7 +23,9 @@ Ints = NDArray[np.int64]
 
 Formulation = Literal["displacement", "F-bar", "enhanced", "mixed"]
 
-DISCONTINUOUS = ("quad9", "hex20", "hex27")
+CONSTANT = ("quad4", "hex8", "wedge6")
+"""Cells with one pressure, which may alternate between neighbours in the incompressible limit."""
+LINEAR = ("quad9", "hex20", "hex27")
 """Cells with a linear pressure of their own."""
 CONTINUOUS = ("tri3", "tri6", "tet4", "tet10")
 """Cells with a continuous pressure, linear between the corners."""
@@ -34,7 +36,7 @@ STIFFEST = 1e6
 without them these would lose as many digits."""
 BRICKS = ("quad4", "hex8")
 
-SUITED = {"F-bar": BRICKS, "enhanced": BRICKS, "mixed": (*DISCONTINUOUS, *CONTINUOUS)}
+SUITED = {"F-bar": BRICKS, "enhanced": BRICKS, "mixed": (*CONSTANT, *LINEAR, *CONTINUOUS)}
 
 
 def check(solid: Solid) -> None:
@@ -54,11 +56,6 @@ def check(solid: Solid) -> None:
                 f"{label}: formulation={kind!r} is for the cells {', '.join(SUITED[kind])}, and its mesh has {cell}; "
                 f"for those take formulation={fit[0]!r}, or convert the mesh"
             )
-    if kind == "enhanced" and solid.stiffness_damping > 0:
-        raise InputError(
-            f"{label}: stiffness_damping = {solid.stiffness_damping:g} needs rates, which enhanced strains have not; "
-            "use mass_damping, or another formulation"
-        )
     if solid.plane == "stress" and kind != "enhanced":
         raise InputError(
             f"{label}: in plane stress the thickness adapts and no volume locks; take formulation='displacement' or "
@@ -68,6 +65,26 @@ def check(solid: Solid) -> None:
         raise InputError(
             f"{label}: formulation={kind!r} needs one of the core's materials, not a UserMaterial; take "
             "formulation='enhanced' or 'displacement'"
+        )
+    if kind == "mixed":
+        _check_pressures(solid)
+
+
+def _check_pressures(solid: Solid) -> None:
+    """Refuse materials whose change of volume the pressures of the cells cannot carry."""
+    bulk = solid.material.split()[1]
+    if bulk <= 0:
+        raise InputError(
+            f"{solid.label}: the modulus of its material's volumetric energy is {bulk:g}, which a pressure cannot "
+            "stand for; nothing locks either: take formulation='displacement' or 'enhanced'"
+        )
+    constant = [cell for cell in solid.grid.cells if cell in CONSTANT]
+    if constant and not np.isfinite(bulk):
+        better = "quad9" if solid.dimension == 2 else "hex27"
+        raise InputError(
+            f"{solid.label}: its material is incompressible, and the constant pressures of {', '.join(constant)} may "
+            f"then alternate without resistance; make the mesh with cell={better!r}, or take a Poisson's ratio below "
+            "0.5, 0.4999 say"
         )
 
 
@@ -120,14 +137,17 @@ def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
         if cell in CONTINUOUS:
             numbers[cell] = place[nodes[:, : d + 1]]
         else:
-            numbers[cell] = n + np.arange(len(nodes) * (d + 1)).reshape(-1, d + 1)
-            own.append(n + np.repeat(np.arange(len(nodes)), d + 1))
+            p = 1 if cell in CONSTANT else d + 1
+            numbers[cell] = n + np.arange(len(nodes) * p).reshape(-1, p)
+            own.append(n + np.repeat(np.arange(len(nodes)), p))
             n += numbers[cell].size
     return numbers, np.concatenate(own)
 
 
 def pressure_shapes(grid: Mesh, cell: str, nodes: Ints, xi: Array) -> Array:
     """Shape functions (m, q, p) of the pressure at reference points: of the corners, or 1, x, y (, z)."""
+    if cell in CONSTANT:
+        return np.ones((len(nodes), len(xi), 1))
     if cell in CONTINUOUS:
         N = linear(CELLS[cell]).N(xi)
         return np.broadcast_to(N, (len(nodes), *N.shape)).copy()

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, masses
+from visviva.body.element import geometry, masses, solid_rule
 from visviva.body.fields import Fields, at_nodes, evaluated, of_cells, quantity
 from visviva.body.formulation import Formulation
 from visviva.component import Attachable, Vectors, settings
@@ -23,7 +23,6 @@ from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
-from visviva.mesh.quadrature import stiffness_rule
 from visviva.values import Number, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
@@ -54,7 +53,8 @@ class Solid(Attachable):
     formulation : {'displacement', 'F-bar', 'enhanced', 'mixed'}
         Against locking, see :doc:`/theory/solids`. 'F-bar' (quad4, hex8) scales the change of volume to that of the
         element's centre; 'enhanced' (quad4, hex8) adds strains, for bending too; 'mixed' has pressures: linear in each
-        quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4. It takes incompressible materials.
+        quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4, for incompressible materials too;
+        constant in each quad4, hex8, wedge6 (the mean dilatation), for nearly incompressible ones.
     thickness : float
         Of a plane solid.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
@@ -237,11 +237,12 @@ class Solid(Attachable):
         self.motion = model.field(
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
         )
-        if self.formulation == "enhanced":  # d modes per element, without inertia
+        if self.formulation == "enhanced":  # d modes per element, without inertia; damping needs their rates
+            order = 2 if self.stiffness_damping > 0 else 0
             zero = np.zeros((self.grid.n_cells, d, d))
             own = np.repeat(np.arange(len(zero)), d * d)
             self.inner = model.field(
-                self, "enhanced", zero, order=0, scale=model.length, stage=1, node=d, element=own
+                self, "enhanced", zero, order=order, scale=model.length, stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
             self._numbers, own = forms.pressure_numbers(self.grid)
@@ -297,7 +298,9 @@ class Solid(Attachable):
             term.set_centre(middle.gradients[:, 0], hoop)
         elif self.formulation == "mixed":
             _, bulk, measure = self.material.split()
-            shapes = forms.pressure_shapes(self.grid, cell, nodes, stiffness_rule(cell).points)
+            shapes = forms.pressure_shapes(
+                self.grid, cell, nodes, solid_rule(self.grid.points, nodes, cell).points
+            )
             compliance = forms.pressure_compliance(self, cell, nodes, bulk)
             term.set_pressure(shapes, compliance, measure, self.inner.multiplier)
         if self.material.energy is not None:
