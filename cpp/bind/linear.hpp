@@ -2,3 +2,4 @@
 #include <nanobind/nanobind.h>
 
 void bind_linear(nanobind::module_& m);
+void bind_contact(nanobind::module_& m);

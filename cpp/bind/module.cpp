@@ -209,6 +209,7 @@ static void bind_terms(nb::module_& m) {
                                 mass.data(), index.data(), flags_of(is_position));
         });
     bind_solid(m);
+    bind_contact(m);
     nb::class_<CallbackTerm, Term>(m, "CallbackTerm")
         .def("__init__", [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
                             nb::object ledger, nb::object accept) {
@@ -366,6 +367,8 @@ static void bind_system(nb::module_& m) {
                 s.assemble(step, signals_of(signals), residual.data(), k);
             },
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
+        .def("search", &System::search)
+        .def_prop_ro("revision", &System::revision)
         .def("linearise",
              [](System& s, const Step& step, const Doubles& signals, Array residual) {
                  nb::gil_scoped_release release;

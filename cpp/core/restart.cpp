@@ -9,6 +9,7 @@ std::vector<double> System::memory() const {
     const std::vector<double> solver = solver_->state();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
+    for (const auto& term : terms_) term->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
@@ -29,6 +30,10 @@ void System::remember(const std::vector<double>& memory) {
     const bool stale = m[3] != 0;
     std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
     m = predictor_.read(m + 4 + solver.size());
+    bool changed = false;
+    for (const auto& term : terms_)
+        if (term->read_memory(m)) changed = true;
+    if (changed) rewire();
     solver_->set_state(solver);
     if (!stale) {
         Step s;

@@ -44,6 +44,7 @@ void System::finalize() {
     for (const auto& term : terms_) term->pattern(entries), term->couple(pattern);
     for (const auto& [i, j] : entries) pattern.couple(i, j);
     pattern.finish(csr_);
+    ++revision_;
     const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
     values_.assign(csr_.col.size() + 1, 0.0);
     std::vector<std::int64_t> position(entries.size());
@@ -76,6 +77,23 @@ void System::hold(const Pattern& pattern) {
             else if (is_held[i] || is_held[j])
                 held_zero_.push_back(k);
         }
+}
+
+// The coupling has changed: a new pattern.
+void System::rewire() {
+    finalize();
+    describe_nodes();
+    solver_->analyze(csr_, blocks_);
+    stale_factor_ = true;
+}
+
+bool System::search() {
+    kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    bool changed = false;
+    for (const auto& term : terms_)
+        if (term->search(x.data(), x1_.data())) changed = true;
+    if (changed) rewire(), stale_begin_ = true;
+    return changed;
 }
 
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
@@ -270,6 +288,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     report.increments.reserve(8);
     predict(step);
     solver_->project(x.data(), dx.data());
+    search();
     if (stale_begin_)
         for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
@@ -301,6 +320,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
         evaluate_residual(context, !solver_->keeps_rigidity());
+        refresh = refresh ||
+                  std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;

@@ -77,6 +77,9 @@ class System {
         predictor_.forget();
     }
 
+    // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
+    // another one from now on.
+    bool search();
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -100,6 +103,7 @@ class System {
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
     const Csr& solved() const { return condensation_ ? condensation_->left() : csr_; }
+    int revision() const { return revision_; }  // of the pattern
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
@@ -109,6 +113,7 @@ class System {
 
   private:
     void hold(const Pattern&);
+    void rewire();
     void prepare_predictor();
     void predict(const Step&);
     bool lead(const Context&);
@@ -128,7 +133,7 @@ class System {
     void clear_sums();
     void book(const Context&, const double* v1);
 
-    int n_ = 0;
+    int n_ = 0, revision_ = 0;
     std::vector<int> order_;
     std::vector<char> fixed_;
     std::vector<double> inverse_scale_;

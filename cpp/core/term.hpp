@@ -43,6 +43,13 @@ class Term {
     // Terms on meshes couple whole nodes and find their places by themselves.
     virtual void couple(Pattern&) const {}
     virtual void connect(const Pattern&) {}
+    // Before a step, with its predicted end: looks for new neighbours; true if the coupling has changed.
+    virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
+    // Whether the last residual was on another branch than the last tangent.
+    virtual bool outdated() const { return false; }
+    // What a restart needs besides the unknowns; reading moves on in the memory, true if the coupling has changed.
+    virtual void write_memory(std::vector<double>&) const {}
+    virtual bool read_memory(const double*& /*memory*/) { return false; }
     // Asked after convergence, about the last residual.
     virtual Refusal refuse(const Context&) { return {}; }
     // (row, column) unknowns of every tangent entry, in the order of `positions`.

@@ -6,6 +6,7 @@ from visviva.body.point_mass import Ground, PointMass
 from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from visviva.body.solid import Solid
+from visviva.contact.contact import Contact
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
 from visviva.joint.lower_pairs import (
@@ -95,6 +96,7 @@ __all__ = [
     "Capsule",
     "Cone",
     "Constraint",
+    "Contact",
     "Cylinder",
     "CylinderMesh",
     "Cylindrical",

@@ -127,6 +127,7 @@ class System:
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
+        self._pattern: tuple[int, tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]] | None = None
         self._name_components()
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
@@ -238,7 +239,8 @@ class System:
         if self.newton.null_space is not None:
             return self.newton.null_space
         small = int(self.block_sizes.max()) <= 20 and not any(f.is_local for f in self.model.fields)
-        return small and not self.model.terms and not any(a.kind == "servo" for a in self.model.accounts)
+        others = any(a.kind in ("servo", "contact") for a in self.model.accounts)
+        return small and not self.model.terms and not others
 
     def choose_linear(self, *, inertia: bool = True) -> None:
         """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU.
@@ -456,13 +458,19 @@ class System:
         step = Static().step(self.time, 0.0)
         self.core.take_stock(step, self.signals(step))
 
-    @cached_property
+    @property
     def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:
-        """Rows and columns of the tangent's compressed rows, and the unknown of every row."""
-        row, col, unknown = self.core.csr
-        return np.array(row, dtype=np.int64), np.array(col, dtype=np.int32), np.array(unknown, dtype=np.int64)
+        """Rows and columns of the tangent's compressed rows, and the unknown of every row.
 
-    @cached_property
+        Contact brings new neighbours together, and then it changes.
+        """
+        if self._pattern is None or self._pattern[0] != self.core.revision:
+            row, col, unknown = self.core.csr
+            arrays = np.array(row, np.int64), np.array(col, np.int32), np.array(unknown, np.int64)
+            self._pattern = self.core.revision, arrays
+        return self._pattern[1]
+
+    @property
     def free_equations(self) -> NDArray[np.int64]:
         """Equations of free unknowns; fixed components of mesh nodes have equations too."""
         fixed = np.concatenate([f.fixed for f in self.model.fields])
@@ -476,6 +484,7 @@ class System:
     def residual(self, step: Any, signals: Array | None = None) -> Array:
         """Residual by unknown at the present trial state."""
         residual = np.zeros(len(self.x))
+        self.core.search()
         self.core.assemble(step, self.signals(step) if signals is None else signals, residual, None)
         return residual
 
@@ -496,6 +505,7 @@ class System:
 
         import scipy.sparse as sp
 
+        self.core.search()
         row, col, unknown = self.pattern
         values = np.zeros(len(col))
         residual = np.zeros(len(self.x))

@@ -1,0 +1,309 @@
+#include "contact_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "complement.hpp"
+#include "core/parallel.hpp"
+#include "core/pattern.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Map = Eigen::Map<const Eigen::VectorXd>;
+
+Map vector_of(const std::vector<double>& a) { return {a.data(), static_cast<Eigen::Index>(a.size())}; }
+
+// Forces along the relative motion that complete the work of the gradient to the change of the gap, and how
+// much of them: (gap1 - gap0 - g . D) / |p|^2, see the theory of contact in the documentation.
+struct Correction {
+    Complement complement;
+    double size, c = 0;
+    Correction(const Eigen::VectorXd& x, const Eigen::VectorXd& D, int dim)
+        : complement(x, D, dim), size(complement.motion().squaredNorm()) {
+        const Eigen::VectorXd arms = x.array() - x.mean();
+        if (size <= 1e-14 * arms.squaredNorm()) size = 0;  // what would be mended is less than rounding
+    }
+    void complete(double defect) { c = size > 0 ? defect / size : 0; }
+};
+
+}  // namespace
+
+ContactTerm::ContactTerm(std::unique_ptr<Gaps> gaps, ContactOptions options, double reach)
+    : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
+    const std::size_t n = gaps_->n();
+    for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
+    active_.assign(n, 0), active_at_tangent_.assign(n, 0);
+    at_theta_.resize(n), at_end_.resize(n);
+}
+
+// --- which gaps there are -----------------------------------------------------------------------------------
+bool ContactTerm::beyond(const double* X, double margin) const {
+    for (std::size_t i = 0; i < from_.size(); ++i)
+        if (X[i] < std::min(from_[i], to_[i]) - margin || X[i] > std::max(from_[i], to_[i]) + margin) return true;
+    return from_.empty();
+}
+
+// Looks a few steps ahead, so that the tangent's pattern lasts.
+bool ContactTerm::search(const double* x0, const double* x1) {
+    constexpr double steps_ahead = 4;
+    gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
+    if (!beyond(X0_.data(), reach_ / 4) && !beyond(X1_.data(), reach_ / 4)) return false;
+    from_ = X0_, to_ = X1_;
+    for (std::size_t i = 0; i < to_.size(); ++i) {
+        const double step = std::clamp(to_[i] - from_[i], -reach_, reach_);
+        to_[i] = from_[i] + steps_ahead * step;
+    }
+    return gaps_->search(from_.data(), to_.data());
+}
+
+Refusal ContactTerm::refuse(const Context& c) {
+    gaps_->skin().positions(c.vectors.x1, X1_);
+    if (!beyond(X1_.data(), reach_ / 2)) return {};
+    return {has_multipliers() ? options_.multiplier[0] : -1,
+            name + " moved farther in the step than its search had reached"};
+}
+
+void ContactTerm::write_memory(std::vector<double>& m) const {
+    m.push_back(from_.empty() ? 0 : 1);
+    m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
+}
+
+bool ContactTerm::read_memory(const double*& m) {
+    const std::size_t n = gaps_->skin().constant.size();
+    if (*m++ == 0) return false;
+    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n);
+    m += 2 * n;
+    return gaps_->search(from_.data(), to_.data());
+}
+
+template <class F>
+void ContactTerm::each_form(int A, F f) const {
+    const Skin& skin = gaps_->skin();
+    const auto& stencil = gaps_->stencil(A);
+    for (int v = 0; v < static_cast<int>(stencil.size()); ++v)
+        for (int k = skin.first[stencil[v]]; k < skin.first[stencil[v] + 1]; ++k) f(v, k);
+}
+
+void ContactTerm::couple(Pattern& pattern) const {
+    const Skin& skin = gaps_->skin();
+    auto rows = [&](int k) { return skin.mesh_node[k] ? 1 : skin.dim; };
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (has_multipliers()) pattern.couple(options_.multiplier[A], options_.multiplier[A]);
+        each_form(A, [&](int, int k) {
+            for (int i = 0; i < rows(k); ++i) {
+                const int u = skin.unknown[k] + i;
+                if (has_multipliers())
+                    pattern.couple(u, options_.multiplier[A]), pattern.couple(options_.multiplier[A], u);
+                each_form(A, [&](int, int l) {
+                    for (int j = 0; j < rows(l); ++j) pattern.couple(u, skin.unknown[l] + j);
+                });
+            }
+        });
+    }
+}
+
+void ContactTerm::connect(const Pattern& pattern) {
+    const Skin& skin = gaps_->skin();
+    places_.assign(gaps_->n(), {});
+    for (int A = 0; A < gaps_->n(); ++A) {
+        Places& p = places_[A];
+        const int lambda = has_multipliers() ? options_.multiplier[A] : -1;
+        if (lambda >= 0) p.diagonal = pattern.position(lambda, lambda);
+        auto add = [&](std::vector<Place>& to, int u, int w) { to.push_back({pattern.position(u, w), 0}); };
+        each_form(A, [&](int, int k) {
+            const int u = skin.unknown[k];
+            for (int i = 0; i < skin.dim && lambda >= 0; ++i)
+                add(p.row, lambda, u + i), add(p.column, u + i, lambda);
+            each_form(A, [&](int, int l) {
+                const int w = skin.unknown[l];
+                if (skin.mesh_node[k] && skin.mesh_node[l])
+                    p.vertex.push_back({pattern.position(u, w), pattern.row_length(u)});
+                else
+                    for (int i = 0; i < skin.dim; ++i)
+                        for (int j = 0; j < skin.dim; ++j) add(p.vertex, u + i, w + j);
+            });
+        });
+    }
+}
+
+// --- pressures ----------------------------------------------------------------------------------------------
+void ContactTerm::begin(const double* x0) {
+    gaps_->skin().positions(x0, X0_);
+    gaps_->values(X0_.data(), gap0_.data(), area0_.data());
+}
+
+void ContactTerm::evaluate(const Context& c) {
+    const Skin& skin = gaps_->skin();
+    skin.positions(c.vectors.x0, X0_), skin.positions(c.vectors.x1, X1_);
+    gaps_->values(X1_.data(), gap1_.data(), area1_.data());
+    const double t = theta(c.step);
+    Xt_.resize(X0_.size()), D_.resize(X0_.size());
+    for (std::size_t i = 0; i < X0_.size(); ++i)
+        Xt_[i] = (1 - t) * X0_[i] + t * X1_[i], D_[i] = X1_[i] - X0_[i];
+    const bool at_theta = !has_multipliers() && !is_discrete(c.step);
+    std::vector<double> area(gap1_.size());
+    if (at_theta) gaps_->values(Xt_.data(), gapt_.data(), area.data());
+    for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
+}
+
+// The pressure S >= 0 at a gap.
+void ContactTerm::press(int A, const Context& c, double gap_theta) {
+    const double k = options_.stiffness[A];
+    S_[A] = dS_gap_[A] = R_[A] = 0;
+    if (!has_multipliers() && is_discrete(c.step)) {
+        press_discretely(A);
+    } else if (!has_multipliers()) {
+        if (gap_theta < 0) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
+    } else {
+        const double lambda = c.vectors.x1[options_.multiplier[A]];
+        const bool moves = c.step.motion[0][0] != 0 && options_.conserving;
+        const double least = moves ? std::min(gap0_[A], 0.0) : 0.0;
+        const bool open = area1_[A] == 0 || (moves && (gap0_[A] > 0 || area0_[A] == 0));
+        const double pressure = lambda - k * (gap1_[A] - least);
+        if (!open && pressure > 0)
+            S_[A] = pressure, dS_gap_[A] = -k, R_[A] = least - gap1_[A];
+        else
+            R_[A] = -lambda / k;
+    }
+    active_[A] = S_[A] != 0;
+}
+
+// S (gap1 - gap0) = W(gap0) - W(gap1) for W = k / 2 <-gap>^2
+void ContactTerm::press_discretely(int A) {
+    const double k = options_.stiffness[A], a = std::min(gap0_[A], 0.0), b = std::min(gap1_[A], 0.0);
+    const double change = gap1_[A] - gap0_[A];
+    if (a == gap0_[A] && b == gap1_[A]) {
+        S_[A] = -0.5 * k * (a + b), dS_gap_[A] = -0.5 * k;
+    } else if (a != b) {
+        S_[A] = 0.5 * k * (a - b) * (a + b) / change;
+        dS_gap_[A] = -(k * b + S_[A]) / change;
+    }
+}
+
+// --- forces -------------------------------------------------------------------------------------------------
+Eigen::VectorXd ContactTerm::stencil_of(int A, const std::vector<double>& X) const {
+    const auto& stencil = gaps_->stencil(A);
+    Eigen::VectorXd x(3 * stencil.size());
+    for (std::size_t v = 0; v < stencil.size(); ++v)
+        for (int i = 0; i < 3; ++i) x[3 * v + i] = X[3 * stencil[v] + i];
+    return x;
+}
+
+// Per pressure, on the stencil's vertices: the gradient, completed to a discrete one where the scheme wants it.
+void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
+    f = vector_of(at_theta_[A].gradient);
+    if (!is_discrete(c.step)) return;
+    const Eigen::VectorXd D = stencil_of(A, D_);
+    Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
+    correction.complete(gap1_[A] - gap0_[A] - f.dot(D));
+    f += correction.c * correction.complement.motion();
+}
+
+void ContactTerm::residual(const Context& c, double* r) {
+    evaluate(c);
+    gaps_->gradients(Xt_.data(), active_, at_theta_);
+    Eigen::VectorXd f;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
+        if (!active_[A]) continue;
+        force(A, c, f);
+        const auto& stencil = gaps_->stencil(A);
+        for (std::size_t v = 0; v < stencil.size(); ++v)
+            gaps_->skin().add_force(stencil[v], f.data() + 3 * v, -S_[A], r);
+    }
+}
+
+// S df/dx1, minus what follows from the change of S.
+Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::VectorXd& g1) const {
+    const Gap& gap = at_theta_[A];
+    const Eigen::VectorXd g = vector_of(gap.gradient);
+    const double t = theta(c.step);
+    Eigen::MatrixXd K =
+        t * Eigen::Map<const Eigen::MatrixXd>(gap.hessian.data(), g.size(), g.size());
+    if (!is_discrete(c.step)) return K;
+    const Eigen::VectorXd D = stencil_of(A, D_);
+    Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
+    correction.complete(gap1_[A] - gap0_[A] - g.dot(D));
+    if (correction.size == 0) return K;
+    const Eigen::MatrixXd dp = correction.complement.derivative(t);
+    const Eigen::VectorXd& p = correction.complement.motion();
+    const Eigen::VectorXd dc =
+        (g1 - g - t * vector_of(gap.along) - 2 * correction.c * (dp.transpose() * p)) / correction.size;
+    return K + S_[A] * (p * dc.transpose() + correction.c * dp);
+}
+
+void ContactTerm::tangent(const Context& c, double* values) {
+    evaluate(c);
+    active_at_tangent_ = active_;
+    gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
+    const bool at_theta = !has_multipliers() && !is_discrete(c.step);
+    if (!at_theta) gaps_->gradients(X1_.data(), active_, at_end_);
+    std::vector<Eigen::MatrixXd> K(gaps_->n());
+    std::vector<Eigen::VectorXd> g1(gaps_->n()), f(gaps_->n());
+    parallel_for(gaps_->n(), [&](int A) {
+        if (!active_[A]) return;
+        g1[A] = vector_of((at_theta ? at_theta_ : at_end_)[A].gradient);
+        if (at_theta) g1[A] *= theta(c.step);
+        force(A, c, f[A]);
+        K[A] = stiffness(A, c, g1[A]) + dS_gap_[A] * f[A] * g1[A].transpose();
+    });
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (active_[A]) scatter(A, K[A], values);
+        if (has_multipliers()) scatter_multiplier(A, g1[A], f[A], values);
+    }
+}
+
+void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) const {
+    const Skin& skin = gaps_->skin();
+    const Place* place = places_[A].vertex.data();
+    each_form(A, [&](int v, int k) {
+        each_form(A, [&](int w, int l) {
+            const double factor = -skin.weight[k] * skin.weight[l];
+            const bool block = skin.mesh_node[k] && skin.mesh_node[l];
+            for (int i = 0; i < skin.dim; ++i)
+                for (int j = 0; j < skin.dim; ++j) {
+                    const std::int64_t at = block ? place->at + i * place->stride + j : (place++)->at;
+                    if (block ? place->at >= 0 : at >= 0) values[at] += factor * K(3 * v + i, 3 * w + j);
+                }
+            if (block) ++place;
+        });
+    });
+}
+
+void ContactTerm::scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f,
+                                     double* values) const {
+    const Places& p = places_[A];
+    if (!active_[A]) {
+        if (p.diagonal >= 0) values[p.diagonal] -= 1 / options_.stiffness[A];
+        return;
+    }
+    const Skin& skin = gaps_->skin();
+    std::size_t at = 0;
+    each_form(A, [&](int v, int k) {
+        for (int i = 0; i < skin.dim; ++i, ++at) {
+            if (p.row[at].at >= 0) values[p.row[at].at] -= skin.weight[k] * g1[3 * v + i];
+            if (p.column[at].at >= 0) values[p.column[at].at] -= skin.weight[k] * f[3 * v + i];
+        }
+    });
+}
+
+// --- books --------------------------------------------------------------------------------------------------
+void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
+    evaluate(c);
+    gaps_->gradients(Xt_.data(), active_, at_theta_);
+    Eigen::VectorXd f;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        const double depth = std::min(gap1_[A], 0.0);
+        if (!has_multipliers()) sums.energy[energy_account] += 0.5 * options_.stiffness[A] * depth * depth;
+        if (!active_[A] || !has_multipliers()) continue;
+        force(A, c, f);
+        sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
+    }
+    gap0_ = gap1_, area0_ = area1_;
+}
+
+void ContactTerm::accept(const Context& c) { begin(c.vectors.x1); }
+
+}  // namespace visviva

@@ -1,0 +1,80 @@
+// Unilateral contact: gaps that must not become negative, kept so by multipliers with an active set or by a
+// penalty, with forces whose momenta vanish and whose work is the change of the gaps.
+#pragma once
+#include <Eigen/Dense>
+
+#include "core/term.hpp"
+#include "gaps.hpp"
+
+namespace visviva {
+
+struct ContactOptions {
+    std::vector<int> multiplier;    // unknown of each gap; empty: penalty
+    std::vector<double> stiffness;  // of each gap: pressure per weighted gap
+    bool conserving = false;        // gaps that are closed must not close further, open ones may
+};
+
+class ContactTerm : public Term {
+  public:
+    ContactTerm(std::unique_ptr<Gaps> gaps, ContactOptions options, double reach);
+
+    void pattern(std::vector<std::pair<int, int>>&) const override {}
+    void set_positions(const std::int64_t*) override {}
+    std::int64_t n_entries() const override { return 0; }
+    void couple(Pattern& pattern) const override;
+    void connect(const Pattern& pattern) override;
+    bool search(const double* x0, const double* x1) override;
+    bool outdated() const override { return active_ != active_at_tangent_; }
+    void begin(const double* x0) override;
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+    void accept(const Context&) override;
+    Refusal refuse(const Context&) override;
+    void write_memory(std::vector<double>& memory) const override;
+    bool read_memory(const double*& memory) override;
+
+    // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
+    const std::vector<double>& pressures() const { return S_; }
+    const std::vector<double>& gap_values() const { return gap1_; }
+    const std::vector<double>& areas() const { return area1_; }
+    int n() const { return gaps_->n(); }
+
+    int work_account = -1, energy_account = -1;
+
+  private:
+    struct Place {
+        std::int64_t at = -1, stride = 0;  // of row 0; stride of rows
+    };
+    struct Places {
+        std::vector<Place> vertex, row, column;  // form by form, multiplier by form, form by multiplier
+        std::int64_t diagonal = -1;
+    };
+    bool has_multipliers() const { return !options_.multiplier.empty(); }
+    bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
+    double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
+    bool beyond(const double* X, double margin) const;
+    void evaluate(const Context&);
+    void press(int A, const Context&, double gap_theta);
+    void press_discretely(int A);
+    void force(int A, const Context&, Eigen::VectorXd& f) const;
+    Eigen::MatrixXd stiffness(int A, const Context&, const Eigen::VectorXd& g1) const;
+    void scatter(int A, const Eigen::MatrixXd& K, double* values) const;
+    void scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f, double* values) const;
+    Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
+    template <class F>
+    void each_form(int A, F f) const;
+
+    std::unique_ptr<Gaps> gaps_;
+    ContactOptions options_;
+    double reach_;
+    std::vector<double> from_, to_;  // what the last search swept
+    std::vector<double> X0_, X1_, Xt_, D_;
+    std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
+    std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
+    std::vector<char> active_, active_at_tangent_;
+    std::vector<Gap> at_theta_, at_end_;
+    std::vector<Places> places_;
+};
+
+}  // namespace visviva

@@ -1,0 +1,50 @@
+// Gap functions: what a contact keeps from becoming negative. Each belongs to a vertex of the first surface and
+// depends on the positions of a few vertices, its stencil.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "skin.hpp"
+
+namespace visviva {
+
+/// A gap and its derivatives by the positions of its stencil's vertices, three numbers each.
+struct Gap {
+    std::vector<double> gradient;
+    std::vector<double> along;    // the second derivatives times a direction
+    std::vector<double> hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
+};
+
+class Gaps {
+  public:
+    explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
+    virtual ~Gaps() = default;
+    const Skin& skin() const { return skin_; }
+    /// Gaps are numbered like the vertices of the first surface.
+    int n() const { return n_; }
+    /// Finds what may come into contact between two configurations; true if the stencils have changed.
+    virtual bool search(const double* from, const double* to) = 0;
+    const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
+    /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.
+    virtual void values(const double* X, double* gap, double* area) = 0;
+    /// Gradients of the gaps that are wanted.
+    virtual void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) = 0;
+    /// The sum of S times the second derivatives, shared out over the gaps' `hessian`, and with a `direction`
+    /// their own second derivatives `along` it; gradients as well.
+    virtual void seconds(const double* X, const std::vector<double>& S, const double* direction,
+                         std::vector<Gap>& out) = 0;
+
+  protected:
+    Skin skin_;
+    int n_ = 0;
+    std::vector<std::vector<int>> stencils_;
+};
+
+struct MortarOptions {
+    double reach = 0;  // facets farther apart along the normal do not see each other
+};
+
+std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);
+
+}  // namespace visviva

@@ -1,0 +1,45 @@
+// Mortar segments: where a facet of one surface and a facet of the other face each other. Both are projected
+// onto the plane of the first one's centre, the common polygon is cut out, triangulated and integrated
+// (Puso & Laursen 2004; paper refs. [10][13]).
+#pragma once
+
+namespace visviva {
+
+inline constexpr int facet_corners = 4, segment_corners = 2 * facet_corners;
+inline constexpr int segment_size = 3 * segment_corners;
+
+/// Corners of two facets, three coordinates each; in the plane facets are edges, of two corners.
+struct FacetPair {
+    double x[segment_corners][3];  // the first facet's corners, from `facet_corners` on the second's
+    int n_first, n_second;
+};
+
+/// Integrals over a segment, for every corner a of the first facet.
+struct Segment {
+    bool any;                         // false: they do not face each other
+    double V[facet_corners][3];       // of N_a (x2 - x1)
+    double area[facet_corners];       // of N_a
+    double J[facet_corners][3][segment_size];       // dV/dx
+    double H[segment_size][segment_size];           // d2(u . V)/dx2 for given covectors u_a
+    double HD[facet_corners][segment_size];         // d2(n_a . V_a)/dx2 along a given direction
+};
+
+/// The weights of the integrals of N_a N_b (first facet) and N_a N_c (second), by corners.
+struct SegmentWeights {
+    bool any;
+    double first[facet_corners][facet_corners], second[facet_corners][facet_corners];
+    double area[facet_corners];
+};
+
+struct SegmentKernels {
+    void (*value)(const FacetPair&, Segment&);
+    void (*weights)(const FacetPair&, SegmentWeights&);
+    void (*gradient)(const FacetPair&, Segment&);
+    // V and J as well; `direction` null: HD is left out
+    void (*second)(const FacetPair&, const double (*u)[3], const double (*n)[3], const double* direction,
+                   Segment&);
+};
+
+const SegmentKernels& segment_kernels();
+
+}  // namespace visviva

@@ -1,0 +1,267 @@
+// The geometry of mortar segments over any number type.
+#pragma once
+#include <optional>
+
+#include "dual.hpp"
+#include "segment.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+template <class T>
+struct Vec {
+    T x, y, z;
+};
+template <class T>
+inline Vec<T> operator+(const Vec<T>& a, const Vec<T>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+inline Vec<T> operator-(const Vec<T>& a, const Vec<T>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T, class S>
+inline Vec<T> operator*(const S& c, const Vec<T>& a) {
+    return {c * a.x, c * a.y, c * a.z};
+}
+template <class T>
+inline T dot(const Vec<T>& a, const Vec<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+inline Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class T>
+inline Vec<T> unit(const Vec<T>& a) {
+    return reciprocal(root(dot(a, a))) * a;
+}
+
+template <class T>
+struct Planar {
+    T x, y;
+};
+template <class T>
+inline Planar<T> operator-(const Planar<T>& a, const Planar<T>& b) {
+    return {a.x - b.x, a.y - b.y};
+}
+template <class T>
+inline T cross(const Planar<T>& a, const Planar<T>& b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+/// c0 + c1 xi + c2 eta + c3 xi eta over a facet: quadrilateral on (-1, 1)^2, triangle (xi, eta, 1 - xi - eta).
+template <class T>
+struct Bilinear {
+    T c0, c1, c2, c3;
+    bool quad;
+
+    Bilinear() : quad(false) {}
+    Bilinear(const T& a, const T& b, const T& c, const T& d)
+        : c0(0.25 * (a + b + c + d)),
+          c1(0.25 * (b + c - (a + d))),
+          c2(0.25 * (c + d - (a + b))),
+          c3(0.25 * (a + c - (b + d))),
+          quad(true) {}
+    Bilinear(const T& a, const T& b, const T& c) : c0(a), c1(b - a), c2(c - a), c3(a), quad(false) {}
+    template <class S>
+    T at(const S& xi, const S& eta, const S& product) const {
+        const T r = c0 + xi * c1 + eta * c2;
+        return quad ? r + product * c3 : r;
+    }
+    T by_xi(const T& eta) const { return quad ? c1 + eta * c3 : c1; }
+    T by_eta(const T& xi) const { return quad ? c2 + xi * c3 : c2; }
+};
+
+/// Coordinates of a point within a facet, with their product.
+template <class T>
+struct Local {
+    T xi, eta, product;
+};
+
+/// A facet over its coordinates: positions in space, and projected onto the plane.
+template <class T>
+struct Facet {
+    Bilinear<T> x, y, z, u, v;
+    int n;
+
+    Vec<T> position(const Local<T>& l) const {
+        return {x.at(l.xi, l.eta, l.product), y.at(l.xi, l.eta, l.product), z.at(l.xi, l.eta, l.product)};
+    }
+
+    static Bilinear<T> over(const T* a, int n) {
+        return n == 4 ? Bilinear<T>(a[0], a[1], a[2], a[3]) : Bilinear<T>(a[0], a[1], a[2]);
+    }
+    static Facet make(const Vec<T>* p, const Planar<T>* q, int n) {
+        T c[5][4] = {{p[0].x, p[1].x, p[2].x, p[n - 1].x},
+                     {p[0].y, p[1].y, p[2].y, p[n - 1].y},
+                     {p[0].z, p[1].z, p[2].z, p[n - 1].z},
+                     {q[0].x, q[1].x, q[2].x, q[n - 1].x},
+                     {q[0].y, q[1].y, q[2].y, q[n - 1].y}};
+        return {over(c[0], n), over(c[1], n), over(c[2], n), over(c[3], n), over(c[4], n), n};
+    }
+};
+
+/// Inverse of the projected facet at a point. Newton in plain numbers, then two steps with that Jacobian,
+/// after which values and first and second derivatives are those of the inverse.
+template <class T>
+inline Local<T> inverted(const Facet<T>& f, const Planar<T>& p) {
+    const bool quad = f.n == 4;
+    const double u0 = value(f.u.c0), u1 = value(f.u.c1), u2 = value(f.u.c2), u3 = quad ? value(f.u.c3) : 0;
+    const double v0 = value(f.v.c0), v1 = value(f.v.c1), v2 = value(f.v.c2), v3 = quad ? value(f.v.c3) : 0;
+    double xi = 0, eta = 0, a = 1, b = 0, c = 0, d = 1;
+    for (int k = 0; k < (quad ? 12 : 2); ++k) {
+        const double ru = u0 + u1 * xi + u2 * eta + u3 * xi * eta - value(p.x);
+        const double rv = v0 + v1 * xi + v2 * eta + v3 * xi * eta - value(p.y);
+        const double juu = u1 + u3 * eta, juv = u2 + u3 * xi, jvu = v1 + v3 * eta, jvv = v2 + v3 * xi;
+        const double i = 1 / (juu * jvv - juv * jvu);
+        a = i * jvv, b = -i * juv, c = -i * jvu, d = i * juu;
+        const double s = a * ru + b * rv, t = c * ru + d * rv;
+        xi -= s, eta -= t;
+        if (std::abs(s) + std::abs(t) < 1e-15) break;
+    }
+    const T ru = f.u.at(xi, eta, xi * eta) - p.x, rv = f.v.at(xi, eta, xi * eta) - p.y;
+    const T x1 = (-a) * ru + (-b) * rv + xi, y1 = (-c) * ru + (-d) * rv + eta;
+    const T product = x1 * y1;
+    const T su = f.u.at(x1, y1, product) - p.x, sv = f.v.at(x1, y1, product) - p.y;
+    const T x2 = x1 + ((-a) * su + (-b) * sv), y2 = y1 + ((-c) * su + (-d) * sv);
+    return {x2, y2, x2 * y2};
+}
+
+template <class T>
+inline void corner_shapes(int n, const Local<T>& l, T* N) {
+    if (n == 4) {
+        const double sx[4] = {-0.25, 0.25, 0.25, -0.25}, sy[4] = {-0.25, -0.25, 0.25, 0.25},
+                     sp[4] = {0.25, -0.25, 0.25, -0.25};
+        for (int a = 0; a < 4; ++a) N[a] = sx[a] * l.xi + sy[a] * l.eta + sp[a] * l.product + 0.25;
+    } else if (n == 3) {
+        N[0] = (-1.0) * (l.xi + l.eta) + 1.0;
+        N[1] = l.xi, N[2] = l.eta;
+    } else {
+        N[0] = (-1.0) * l.xi + 1.0, N[1] = l.xi;
+    }
+}
+
+/// The common polygon of two convex ones, the second given clockwise (Sutherland & Hodgman 1974).
+template <class T>
+struct Polygon {
+    Planar<T> p[2 * segment_corners];
+    int n = 0;
+
+    void clip(const Planar<T>& a, const Planar<T>& b, double slack) {
+        const Polygon old = *this;
+        const Planar<T> along = b - a;
+        T distance[2 * segment_corners];
+        bool inside[2 * segment_corners];
+        for (int k = 0; k < old.n; ++k) {
+            distance[k] = cross(along, old.p[k] - a);
+            inside[k] = value(distance[k]) >= -slack;
+        }
+        n = 0;
+        for (int k = 0; k < old.n; ++k) {
+            const int m = (k + 1) % old.n;
+            if (inside[k]) p[n++] = old.p[k];
+            if (inside[k] == inside[m]) continue;
+            const T t = distance[k] * reciprocal(distance[k] - distance[m]);
+            const Planar<T> step = old.p[m] - old.p[k];
+            p[n++] = {old.p[k].x + t * step.x, old.p[k].y + t * step.y};
+        }
+    }
+};
+
+/// Points and weights on triangles, exact to fourth order (Strang & Fix 1973).
+inline constexpr int n_triangle_points = 6;
+struct TrianglePoint {
+    double a, b, w;  // coordinates and share of the area
+};
+inline constexpr TrianglePoint triangle_points[n_triangle_points] = {
+    {0.445948490915965, 0.445948490915965, 0.223381589678011}, {0.445948490915965, 0.108103018168070, 0.223381589678011},
+    {0.108103018168070, 0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.091576213509771, 0.109951743655322},
+    {0.091576213509771, 0.816847572980459, 0.109951743655322}, {0.816847572980459, 0.091576213509771, 0.109951743655322}};
+
+/// What a segment in space is made of: both facets over their plane, and their common polygon.
+template <class T>
+struct Outline {
+    Polygon<T> polygon;
+    Facet<T> f1, f2;
+    double least;  // smaller triangles count as none
+};
+
+template <class T>
+inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<T>* second, int n2) {
+    const Vec<T> sum = first[0] + first[1] + first[2];
+    const Vec<T> centre = (1.0 / n1) * (n1 == 4 ? sum + first[3] : sum);
+    const Vec<T> normal = unit(n1 == 4 ? cross(first[2] - first[0], first[3] - first[1])
+                                       : cross(first[1] - first[0], first[2] - first[0]));
+    const Vec<T> edge = first[1] - first[0];
+    const Vec<T> e1 = unit(edge - dot(edge, normal) * normal), e2 = cross(normal, e1);
+    Planar<T> q1[facet_corners], q2[facet_corners];
+    double size = 0;
+    for (int k = 0; k < n1; ++k) {
+        const Vec<T> r = first[k] - centre;
+        q1[k] = {dot(e1, r), dot(e2, r)};
+        size += value(q1[k].x) * value(q1[k].x) + value(q1[k].y) * value(q1[k].y);
+    }
+    for (int k = 0; k < n2; ++k) {
+        const Vec<T> r = second[k] - centre;
+        q2[k] = {dot(e1, r), dot(e2, r)};
+    }
+    Polygon<T> polygon;
+    polygon.n = n1;
+    for (int k = 0; k < n1; ++k) polygon.p[k] = q1[k];
+    for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k) polygon.clip(q2[(k + 1) % n2], q2[k], 1e-12 * size);
+    if (polygon.n < 3) return {};
+    return Outline<T>{polygon, Facet<T>::make(first, q1, n1), Facet<T>::make(second, q2, n2), 1e-14 * size};
+}
+
+/// Calls each(weight, N of the first facet, N of the second, x2 - x1) at every quadrature point of a segment.
+template <class T, class F>
+inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int n2, F each) {
+    const auto o = outline(first, n1, second, n2);
+    if (!o) return false;
+    bool any = false;
+    for (int k = 1; k + 1 < o->polygon.n; ++k) {
+        const Planar<T>&a = o->polygon.p[0], ab = o->polygon.p[k] - a, ac = o->polygon.p[k + 1] - a;
+        const T area = 0.5 * cross(ab, ac);
+        if (!(value(area) > o->least)) continue;
+        any = true;
+        for (const TrianglePoint& g : triangle_points) {
+            const Planar<T> p = {a.x + g.a * ab.x + g.b * ac.x, a.y + g.a * ab.y + g.b * ac.y};
+            const Local<T> l1 = inverted(o->f1, p), l2 = inverted(o->f2, p);
+            T N1[facet_corners], N2[facet_corners];
+            corner_shapes(n1, l1, N1), corner_shapes(n2, l2, N2);
+            each(g.w * area, N1, N2, o->f2.position(l2) - o->f1.position(l1));
+        }
+    }
+    return any;
+}
+
+/// Points and weights on (0, 1), exact to fifth order.
+inline constexpr double line_points[3] = {0.112701665379258, 0.5, 0.887298334620742};
+inline constexpr double line_weights[3] = {0.277777777777778, 0.444444444444444, 0.277777777777778};
+
+/// The same for edges in the plane, projected along the normal of the first.
+template <class T, class F>
+inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, F each) {
+    const Vec<T> along = first[1] - first[0];
+    const T length2 = dot(along, along), scale = reciprocal(length2);
+    const T s0 = scale * dot(second[0] - first[0], along), s1 = scale * dot(second[1] - first[0], along);
+    if (!(value(s1) < value(s0) - 1e-12)) return false;
+    T low = value(s1) > 0 ? s1 : 0.0 * s1, high = value(s0) < 1 ? s0 : 0.0 * s0 + 1.0;
+    if (!(value(high) - value(low) > 1e-14)) return false;
+    const T length = root(length2), part = high - low, slope = reciprocal(s1 - s0);
+    for (int g = 0; g < 3; ++g) {
+        const T s = low + line_points[g] * part, t = slope * (s - s0);
+        T N1[2] = {(-1.0) * s + 1.0, s}, N2[2] = {(-1.0) * t + 1.0, t};
+        const Vec<T> gap = second[0] + t * (second[1] - second[0]) - (first[0] + s * along);
+        each(line_weights[g] * (part * length), N1, N2, gap);
+    }
+    return true;
+}
+
+template <class T, class F>
+inline bool integrate(const Vec<T>* x, int n1, int n2, F each) {
+    return n1 == 2 ? integrate_2d(x, x + facet_corners, each)
+                   : integrate_3d(x, n1, x + facet_corners, n2, each);
+}
+
+}  // namespace visviva::VISVIVA_ISA

@@ -1,0 +1,1 @@
+"""Contact between surfaces of solids and rigid bodies."""

@@ -1,0 +1,134 @@
+"""Surfaces that touch: vertices as linear forms of unknowns, and flat or bilinear facets between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.body.solid import Solid
+from visviva.component import Attachable
+from visviva.errors import InputError
+from visviva.mesh.faces import Faces
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SUBFACETS: dict[str, tuple[tuple[int, ...], ...]] = {
+    "line2": ((0, 1),),
+    "line3": ((0, 2), (2, 1)),
+    "tri3": ((0, 1, 2),),
+    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "quad4": ((0, 1, 2, 3),),
+    "quad8": ((0, 4, 7), (4, 1, 5), (5, 2, 6), (7, 6, 3), (4, 5, 6, 7)),
+    "quad9": ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
+}
+"""Quadratic faces are cut into facets of their nodes (Puso, Laursen & Solberg 2008)."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Vertices and facets of a surface.
+
+    Attributes
+    ----------
+    forms : list of list of (int, float)
+        For each vertex: first unknowns of vectors, and their weights.
+    on_mesh : bool
+        Whether each vertex is a node of a mesh.
+    constant : array, (n, 3)
+        What is added to the weighted vectors.
+    facets : array of int, (m, 4)
+        Vertices of the facets, anticlockwise as seen from outside, -1 where there are fewer than four; in the plane
+        two, with the outside to the right.
+    places : array, (n, 3)
+        Positions of the vertices in the reference configuration.
+    dimension : int
+    """
+
+    forms: list[list[tuple[int, float]]]
+    on_mesh: bool
+    constant: Array
+    facets: Ints
+    places: Array
+    dimension: int
+
+    @property
+    def areas(self) -> Array:
+        """Area (n,) that belongs to each vertex; length in the plane."""
+        total = np.zeros(len(self.places))
+        for facet in self.facets:
+            corners = facet[facet >= 0]
+            total[corners] += _area(self.places[corners]) / len(corners)
+        return total
+
+    @property
+    def size(self) -> float:
+        """Largest diameter of a facet."""
+        spans = [self.places[f[f >= 0]] for f in self.facets]
+        return max(float(np.linalg.norm(np.ptp(p, axis=0))) for p in spans)
+
+
+def _area(corners: Array) -> float:
+    if len(corners) == 2:
+        return float(np.linalg.norm(corners[1] - corners[0]))
+    a, b = (corners[1], corners[2]) if len(corners) == 3 else (corners[2], corners[3] - corners[1] + corners[0])
+    return 0.5 * float(np.linalg.norm(np.cross(a - corners[0], b - corners[0])))
+
+
+def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface:
+    """The surface of a solid given by faces, or the whole one of a rigid body or the ground."""
+    if isinstance(component, Solid):
+        return _of_solid(component, component.faces(faces))
+    return _of_shape(component, label)
+
+
+def _of_solid(solid: Solid, faces: Faces) -> Surface:
+    nodes = faces.nodes
+    rows: list[tuple[int, ...]] = []
+    number = np.full(solid.grid.n_nodes, -1)
+    number[nodes] = np.arange(len(nodes))
+    for kind, cells in faces.cells.items():
+        for part in SUBFACETS[kind]:
+            facets = np.full((len(cells), 4), -1)
+            facets[:, : len(part)] = number[cells[:, list(part)]]
+            rows.extend(map(tuple, facets.tolist()))
+    forms = [[(int(u), 1.0)] for u in solid.node_unknowns(nodes)]
+    places = solid.points[nodes]
+    return Surface(forms, True, np.zeros_like(places), np.array(rows), places, solid.dimension)
+
+
+def _of_shape(component: Attachable, label: str) -> Surface:
+    shape = component.surface()
+    if shape is None:
+        raise InputError(f"{label}: {component.label} has no surface; give it a shape, or take a solid")
+    points, triangles = (np.asarray(part) for part in shape)
+    vectors = [component.place(X) for X in points]
+    forms = [list(v[0].weights) for v in vectors]
+    constant = np.array([[c.constant for c in v] for v in vectors])
+    facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
+    return Surface(forms, False, constant, facets, points, 3)
+
+
+def skin(first: Surface, second: Surface | None) -> Any:
+    """The core's description of two surfaces, or of one that may touch itself."""
+    parts = [first] if second is None else [first, second]
+    forms = [form for part in parts for form in part.forms]
+    starts = np.concatenate([[0], np.cumsum([len(form) for form in forms])])
+    shifts = np.cumsum([0, *(len(part.forms) for part in parts)])
+    facets = [np.where(p.facets >= 0, p.facets + s, -1) for p, s in zip(parts, shifts, strict=False)]
+    on_mesh = [np.full(sum(len(f) for f in p.forms), p.on_mesh) for p in parts]
+    return _core.Skin(
+        first.dimension,
+        starts.astype(np.int32),
+        np.array([u for form in forms for u, _ in form], dtype=np.int32),
+        np.array([w for form in forms for _, w in form], dtype=float),
+        np.concatenate(on_mesh).astype(np.int32),
+        np.concatenate([p.constant for p in parts]).ravel(),
+        np.concatenate(facets).astype(np.int32).ravel(),
+        len(first.facets),
+        0 if second is None else len(first.facets),
+    )
