@@ -42,23 +42,31 @@ void bind_contact(nb::module_& m) {
     nb::class_<Skin>(m, "Skin").def(
         "__init__",
         [](Skin* s, int dim, const Ints& first, const Ints& unknown, const Doubles& weight,
-           const Ints& mesh_node, const Doubles& constant, const Ints& facets, int n_first, int second_begin) {
-            new (s) Skin(skin_of(dim, first, unknown, weight, mesh_node, constant, facets, n_first, second_begin));
+           const Ints& mesh_node, const Doubles& constant, const Ints& facets, int n_first,
+           int second_begin) {
+            new (s) Skin(
+                skin_of(dim, first, unknown, weight, mesh_node, constant, facets, n_first, second_begin));
         },
         nb::arg("dim"), nb::arg("first"), nb::arg("unknown"), nb::arg("weight"), nb::arg("mesh_node"),
         nb::arg("constant"), nb::arg("facets"), nb::arg("n_first"), nb::arg("second_begin"));
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
         .def(
             "__init__",
-            [](ContactTerm* t, const Skin& skin, double reach, const Ints& multiplier, const Doubles& stiffness,
-               bool conserving) {
+            [](ContactTerm* t, const Skin& skin, double reach, const Ints& multiplier,
+               const Doubles& stiffness, bool conserving) {
                 new (t) ContactTerm(make_mortar(skin, {reach}),
-                                    {vector_of<int>(multiplier), vector_of<double>(stiffness), conserving}, reach);
+                                    {vector_of<int>(multiplier), vector_of<double>(stiffness), conserving},
+                                    reach);
             },
-            nb::arg("skin"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("conserving"))
+            nb::arg("skin"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"),
+            nb::arg("conserving"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
-        .def_prop_ro("pressures", [](const ContactTerm& t) { return copy_of(t.pressures()); }, nb::rv_policy::automatic)
-        .def_prop_ro("gaps", [](const ContactTerm& t) { return copy_of(t.gap_values()); }, nb::rv_policy::automatic)
-        .def_prop_ro("areas", [](const ContactTerm& t) { return copy_of(t.areas()); }, nb::rv_policy::automatic);
+        .def_prop_ro(
+            "pressures", [](const ContactTerm& t) { return copy_of(t.pressures()); },
+            nb::rv_policy::automatic)
+        .def_prop_ro(
+            "gaps", [](const ContactTerm& t) { return copy_of(t.gap_values()); }, nb::rv_policy::automatic)
+        .def_prop_ro(
+            "areas", [](const ContactTerm& t) { return copy_of(t.areas()); }, nb::rv_policy::automatic);
 }

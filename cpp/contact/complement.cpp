@@ -51,8 +51,7 @@ Eigen::MatrixXd Complement::derivative(double theta) const {
         turn.middleCols<3>(3 * j) = inverse_ * (spin - theta * inertia);
     }
     const Matrix3 own = Matrix3::Identity() - theta * skew(w_);
-    for (int i = 0; i < k_; ++i)
-        P.middleRows<3>(3 * i) = skew(Vector3(r_.segment<3>(3 * i))) * turn;
+    for (int i = 0; i < k_; ++i) P.middleRows<3>(3 * i) = skew(Vector3(r_.segment<3>(3 * i))) * turn;
     for (int i = 0; i < k_; ++i)
         for (int j = 0; j < k_; ++j) P.block<3, 3>(3 * i, 3 * j) += ((i == j ? 1.0 : 0.0) - 1.0 / k_) * own;
     return P;

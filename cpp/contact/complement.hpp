@@ -1,5 +1,5 @@
-// What is left of the motion of a few points when their common rigid motion is taken away: forces along it have
-// neither resultant nor torque, so they can mend energy without touching the momenta.
+// What is left of the motion of a few points when their common rigid motion is taken away: forces along it
+// have neither resultant nor torque, so they can mend energy without touching the momenta.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>

@@ -38,10 +38,12 @@ ContactTerm::ContactTerm(std::unique_ptr<Gaps> gaps, ContactOptions options, dou
     at_theta_.resize(n), at_end_.resize(n);
 }
 
-// --- which gaps there are -----------------------------------------------------------------------------------
+// --- which gaps there are
+// -----------------------------------------------------------------------------------
 bool ContactTerm::beyond(const double* X, double margin) const {
     for (std::size_t i = 0; i < from_.size(); ++i)
-        if (X[i] < std::min(from_[i], to_[i]) - margin || X[i] > std::max(from_[i], to_[i]) + margin) return true;
+        if (X[i] < std::min(from_[i], to_[i]) - margin || X[i] > std::max(from_[i], to_[i]) + margin)
+            return true;
     return from_.empty();
 }
 
@@ -128,7 +130,8 @@ void ContactTerm::connect(const Pattern& pattern) {
     }
 }
 
-// --- pressures ----------------------------------------------------------------------------------------------
+// --- pressures
+// ----------------------------------------------------------------------------------------------
 void ContactTerm::begin(const double* x0) {
     gaps_->skin().positions(x0, X0_);
     gaps_->values(X0_.data(), gap0_.data(), area0_.data());
@@ -182,7 +185,8 @@ void ContactTerm::press_discretely(int A) {
     }
 }
 
-// --- forces -------------------------------------------------------------------------------------------------
+// --- forces
+// -------------------------------------------------------------------------------------------------
 Eigen::VectorXd ContactTerm::stencil_of(int A, const std::vector<double>& X) const {
     const auto& stencil = gaps_->stencil(A);
     Eigen::VectorXd x(3 * stencil.size());
@@ -191,7 +195,8 @@ Eigen::VectorXd ContactTerm::stencil_of(int A, const std::vector<double>& X) con
     return x;
 }
 
-// Per pressure, on the stencil's vertices: the gradient, completed to a discrete one where the scheme wants it.
+// Per pressure, on the stencil's vertices: the gradient, completed to a discrete one where the scheme wants
+// it.
 void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
     f = vector_of(at_theta_[A].gradient);
     if (!is_discrete(c.step)) return;
@@ -220,8 +225,7 @@ Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::Vec
     const Gap& gap = at_theta_[A];
     const Eigen::VectorXd g = vector_of(gap.gradient);
     const double t = theta(c.step);
-    Eigen::MatrixXd K =
-        t * Eigen::Map<const Eigen::MatrixXd>(gap.hessian.data(), g.size(), g.size());
+    Eigen::MatrixXd K = t * Eigen::Map<const Eigen::MatrixXd>(gap.hessian.data(), g.size(), g.size());
     if (!is_discrete(c.step)) return K;
     const Eigen::VectorXd D = stencil_of(A, D_);
     Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
@@ -289,7 +293,8 @@ void ContactTerm::scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eig
     });
 }
 
-// --- books --------------------------------------------------------------------------------------------------
+// --- books
+// --------------------------------------------------------------------------------------------------
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     evaluate(c);
     gaps_->gradients(Xt_.data(), active_, at_theta_);

@@ -1,5 +1,5 @@
-// Gap functions: what a contact keeps from becoming negative. Each belongs to a vertex of the first surface and
-// depends on the positions of a few vertices, its stencil.
+// Gap functions: what a contact keeps from becoming negative. Each belongs to a vertex of the first surface
+// and depends on the positions of a few vertices, its stencil.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,8 +12,9 @@ namespace visviva {
 /// A gap and its derivatives by the positions of its stencil's vertices, three numbers each.
 struct Gap {
     std::vector<double> gradient;
-    std::vector<double> along;    // the second derivatives times a direction
-    std::vector<double> hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
+    std::vector<double> along;  // the second derivatives times a direction
+    std::vector<double>
+        hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
 };
 
 class Gaps {

@@ -1,5 +1,5 @@
-// Mortar gaps: Phi_A = n_A . integral of N_A (x2 - x1) over the first surface where it faces the second, with the
-// averaged normal n_A at vertex A (Puso & Laursen 2004; paper refs. [10][13]).
+// Mortar gaps: Phi_A = n_A . integral of N_A (x2 - x1) over the first surface where it faces the second, with
+// the averaged normal n_A at vertex A (Puso & Laursen 2004; paper refs. [10][13]).
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -106,10 +106,10 @@ bool Mortar::search(const double* from, const double* to) {
             if (!touching) pairs.push_back({f, second});
         }
     }
-    const bool same = pairs.size() == pairs_.size() &&
-                      std::equal(pairs.begin(), pairs.end(), pairs_.begin(), [](const Pair& p, const Pair& q) {
-                          return p.first == q.first && p.second == q.second;
-                      });
+    const bool same =
+        pairs.size() == pairs_.size() &&
+        std::equal(pairs.begin(), pairs.end(), pairs_.begin(),
+                   [](const Pair& p, const Pair& q) { return p.first == q.first && p.second == q.second; });
     if (same) return false;
     pairs_ = std::move(pairs);
     make_stencils();

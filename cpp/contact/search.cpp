@@ -74,7 +74,8 @@ Box swept(const Skin& skin, int facet, const double* from, const double* to, dou
         for (const double* X : {from, to})
             for (int i = 0; i < 3; ++i) {
                 const double x = X[3 * skin.corners(facet)[a] + i];
-                box.low[i] = std::min(box.low[i], x - margin), box.high[i] = std::max(box.high[i], x + margin);
+                box.low[i] = std::min(box.low[i], x - margin),
+                box.high[i] = std::max(box.high[i], x + margin);
             }
     return box;
 }

@@ -16,12 +16,12 @@ struct FacetPair {
 
 /// Integrals over a segment, for every corner a of the first facet.
 struct Segment {
-    bool any;                         // false: they do not face each other
-    double V[facet_corners][3];       // of N_a (x2 - x1)
-    double area[facet_corners];       // of N_a
-    double J[facet_corners][3][segment_size];       // dV/dx
-    double H[segment_size][segment_size];           // d2(u . V)/dx2 for given covectors u_a
-    double HD[facet_corners][segment_size];         // d2(n_a . V_a)/dx2 along a given direction
+    bool any;                                  // false: they do not face each other
+    double V[facet_corners][3];                // of N_a (x2 - x1)
+    double area[facet_corners];                // of N_a
+    double J[facet_corners][3][segment_size];  // dV/dx
+    double H[segment_size][segment_size];      // d2(u . V)/dx2 for given covectors u_a
+    double HD[facet_corners][segment_size];    // d2(n_a . V_a)/dx2 along a given direction
 };
 
 /// The weights of the integrals of N_a N_b (first facet) and N_a N_c (second), by corners.

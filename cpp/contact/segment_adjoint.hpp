@@ -1,5 +1,5 @@
-// Derivatives of the integrals over a segment in space, by hand at the quadrature points, where nearly all the
-// work is, and by a tape for the outline.
+// Derivatives of the integrals over a segment in space, by hand at the quadrature points, where nearly all
+// the work is, and by a tape for the outline.
 #pragma once
 #include "segment_geometry.hpp"
 
@@ -30,7 +30,8 @@ inline T combination(const double (*c)[3], int i, const Local<T>& l) {
     return c[1][i] * l.xi + c[2][i] * l.eta + c[3][i] * l.product + c[0][i];
 }
 
-/// From adjoints of a facet's coordinates at a point of the plane back to its planar coefficients and the point.
+/// From adjoints of a facet's coordinates at a point of the plane back to its planar coefficients and the
+/// point.
 template <class T>
 inline Planar<T> back_to_plane(const Facet<T>& f, const Local<T>& l, const T& xi, const T& eta, T (*bar)[4]) {
     const T uu = f.u.by_xi(l.eta), uv = f.u.by_eta(l.xi), vu = f.v.by_xi(l.eta), vv = f.v.by_eta(l.xi);
@@ -111,7 +112,8 @@ inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>*
         }
         for (int s = 0; s < K; ++s) {
             const T half = 0.5 * area_bar[s];
-            const T bx = half * ac.y, by = (-1.0) * (half * ac.x), cx = (-1.0) * (half * ab.y), cy = half * ab.x;
+            const T bx = half * ac.y, by = (-1.0) * (half * ac.x), cx = (-1.0) * (half * ab.y),
+                    cy = half * ab.x;
             Planar<T>* p = bar[s].p;
             add_to(p[k].x, bx), add_to(p[k].y, by), add_to(p[k + 1].x, cx), add_to(p[k + 1].y, cy);
             add_to(p[0].x, (-1.0) * (bx + cx)), add_to(p[0].y, (-1.0) * (by + cy));

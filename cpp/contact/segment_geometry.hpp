@@ -49,7 +49,8 @@ inline T cross(const Planar<T>& a, const Planar<T>& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-/// c0 + c1 xi + c2 eta + c3 xi eta over a facet: quadrilateral on (-1, 1)^2, triangle (xi, eta, 1 - xi - eta).
+/// c0 + c1 xi + c2 eta + c3 xi eta over a facet: quadrilateral on (-1, 1)^2, triangle (xi, eta, 1 - xi -
+/// eta).
 template <class T>
 struct Bilinear {
     T c0, c1, c2, c3;
@@ -174,9 +175,12 @@ struct TrianglePoint {
     double a, b, w;  // coordinates and share of the area
 };
 inline constexpr TrianglePoint triangle_points[n_triangle_points] = {
-    {0.445948490915965, 0.445948490915965, 0.223381589678011}, {0.445948490915965, 0.108103018168070, 0.223381589678011},
-    {0.108103018168070, 0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.091576213509771, 0.109951743655322},
-    {0.091576213509771, 0.816847572980459, 0.109951743655322}, {0.816847572980459, 0.091576213509771, 0.109951743655322}};
+    {0.445948490915965, 0.445948490915965, 0.223381589678011},
+    {0.445948490915965, 0.108103018168070, 0.223381589678011},
+    {0.108103018168070, 0.445948490915965, 0.223381589678011},
+    {0.091576213509771, 0.091576213509771, 0.109951743655322},
+    {0.091576213509771, 0.816847572980459, 0.109951743655322},
+    {0.816847572980459, 0.091576213509771, 0.109951743655322}};
 
 /// What a segment in space is made of: both facets over their plane, and their common polygon.
 template <class T>

@@ -32,7 +32,7 @@ void NormalField::build(const Skin& skin) {
         const int n = skin.n_corners(f);
         const int* c = skin.corners(f);
         for (int a = 0; a < n; ++a)
-            of[c[a]].push_back(n > 2   ? Corner{c[(a + 1) % n], c[(a + n - 1) % n]}
+            of[c[a]].push_back(n > 2    ? Corner{c[(a + 1) % n], c[(a + n - 1) % n]}
                                : a == 0 ? Corner{c[1], -1}
                                         : Corner{-1, c[0]});
     }
@@ -55,8 +55,10 @@ void NormalField::sum(const double* X, int vertex, double* m) const {
             continue;
         }
         const double *b = X + 3 * corner.next, *c = X + 3 * corner.previous;
-        const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-        m[0] += u[1] * w[2] - u[2] * w[1], m[1] += u[2] * w[0] - u[0] * w[2], m[2] += u[0] * w[1] - u[1] * w[0];
+        const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                     w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+        m[0] += u[1] * w[2] - u[2] * w[1], m[1] += u[2] * w[0] - u[0] * w[2],
+            m[2] += u[0] * w[1] - u[1] * w[0];
     }
 }
 

@@ -9,7 +9,8 @@ namespace visviva {
 
 struct Skin {
     int dim = 3;
-    // Vertex v is constant[v] + sum of weight[k] * (the vector of unknowns from unknown[k] on), k from first[v].
+    // Vertex v is constant[v] + sum of weight[k] * (the vector of unknowns from unknown[k] on), k from
+    // first[v].
     std::vector<int> first, unknown;
     std::vector<double> weight, constant;
     std::vector<char> mesh_node;  // per form: its unknowns are those of one node of a mesh

@@ -47,7 +47,8 @@ class Term {
     virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
-    // What a restart needs besides the unknowns; reading moves on in the memory, true if the coupling has changed.
+    // What a restart needs besides the unknowns; reading moves on in the memory, true if the coupling has
+    // changed.
     virtual void write_memory(std::vector<double>&) const {}
     virtual bool read_memory(const double*& /*memory*/) { return false; }
     // Asked after convergence, about the last residual.

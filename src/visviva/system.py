@@ -127,7 +127,9 @@ class System:
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
-        self._pattern: tuple[int, tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]] | None = None
+        self._pattern: tuple[int, tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]] | None = (
+            None
+        )
         self._name_components()
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:

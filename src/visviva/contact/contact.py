@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
-from visviva.contact.surface import Surface, skin, surface_of
+from visviva.contact.surface import skin, surface_of
 from visviva.errors import InputError
 from visviva.mesh.faces import Faces
 from visviva.values import Number
@@ -48,7 +48,20 @@ class Contact(Component):
     Notes
     -----
     Linear and angular momentum are exact with every scheme; with `EnergyMomentum` the work of contact is that of the
-    change of the gaps: nothing while contact persists, never a gain.
+    change of the gaps: nothing while contact persists, never a gain. See :doc:`/theory/contact`.
+
+    Examples
+    --------
+    A block that falls onto another one and bounces off:
+
+    >>> import visviva as vv
+    >>> rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+    >>> lower = vv.Solid(mesh=vv.BoxMesh(size=(2, 2, 1), counts=(2, 2, 1)), material=rubber, density=1.0)
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(3, 3, 1)).build().moved((0.5, 0.5, 1.02))
+    >>> upper = vv.Solid(mesh=mesh, material=rubber, density=1.0, velocity=(0, 0, -1))
+    >>> contact = vv.Contact(first=upper, first_faces="z0", second=lower, second_faces="z1", impact="conserving")
+    >>> result = vv.simulate(vv.System([lower, upper, contact]), until=0.2, step=0.01)
+    >>> result.assert_conserved("energy", "momentum_z", "angular_x", tolerance=1e-9)
     """
 
     first: Attachable

@@ -75,7 +75,9 @@ class Surface:
 def _area(corners: Array) -> float:
     if len(corners) == 2:
         return float(np.linalg.norm(corners[1] - corners[0]))
-    a, b = (corners[1], corners[2]) if len(corners) == 3 else (corners[2], corners[3] - corners[1] + corners[0])
+    a, b = (
+        (corners[1], corners[2]) if len(corners) == 3 else (corners[2], corners[3] - corners[1] + corners[0])
+    )
     return 0.5 * float(np.linalg.norm(np.cross(a - corners[0], b - corners[0])))
 
 
