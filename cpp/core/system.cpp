@@ -59,7 +59,10 @@ void System::finalize() {
         term->connect(pattern);
     }
     hold(pattern);
-    if (std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; }))
+    if (std::none_of(element_.begin(), element_.end(), [](int e) { return e >= 0; })) return;
+    if (condensation_)
+        *condensation_ = Condensation(csr_, element_);  // the solver knows it already
+    else
         condensation_ = std::make_shared<Condensation>(csr_, element_);
 }
 
@@ -320,8 +323,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
         evaluate_residual(context, !solver_->keeps_rigidity());
-        refresh = refresh ||
-                  std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
+        refresh =
+            refresh || std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
