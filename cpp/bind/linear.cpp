@@ -125,7 +125,8 @@ void bind_choice(nb::module_& m) {
         .value("diagonal", Preconditioner::diagonal)
         .value("block", Preconditioner::block)
         .value("incomplete", Preconditioner::incomplete)
-        .value("multigrid", Preconditioner::multigrid);
+        .value("multigrid", Preconditioner::multigrid)
+        .value("saddle", Preconditioner::saddle);
     nb::class_<LinearChoice>(m, "LinearChoice")
         .def(nb::init<>())
         .def_rw("backend", &LinearChoice::backend)

@@ -84,13 +84,15 @@ std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
 
 Blocks Condensation::left(const Blocks& blocks) const {
     Blocks b = blocks;
-    b.node.clear(), b.modes.clear();
+    b.node.clear(), b.modes.clear(), b.algebraic.clear();
     for (int first : blocks.node)  // first equations of nodes, and at last the number of equations
         if (first == full_->n || !local_[first]) b.node.push_back(first == full_->n ? left_.n : kept_[first]);
     for (int i = 0; i < full_->n; ++i)
-        if (!local_[i])
+        if (!local_[i]) {
             b.modes.insert(b.modes.end(), blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes,
                            blocks.modes.begin() + static_cast<std::ptrdiff_t>(i + 1) * b.n_modes);
+            b.algebraic.push_back(blocks.algebraic[i]);
+        }
     return b;
 }
 

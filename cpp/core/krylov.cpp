@@ -70,7 +70,10 @@ class Krylov : public LinearSolver {
         double now = 1, before = 2;
         const char* trouble = nullptr;
         n_iterations_ = 0;
-        for (r_ = b_; now > choice_.tolerance && n_iterations_ < choice_.max_iterations && !trouble;) {
+        r_ = b_;
+        if (preconditioning_->starts_exact())
+            preconditioning_->apply(b_.data(), x_.data()), now = residual() / size;
+        for (; now > choice_.tolerance && n_iterations_ < choice_.max_iterations && !trouble;) {
             if (choice_.method != KrylovMethod::gmres && now > 0.9 * before) break;
             KrylovRun run{matrix_,
                           *preconditioning_,

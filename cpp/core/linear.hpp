@@ -36,6 +36,7 @@ struct Blocks {
     // and what the tangent hardly resists, for multigrid: [equation][n_modes], rigid-body modes of solids.
     std::vector<double> modes;
     int n_modes = 0;
+    std::vector<char> algebraic;  // per equation: constraints and pressures, without inertia
 };
 
 // Factors that would not fit into memory; said before they are made.

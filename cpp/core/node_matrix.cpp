@@ -22,6 +22,9 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
     a_.allocate();
     n_modes_ = blocks.n_modes;
     modes_.assign(size() * n_modes_, 0.0);
+    algebraic_.assign(a_.n(), 0);
+    for (int i = 0; i < pattern.n; ++i)
+        if (!blocks.algebraic.empty() && blocks.algebraic[i]) algebraic_[slot_[i] / a_.rows] = 1;
     for (int i = 0; i < pattern.n; ++i)
         std::copy_n(blocks.modes.data() + static_cast<std::size_t>(i) * n_modes_, n_modes_,
                     modes_.data() + static_cast<std::size_t>(slot_[i]) * n_modes_);

@@ -15,6 +15,7 @@ class NodeMatrix {
     std::size_t size() const { return a_.size(); }
     const std::vector<double>& modes() const { return modes_; }  // [slot][n_modes]
     int n_modes() const { return n_modes_; }
+    const std::vector<char>& algebraic() const { return algebraic_; }  // by block row
     void multiply(const double* x, double* y) const;
 
     // -r from the unknowns into slots, and slots back to the unknowns.
@@ -30,6 +31,7 @@ class NodeMatrix {
     std::vector<int> slot_;   // of every equation
     std::vector<int> first_;  // equation of every block row, and n
     std::vector<double> modes_;
+    std::vector<char> algebraic_;
     int n_modes_ = 0;
 };
 

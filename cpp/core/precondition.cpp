@@ -155,6 +155,8 @@ std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice& choice
             return std::make_unique<BlockDiagonal>(false);
         case Preconditioner::incomplete:
             return std::make_unique<Incomplete>();
+        case Preconditioner::saddle:
+            return make_saddle();
         case Preconditioner::multigrid:
             break;
     }

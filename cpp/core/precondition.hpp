@@ -18,10 +18,14 @@ class Preconditioning {
     virtual void learn(int /*iterations*/) {}
     virtual bool kept() const { return false; }
     virtual void forget() {}
+    // Whether M satisfies the rows of constraints exactly: then iterations that start from M^-1 b keep them
+    // so.
+    virtual bool starts_exact() const { return false; }
 };
 
 std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice&);
 std::unique_ptr<Preconditioning> make_incomplete();
+std::unique_ptr<Preconditioning> make_saddle();
 std::unique_ptr<Preconditioning> make_multigrid(const LinearChoice&);
 
 // Inverses of the diagonal blocks, of the diagonal alone if so wished; what is zero there stays as it is.

@@ -57,6 +57,8 @@ class Problem:
         Constraints among the equations; they make the matrix indefinite.
     has_modes : bool
         Rigid-body modes are known, so multigrid is effective.
+    n_pressures : int
+        Unknowns without inertia that are no constraints of joints: pressures of contact.
     has_inertia : bool
         The tangent is that of a time step: where steps are short, mass outweighs stiffness.
     regularization : float
@@ -69,6 +71,7 @@ class Problem:
     definite: bool = False
     n_multipliers: int = 0
     has_modes: bool = False
+    n_pressures: int = 0
     has_inertia: bool = False
     regularization: float = 0.0
 
@@ -192,8 +195,8 @@ class Iterative(LinearOptions):
     ----------
     method : {"auto", "cg", "gmres", "bicgstab"}
         "auto": conjugate gradients for positive definite tangents, else GMRES.
-    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid"}
-        "block": the diagonal blocks of the nodes, best for small time steps; "incomplete": block ILU(0);
+    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"}
+        "saddle": blocks of the nodes, and constraints and pressures exactly, for contact in small time steps; "block": the diagonal blocks of the nodes, best for small time steps; "incomplete": block ILU(0);
         "multigrid": smoothed aggregation (``pip install visviva[amg]``), best for statics. "auto" takes
         multigrid where it can, else blocks.
     tolerance : float
@@ -209,14 +212,14 @@ class Iterative(LinearOptions):
     """
 
     method: Literal["auto", "cg", "gmres", "bicgstab"] = "auto"
-    preconditioner: Literal["auto", "none", "diagonal", "block", "incomplete", "multigrid"] = "auto"
+    preconditioner: Literal["auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"] = "auto"
     tolerance: float = 1e-6
     max_iterations: int = 500
     restart: int = 50
 
     def __post_init__(self) -> None:
         _one_of(self.method, "method", ("auto", "cg", "gmres", "bicgstab"))
-        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid")
+        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle")
         _one_of(self.preconditioner, "preconditioner", known)
         if not 0 < self.tolerance < 1:
             raise InputError(f"tolerance = {self.tolerance} of a linear solver is not between 0 and 1")
@@ -275,6 +278,10 @@ class Automatic(LinearOptions):
         solid = problem.is_definite and problem.has_modes and problem.n_entries > DENSE_ROWS * problem.n
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
         first = []
+        if problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
+            first.append(
+                Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW)
+            )
         if solid and problem.has_inertia:
             first.append(
                 Iterative(method="cg", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)

@@ -272,6 +272,7 @@ class System:
             definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
+            n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
             has_inertia=inertia,
             regularization=self.newton.regularization,
         )
