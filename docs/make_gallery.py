@@ -24,7 +24,7 @@ PAGE = """\
 {underline}
 {description}
 
-Run it with ``visviva run {name}``.
+Run it with ``visviva run {name}{settings}``.
 
 .. image:: {name}_picture.png
    :width: 90%
@@ -68,7 +68,8 @@ def make_gallery() -> None:
 def make_page(name: str) -> str:
     """Run an example and put its page together; the pictures go beside it."""
     module = example(name)
-    study = module.study()
+    parameters = getattr(module, "GALLERY", {})
+    study = module.study(**parameters)
     study.until = min(study.until, LONGEST)
     with tempfile.TemporaryDirectory() as scratch:
         files = Path(scratch) / name
@@ -81,6 +82,7 @@ def make_page(name: str) -> str:
         underline="=" * len(title),
         description=(module.__doc__ or first_line(module)).replace("`", "``"),
         name=name,
+        settings="".join(f" --set {key}={value}" for key, value in parameters.items()),
         audit=indented(audit(result).split("\n")),
     )
 

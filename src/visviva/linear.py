@@ -196,8 +196,9 @@ class Iterative(LinearOptions):
     method : {"auto", "cg", "gmres", "bicgstab"}
         "auto": conjugate gradients for positive definite tangents, else GMRES.
     preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"}
-        "saddle": blocks of the nodes, and constraints and pressures exactly, for contact in small time steps; "block": the diagonal blocks of the nodes, best for small time steps; "incomplete": block ILU(0);
-        "multigrid": smoothed aggregation (``pip install visviva[amg]``), best for statics. "auto" takes
+        "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
+        pressures exactly, for contact; "incomplete": block ILU(0); "multigrid": smoothed aggregation
+        (``pip install visviva[amg]``), best for statics. "auto" takes
         multigrid where it can, else blocks.
     tolerance : float
         Of the residual, relative to the right-hand side.
