@@ -50,6 +50,8 @@ def check(result: vv.Result) -> None:
     momentum = np.linalg.norm([ledger[f"momentum_{axis}"][0] for axis in "xyz"])
     for axis in "xyz":
         assert np.ptp(ledger[f"momentum_{axis}"]) < 1e-9 * momentum, f"linear momentum along {axis} changes"
-        assert np.ptp(ledger[f"angular_{axis}"]) < 1e-9 * 76 * momentum, f"angular momentum about {axis} changes"
+        assert np.ptp(ledger[f"angular_{axis}"]) < 1e-9 * 76 * momentum, (
+            f"angular momentum about {axis} changes"
+        )
     total = result.ledger["total"]
     assert np.max(total - total[0]) < 1e-9 * total[0], "energy has grown"
