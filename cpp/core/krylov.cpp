@@ -80,7 +80,8 @@ class Krylov : public LinearSolver {
                           0.9 * choice_.tolerance * size,
                           choice_.max_iterations - n_iterations_,
                           x_,
-                          r_};
+                          r_,
+                          basis_};
             start(run);
             trouble = run.trouble;
             n_iterations_ += std::max(run.iterations, 1);
@@ -117,6 +118,7 @@ class Krylov : public LinearSolver {
     std::unique_ptr<Preconditioning> preconditioning_;
     NodeMatrix matrix_;
     std::vector<double> b_, x_, r_;
+    std::vector<std::vector<double>> basis_;
     int n_iterations_ = 0;
     std::string message_;
 };

@@ -11,6 +11,7 @@ struct KrylovRun {
     double target;       // of |r|
     int max_iterations;  // of this run
     std::vector<double>&x, &r;
+    std::vector<std::vector<double>>& basis;  // room that is kept between runs
     int iterations = 0;
     const char* trouble = nullptr;  // why it stopped early
 };

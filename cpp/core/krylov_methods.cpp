@@ -86,7 +86,13 @@ struct Hessenberg {
 void gmres(KrylovRun& run, int restart) {
     const std::size_t n = run.r.size();
     const int m = std::min(restart, run.max_iterations);
-    std::vector<Vector> v(1, run.r);
+    auto& v = run.basis;
+    auto room = [&](std::size_t k) -> Vector& {
+        if (v.size() <= k) v.resize(k + 1);
+        v[k].resize(n);
+        return v[k];
+    };
+    room(0) = run.r;
     Hessenberg h(m);
     h.g[0] = norm(run.r);
     if (!(h.g[0] > 0)) return;
@@ -95,8 +101,7 @@ void gmres(KrylovRun& run, int restart) {
     int k = 0;
     while (k < m && std::abs(h.g[k]) > run.target) {
         run.preconditioning.apply(v[k].data(), z.data());
-        v.emplace_back(n);
-        Vector& w = v.back();
+        Vector& w = room(k + 1);
         run.matrix.multiply(z.data(), w.data());
         for (int i = 0; i <= k; ++i) {
             h.at(i, k) = dot(w, v[i]);
