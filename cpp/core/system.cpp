@@ -377,6 +377,10 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
 }
 
+namespace {
+bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 0 && s.transport[0][0] == 0; }
+}  // namespace
+
 void System::clear_sums() {
     for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect})
         std::fill(s->begin(), s->end(), 0.0);
@@ -385,6 +389,29 @@ void System::clear_sums() {
 void System::book(const Context& c, const double* v1) {
     clear_sums();
     for (const auto& term : terms_) term->ledger(c, v1, sums);
+}
+
+// The same with the work of prescribed motion, which goes along dx or against it.
+void System::book_step(const Context& c, const double* v1, double direction) {
+    if (!prescribed_.empty()) evaluate_residual(c, true);  // before the terms go on to the end
+    book(c, v1);
+    for (std::size_t k = 0; k < prescribed_.size(); ++k)
+        sums.work[prescribed_account_[k]] += direction * r_[prescribed_[k]] * dx[prescribed_[k]];
+}
+
+// Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its
+// beginning are those at the end of the step backwards: half of the work there and half of the work back,
+// taken off, is the trapezoidal rule along the path.
+void System::book_path(const Context& c) {
+    LedgerSums there = sums;
+    Step back = c.step;
+    back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
+    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate};
+    const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
+    for (const auto& term : terms_) term->begin(c.vectors.x1);
+    book_step({back, vectors, signals}, v.data(), -1);
+    for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+    sums = std::move(there);
 }
 
 void System::accept(const Step& step, const Signals& signals, bool ledger) {
@@ -422,12 +449,9 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
                new_w = end_of_step(step, 4, w, w_next_);
     stale_begin_ = true;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    if (ledger) {
-        if (!prescribed_.empty()) evaluate_residual(context, true);  // before the terms go on to the end
-        book(context, new_v ? v_next_.data() : v.data());
-        for (std::size_t k = 0; k < prescribed_.size(); ++k)
-            sums.work[prescribed_account_[k]] += r_[prescribed_[k]] * dx[prescribed_[k]];
-    }
+    const bool path = ledger && is_static(step);
+    if (ledger) book_step(context, new_v ? v_next_.data() : v.data(), 1);
+    if (path) book_path(context);
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
@@ -439,7 +463,7 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
     discard();
-    stale_begin_ = !ledger;  // booking leaves the terms at the end of the step
+    stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
 }
 
 void System::take_stock(const Step& step, const Signals& signals) {

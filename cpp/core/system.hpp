@@ -132,6 +132,8 @@ class System {
     Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();
     void book(const Context&, const double* v1);
+    void book_step(const Context&, const double* v1, double direction);
+    void book_path(const Context&);
 
     int n_ = 0, revision_ = 0;
     std::vector<int> order_;

@@ -165,6 +165,9 @@ class Static(Scheme):
 
     A load step that fails is halved; steps grow again, up to the given one, when they converge fast.
 
+    The ledger has the work of loads and prescribed motion along each step by the trapezoidal rule: its balance closes
+    where forces are linear in the displacements, else to second order in the step; see :doc:`/theory/structure`.
+
     Parameters
     ----------
     tolerance : float
