@@ -18,6 +18,45 @@ def elliptic(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (2 + 1.25 * u) * np.cos(angle), (1 + 1.75 * u) * np.sin(angle)
 
 
+def test_le1_elliptic_membrane() -> None:
+    """LE1: quarter of the plate in plane stress, 10 MPa outward on its edge: 92.7 MPa at (2, 0); p-elements 92.6582."""
+    errors = []
+    for n in (8, 16, 32):
+        unit = vv.RectangleMesh(size=(1, 1), counts=(n, n), cell="quad8").build()
+        x, y = elliptic(unit.points[:, 0], unit.points[:, 1])
+        places = np.column_stack([x, y])
+        places[np.abs(places) < 1e-12] = 0.0
+        mesh = vv.Mesh(places, unit.cells, face_sets=unit.face_sets)
+        solid = vv.Solid(mesh=mesh, material=vv.LinearElastic(**STEEL), plane="stress", thickness=0.1)
+        system = static(
+            [
+                solid,
+                vv.SymmetryPlane(solid=solid, nodes="y0", normal=(0, 1, 0)),
+                vv.SymmetryPlane(solid=solid, nodes="y1", normal=(1, 0, 0)),
+                vv.Pressure(solid=solid, faces="x1", pressure=-10.0, follower=False),
+            ]
+        )
+        stress = vv.FieldAt(solid=solid, field="cauchy", at=(2.0, 0.0, 0.0))(system)
+        errors.append(abs(stress[1] / 92.6582 - 1))
+    assert errors[-1] < 1e-3
+
+
+def test_fv32_tapered_membrane() -> None:
+    """FV32: 44.623 130.03 162.70 246.05 379.90 391.44 Hz; p-elements give the figures below."""
+    corners = ((0.0, -2.5), (10.0, -0.5), (10.0, 0.5), (0.0, 2.5))
+    exact = [44.61702, 130.00946, 162.68874, 245.98583, 379.7171, 391.40418]
+    mesh = vv.QuadrilateralMesh(corners=corners, counts=(24, 12), cell="quad9")
+    solid = vv.Solid(
+        mesh=mesh,
+        material=vv.LinearElastic(young=200e9, poisson=0.3),
+        density=8000.0,
+        plane="stress",
+        thickness=0.05,
+    )
+    found = vv.modes(vv.System([solid, vv.Fixed(solid=solid, nodes="x0")]), n=6).frequencies
+    assert found == pytest.approx(exact, rel=1e-4)
+
+
 def thick_plate() -> tuple[vv.Solid, vv.System]:
     """LE10: quarter of an elliptic plate with a hole, 0.6 thick, 1 MPa on top; the middle of its edge is held in z."""
     box = vv.BoxMesh(size=(1, 1, 1), counts=(10, 12, 4), cell="hex20").build()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -118,6 +120,34 @@ def test_standing_wave_in_a_free_bar() -> None:
         u = solid.displacements(system.x)[:, 0]
         errors.append(np.abs(u - u0 * np.cos(omega * end)).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("formulation", ["displacement", "enhanced"])
+@pytest.mark.parametrize("share", [-1.5, -0.5, 1.0, 4.0])
+def test_prestressed_beam(share: float, formulation: Any) -> None:
+    """A beam under an axial force of some Euler loads: ``w^2 = w0^2 (1 + N / N_E)``, unstable beyond the Euler load."""
+    slender, E = 0.02, 1000.0
+    cell = "quad4" if formulation == "enhanced" else "quad9"
+    mesh = vv.RectangleMesh(size=(1.0, slender), counts=(24 if cell == "quad9" else 60, 2), cell=cell)
+    beam = vv.Solid(
+        mesh=mesh,
+        material=vv.SaintVenantKirchhoff(young=E, poisson=0.0),
+        density=1.0,
+        formulation=formulation,
+    )
+    euler = np.pi**2 * E * slender**3 / 12
+    ends = [np.argmin(np.linalg.norm(beam.points - [x, slender / 2, 0], axis=1)) for x in (0.0, 1.0)]
+    parts = [
+        beam,
+        vv.SymmetryPlane(solid=beam, nodes=[ends[0]], normal=(1, 0, 0)),
+        vv.Fixed(solid=beam, nodes=ends, directions=(False, True, True)),
+        vv.Traction(solid=beam, faces="x1", traction=(share * euler / slender, 0, 0), times="t"),
+    ]
+    system = vv.System(parts)
+    w0 = vv.modes(system, n=1).squared[0]
+    vv.quasi_static(system, until=1.0, step=1.0)
+    w1 = vv.modes(system, n=1).squared[0]
+    assert w1 / w0 == pytest.approx(1 + share, abs=0.01)
 
 
 def test_mesh_without_mass_has_no_modes() -> None:
