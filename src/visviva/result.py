@@ -130,6 +130,7 @@ def audit(result: Result) -> str:
         [
             f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
             f"  unknown coordinates n = {system.n_coordinates}, constraints m = {m}",
+            f"  linear solver for {system.linear_explanation}",
             f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
             f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step)",
             f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
@@ -148,6 +149,7 @@ def figures(result: Result) -> dict[str, Any]:
     return {
         "coordinates": result.system.n_coordinates,
         "constraints": result.system.n_constraints,
+        "linear solver": result.system.linear_explanation,
         "steps": s.steps,
         "iterations": s.iterations,
         "factorizations": s.factorizations,
