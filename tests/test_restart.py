@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,6 +52,18 @@ def chain(scheme: vv.Scheme) -> vv.Study:
     return vv.Study(system, UNTIL, 0.01, scheme, probes=probes)
 
 
+def soft(formulation: Any, cell: str) -> vv.Study:
+    """A damped block that a force shakes, with unknowns of single elements."""
+    mesh = vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1), cell=cell)
+    material = vv.NeoHooke(young=50.0, poisson=0.4)
+    block = vv.Solid(
+        mesh=mesh, material=material, density=1.0, formulation=formulation, stiffness_damping=0.01
+    )
+    shake = vv.Traction(solid=block, faces="x1", traction=(0.0, 3.0, 1.0), times="sin(9*t)")
+    system = vv.System([block, vv.Fixed(solid=block, nodes="x0"), shake])
+    return vv.Study(system, UNTIL, 0.01, probes={"tip": vv.Displacement(of=block.point((2, 1, 1)))})
+
+
 def short(study: vv.Study) -> vv.Study:
     study.until = UNTIL
     return study
@@ -62,6 +75,8 @@ STUDIES: dict[str, Compose] = {
     "motor and damper": lambda: chain(vv.EnergyMomentum()),
     "generalised alpha": lambda: chain(vv.GeneralizedAlpha(rho=0.8)),
     "variational": lambda: chain(vv.VariationalMidpoint()),
+    "enhanced strains": lambda: soft("enhanced", "hex8"),
+    "pressures of elements": lambda: soft("mixed", "hex20"),
     "backward Euler": lambda: chain(vv.BackwardEuler()),
 }
 

@@ -113,6 +113,21 @@ def test_every_material_under_every_scheme(name: str, scheme: vv.Scheme, counts:
         assert error < 1e-9
 
 
+@pytest.mark.parametrize("cell", [*SOLID_CELLS, *PLANE_CELLS])
+@pytest.mark.parametrize("name", MATERIALS)
+def test_every_material_in_every_cell(name: str, cell: str) -> None:
+    """Under every scheme; what a material and a cell do together depends on neither damping nor neighbours."""
+    plane = "strain" if cell in PLANE_CELLS else None
+    for scheme in SCHEMES:
+        assert defect(shaken(solid(MATERIALS[name](), cell, 0.0, plane, (1, 1, 1))), scheme) < 1e-9
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize("name", MATERIALS)
+def test_every_material_with_enhanced_strains(name: str, scheme: vv.Scheme) -> None:
+    assert defect(shaken(solid(MATERIALS[name](), "hex8", 0.3, None, (1, 1, 1), "enhanced")), scheme) < 1e-9
+
+
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Static()], ids=lambda s: type(s).__name__)
 @pytest.mark.parametrize("cell", SOLID_CELLS)
 @pytest.mark.parametrize("name", ["neo_hooke", "mooney_isochoric"])

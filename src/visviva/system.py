@@ -418,7 +418,7 @@ class System:
         trial = self.x + self.core.dx
         if not np.isfinite(trial).all():
             return ""
-        with suppress(VisvivaError):  # of a user's function, which has failed before
+        with suppress(VisvivaError), np.errstate(all="ignore"):  # of a user's function; states may be wild
             return "".join(f"{found}. " for c in self.components if (found := c.trouble(trial)))
         return ""
 
