@@ -409,6 +409,37 @@ def test_rayleigh_damping_of_a_mode(formulation: Any) -> None:
     assert result.ledger["work_damping"][-1] == pytest.approx(lost, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("formulation", "cell", "error"),
+    [
+        ("enhanced", "quad4", 0.005),
+        ("mixed", "quad4", 0.005),
+        ("mixed", "quad9", 0.005),
+        ("mixed", "tri6", 0.005),
+        ("F-bar", "quad4", 0.09),
+    ],
+)
+def test_stiffness_damping_locks_no_volume(formulation: Any, cell: str, error: float) -> None:
+    """Bending of a nearly incompressible plate loses ``beta w^2 T`` of its energy, in logarithms, in a period T."""
+    beta = 0.004
+
+    def plate(**options: Any) -> vv.Solid:
+        mesh = vv.RectangleMesh(size=(4, 1), counts=(8, 2), cell=cell)
+        material = vv.LinearElastic(young=40.0, poisson=0.4999)
+        return vv.Solid(mesh=mesh, material=material, density=1.0, formulation=formulation, **options)
+
+    still = plate()
+    mode = vv.modes(vv.System([still, vv.Fixed(solid=still, nodes="x0")]), n=1)
+    w, shape = float(np.real(mode.angular[0])), mode.shape(still, "position")[0].reshape(-1, 2)
+    solid = plate(stiffness_damping=beta, velocity=lambda X: 0.01 * np.pad(shape, ((0, 0), (0, 1))))
+    period = 2 * np.pi / w
+    result = vv.simulate(
+        vv.System([solid, vv.Fixed(solid=solid, nodes="x0")]), until=period, step=period / 60
+    )
+    total = result.ledger["total"]
+    assert np.log(total[0] / total[-1]) == pytest.approx(beta * w**2 * period, rel=error)
+
+
 def test_kelvin_voigt_stress_of_a_constant_rate() -> None:
     """Stretch ``1 + r t`` of a bar without contraction: ``P = F E (e + beta e')``, e Green's strain, mid-step."""
     E, beta, rate, h = 30.0, 0.2, 0.5, 0.1

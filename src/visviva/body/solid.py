@@ -64,7 +64,8 @@ class Solid(Attachable):
         Diagonal mass matrix instead of the consistent one.
     mass_damping, stiffness_damping : float
         Rayleigh damping: forces ``mass_damping * M v``, and stresses ``stiffness_damping`` times the moduli of small
-        strains times the rate of Green's strain, which leave rigid motions alone.
+        strains times the rate of Green's strain, which leave rigid motions alone. With 'F-bar' and 'mixed' the shear
+        modulus alone counts: viscosity of the volume would lock.
 
     Examples
     --------
@@ -318,7 +319,8 @@ class Solid(Attachable):
 
     def _damping(self, n: int) -> Array:
         lam, mu = self.material.lame
-        lam = lam if np.isfinite(lam) else 0.0
+        if self.formulation in ("F-bar", "mixed"):  # rates of volume at every point would lock
+            lam = 0.0
         if self.plane == "stress":  # what is left of small strains without stress across
             lam = 2 * lam * mu / (lam + 2 * mu)
         return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
