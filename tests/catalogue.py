@@ -18,6 +18,7 @@ from instances.immersed import ImmersedSolid
 from instances.solid import Brick
 from instances.stokes import StokesCell
 from numpy.typing import NDArray
+from point_contacts import blocks
 from solid_parts import FRAMED, REST, block, coupled, loaded, pinned, wavy
 
 import visviva as vv
@@ -565,6 +566,17 @@ CATALOGUE = [
     # mechanisms of solid and rigid parts
     Entry("soft pendulum", soft_pendulum, ENERGY, steps=50),
     Entry("soft slider-crank", soft_slider_crank, ENERGY, steps=50),
+    # contact
+    *(
+        Entry(
+            f"blocks{where}, node to segment, {by}",
+            partial(blocks, flat, enforcement=by),
+            ALL,
+            steps=40,
+        )
+        for flat, where in ((False, ""), (True, " in the plane"))
+        for by in ("multipliers", "penalty")
+    ),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

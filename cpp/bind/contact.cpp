@@ -36,6 +36,8 @@ Skin skin_of(int dim, const Ints& first, const Ints& unknown, const Doubles& wei
     return s;
 }
 
+std::shared_ptr<Gaps> shared(std::unique_ptr<Gaps> gaps) { return gaps; }
+
 }  // namespace
 
 void bind_contact(nb::module_& m) {
@@ -49,16 +51,33 @@ void bind_contact(nb::module_& m) {
         },
         nb::arg("dim"), nb::arg("first"), nb::arg("unknown"), nb::arg("weight"), nb::arg("mesh_node"),
         nb::arg("constant"), nb::arg("facets"), nb::arg("n_first"), nb::arg("second_begin"));
+    nb::class_<Gaps>(m, "Gaps");
+    m.def(
+        "mortar", [](const Skin& skin, double reach) { return shared(make_mortar(skin, {reach})); },
+        nb::arg("skin"), nb::arg("reach"));
+    m.def(
+        "node_to_segment",
+        [](const Skin& skin, const Doubles& areas, double radius, double reach) {
+            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach}));
+        },
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"));
+    m.def(
+        "self_contact",
+        [](const Skin& skin, const Doubles& areas, double reach, const Doubles& places) {
+            return shared(
+                make_self_contact(skin, {vector_of<double>(areas), 0, reach}, vector_of<double>(places)));
+        },
+        nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("places"));
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
         .def(
             "__init__",
-            [](ContactTerm* t, const Skin& skin, double reach, const Ints& multiplier,
+            [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
                const Doubles& stiffness, bool conserving) {
-                new (t) ContactTerm(make_mortar(skin, {reach}),
+                new (t) ContactTerm(std::move(gaps),
                                     {vector_of<int>(multiplier), vector_of<double>(stiffness), conserving},
                                     reach);
             },
-            nb::arg("skin"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"),
+            nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"),
             nb::arg("conserving"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })

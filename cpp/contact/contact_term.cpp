@@ -30,7 +30,7 @@ struct Correction {
 
 }  // namespace
 
-ContactTerm::ContactTerm(std::unique_ptr<Gaps> gaps, ContactOptions options, double reach)
+ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);

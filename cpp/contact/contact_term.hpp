@@ -16,7 +16,7 @@ struct ContactOptions {
 
 class ContactTerm : public Term {
   public:
-    ContactTerm(std::unique_ptr<Gaps> gaps, ContactOptions options, double reach);
+    ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach);
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
     void set_positions(const std::int64_t*) override {}
@@ -65,7 +65,7 @@ class ContactTerm : public Term {
     template <class F>
     void each_form(int A, F f) const;
 
-    std::unique_ptr<Gaps> gaps_;
+    std::shared_ptr<Gaps> gaps_;
     ContactOptions options_;
     double reach_;
     std::vector<double> from_, to_;  // what the last search swept

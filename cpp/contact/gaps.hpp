@@ -48,4 +48,18 @@ struct MortarOptions {
 
 std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);
 
+/// Gaps of single points.
+struct PointOptions {
+    std::vector<double> areas;  // of the first surface's vertices, which come before all others
+    double radius = 0;          // of a ball about each of them
+    double reach = 0;           // facets farther away are not seen
+};
+
+/// Distances to the closest points of the second surface's facets.
+std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
+
+/// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach, is
+/// the other side of its own body.
+std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places);
+
 }  // namespace visviva

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Contact(Component):
-    """Two surfaces that may touch but not penetrate, by mortar integrals of their gap over common segments.
+    """Two surfaces that may touch but not penetrate.
 
     Parameters
     ----------
@@ -32,6 +32,10 @@ class Contact(Component):
         What touches. Gaps belong to the vertices of the first surface, which should be the finer one.
     first_faces, second_faces : str or Faces
         Which part of the surface, by the name of a set of faces; 'all' for the whole boundary.
+    formulation : {'mortar', 'node-to-segment'}
+        'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
+        'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
+        facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly.
     enforcement : {'multipliers', 'penalty'}
         'multipliers': gaps are not negative, pressures are unknowns, with an active set. 'penalty': pressures are
         `stiffness` times penetration, a potential.
@@ -68,6 +72,7 @@ class Contact(Component):
     second: Attachable
     first_faces: str | Faces = "all"
     second_faces: str | Faces = "all"
+    formulation: Literal["mortar", "node-to-segment"] = "mortar"
     enforcement: Literal["multipliers", "penalty"] = "multipliers"
     stiffness: Number | None = None
     impact: Literal["dissipative", "conserving"] = "dissipative"
@@ -95,13 +100,19 @@ class Contact(Component):
         reach = self.reach or max(self._surface.size, self._opposite.size)
         stiffness = (self.stiffness or self._default_stiffness(reach)) / self._surface.areas
         conserving = self.impact == "conserving"
-        pair = skin(self._surface, self._opposite)
-        self.term = _core.ContactTerm(pair, reach, unknowns, stiffness, conserving)
+        gaps = self._gaps(reach)
+        self.term = _core.ContactTerm(gaps, reach, unknowns, stiffness, conserving)
         self.term.name = self.label
         work = model.account(self, "contact", "dissipation")
         energy = -1 if multipliers else model.account(self, "contact", "potential")
         self.term.book_contact(work, energy)
         model.batch(self.term)
+
+    def _gaps(self, reach: float) -> _core.Gaps:
+        pair = skin(self._surface, self._opposite)
+        if self.formulation == "mortar":
+            return _core.mortar(pair, reach)
+        return _core.node_to_segment(pair, self._surface.areas, 0.0, reach)
 
     def _default_stiffness(self, size: float) -> float:
         moduli = []

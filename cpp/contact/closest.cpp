@@ -1,0 +1,104 @@
+#include "closest.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace visviva {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+
+Vector3 place(const FacetShape& facet, const Foot& foot) {
+    Vector3 y = Vector3::Zero();
+    for (int i = 0; i < foot.n; ++i) y += foot.coordinate[i] * facet.corner[foot.vertex[i]];
+    return y;
+}
+
+Foot on_edge(const FacetShape& facet, int simplex, int a, int b, const Vector3& x) {
+    const Vector3 e = facet.corner[b] - facet.corner[a];
+    const double t = e.dot(x - facet.corner[a]), length = e.squaredNorm();
+    Foot foot{simplex, 1, {t > 0 ? b : a}, {1}};
+    if (t > 0 && t < length) foot = {simplex, 2, {a, b}, {1 - t / length, t / length}};
+    foot.distance = (x - place(facet, foot)).norm();
+    return foot;
+}
+
+}  // namespace
+
+Vector3 FacetShape::normal(int simplex) const {
+    const Vector3& a = corner[vertex(simplex, 0)];
+    const Vector3 e = corner[vertex(simplex, 1)] - a;
+    const Vector3 m = dim == 2 ? e.cross(Vector3::UnitZ()) : e.cross(corner[vertex(simplex, 2)] - a);
+    const double size = m.norm();
+    return size > 0 ? Vector3(m / size) : Vector3::Zero();
+}
+
+Foot whole(const FacetShape& facet, int simplex, const Vector3& x) {
+    Foot foot{simplex, facet.dim};
+    for (int i = 0; i < facet.dim; ++i) foot.vertex[i] = facet.vertex(simplex, i);
+    const Vector3 &a = facet.corner[foot.vertex[0]], u = facet.corner[foot.vertex[1]] - a, d = x - a;
+    if (facet.dim == 2) {
+        foot.coordinate[1] = u.dot(d) / u.squaredNorm();
+    } else {
+        const Vector3 w = facet.corner[foot.vertex[2]] - a;
+        const double uu = u.dot(u), uw = u.dot(w), ww = w.dot(w), ud = u.dot(d), wd = w.dot(d);
+        const double det = uu * ww - uw * uw;
+        foot.coordinate[1] = (ww * ud - uw * wd) / det, foot.coordinate[2] = (uu * wd - uw * ud) / det;
+    }
+    foot.coordinate[0] = 1 - foot.coordinate[1] - foot.coordinate[2];
+    foot.distance = (x - place(facet, foot)).norm();
+    return foot;
+}
+
+Foot closest(const FacetShape& facet, int simplex, const Vector3& x) {
+    Foot best = whole(facet, simplex, x);
+    if (std::all_of(best.coordinate, best.coordinate + facet.dim, [](double c) { return c >= 0; }))
+        return best;
+    best.distance = HUGE_VAL;
+    for (int i = 0; i < (facet.dim == 2 ? 1 : 3); ++i) {
+        const Foot foot =
+            on_edge(facet, simplex, facet.vertex(simplex, i), facet.vertex(simplex, (i + 1) % facet.dim), x);
+        if (foot.distance < best.distance) best = foot;
+    }
+    return best;
+}
+
+// The distance d is that of x from y = sum N_i p_i, where the convective coordinates of y make w = x - y = d
+// n orthogonal to the tangents t_j = p_j - p_0. By the implicit-function theorem, with z = dx - sum N_i dp_i
+// and u_j = n . dt_j, and M_ij = t_i . t_j:
+//     dd  = n . z
+//     d2d = z . Q z / d - 2 u . M^-1 t . z - d u . M^-1 u,  Q the projection across n and all t_j.
+void differentiate(const FacetShape& facet, const Foot& foot, const Vector3& normal, double distance,
+                   Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian) {
+    const int size = 3 * (1 + facet.n), m = foot.n - 1;
+    Eigen::MatrixXd z = Eigen::MatrixXd::Zero(3, size), u = Eigen::MatrixXd::Zero(m, size), T(3, m);
+    z.leftCols<3>().setIdentity();
+    for (int c = 0; c < facet.n; ++c) {
+        const double first = facet.share(foot.vertex[0], c);
+        for (int i = 0; i < foot.n; ++i) {
+            const double share = facet.share(foot.vertex[i], c);
+            z.middleCols<3>(3 + 3 * c) -= foot.coordinate[i] * share * Matrix3::Identity();
+            if (i > 0) u.block<1, 3>(i - 1, 3 + 3 * c) = (share - first) * normal.transpose();
+        }
+    }
+    gradient = z.transpose() * normal;
+    if (!hessian) return;
+    Matrix3 Q = Matrix3::Identity() - normal * normal.transpose();
+    hessian->setZero(size, size);
+    if (m > 0) {
+        for (int j = 0; j < m; ++j)
+            T.col(j) = facet.corner[foot.vertex[j + 1]] - facet.corner[foot.vertex[0]];
+        const Eigen::MatrixXd inverse = (T.transpose() * T).inverse();
+        const Eigen::MatrixXd mixed = u.transpose() * (inverse * (T.transpose() * z));
+        *hessian = -mixed - mixed.transpose() - distance * (u.transpose() * (inverse * u));
+        Q -= T * inverse * T.transpose();
+    }
+    if (foot.n < facet.dim) {
+        if (facet.dim == 2) Q.row(2).setZero(), Q.col(2).setZero();
+        *hessian += z.transpose() * Q * z / distance;
+    }
+}
+
+}  // namespace visviva

@@ -1,0 +1,48 @@
+// Closest points of facets, and the distance from a point to points, lines and planes with its derivatives.
+#pragma once
+#include <Eigen/Dense>
+
+#include "segment.hpp"
+
+namespace visviva {
+
+/// A facet as simplices: itself, or for four corners triangles about their mean, so that closest points are
+/// known in closed form.
+struct FacetShape {
+    static constexpr int centre = facet_corners;
+    int n = 0, dim = 3;
+    Eigen::Vector3d corner[facet_corners + 1];  // and their mean
+
+    int n_simplices() const { return n == 4 ? 4 : 1; }
+    /// Of the corners of a simplex, the i-th.
+    int vertex(int simplex, int i) const {
+        if (n < 4) return i;
+        return i == 2 ? centre : (simplex + i) % 4;
+    }
+    /// Outward unit normal; zero if degenerate.
+    Eigen::Vector3d normal(int simplex) const;
+    /// Share of a corner of the facet in a vertex of a simplex.
+    double share(int vertex, int corner) const {
+        return vertex == centre ? 1.0 / n : vertex == corner ? 1.0 : 0.0;
+    }
+};
+
+/// The part of a simplex that holds the closest point: so many of its vertices, with barycentric coordinates.
+struct Foot {
+    int simplex = 0, n = 0;
+    int vertex[3] = {};
+    double coordinate[3] = {};
+    double distance = 0;
+};
+
+Foot closest(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
+
+/// The whole simplex, for the distance to its plane.
+Foot whole(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
+
+/// First and second derivatives of a signed distance by x and the facet's corners, where its gradient by x is
+/// the unit vector `normal`.
+void differentiate(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal, double distance,
+                   Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian);
+
+}  // namespace visviva

@@ -1,0 +1,311 @@
+// Node-to-segment gaps: the signed distance of a vertex to the closest point of facets, be it inside a facet,
+// on an edge or at a vertex, which is continuous wherever the vertex slides (paper section 4.2, ref. [14]).
+#include <algorithm>
+#include <cmath>
+
+#include "closest.hpp"
+#include "point_gaps.hpp"
+#include "search.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+
+constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
+constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
+constexpr double overhang = 0.05;    // by how much a facet at the border of a surface reaches beyond it
+
+struct Candidate {
+    int facet;
+    int local[facet_corners];  // places of its corners in the stencil
+};
+
+struct Found {
+    const Candidate* candidate = nullptr;
+    FacetShape facet;
+    Foot foot;
+    Vector3 normal;  // of the simplex, later gradient of the signed distance
+    double sign = 1;
+};
+
+class NodeToSegment : public PointGaps {
+  public:
+    NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
+    bool search(const double* from, const double* to) override;
+
+  protected:
+    Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
+
+  private:
+    bool touches_itself() const { return !rest_.empty(); }
+    bool excluded(int vertex, int facet) const;
+    bool is_other_side(int vertex, int facet) const;
+    void make_stencil(int A, const std::vector<int>& facets);
+    FacetShape shape(const double* X, int facet) const;
+    void pick(const double* X, int A, Found& found) const;
+    void make_topology();
+    Vector3 outwards(const double* X, const Found& found, bool& border) const;
+    Vector3 at_vertex(const double* X, int vertex) const;
+
+    std::vector<double> rest_;  // places, if the surface may touch itself
+    NormalField normals_;
+    BoxTree tree_;
+    bool built_ = false;
+    std::vector<std::vector<Candidate>> candidates_;
+    std::vector<int> across_;   // [facet][corner]: the facet beyond the edge to the next corner, or -1
+    std::vector<char> border_;  // of vertices
+    std::vector<std::vector<int>> near_;  // facets that a vertex shares with itself and its neighbours
+};
+
+NodeToSegment::NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest)
+    : PointGaps(std::move(skin), std::move(options)), rest_(std::move(rest)), candidates_(n_) {
+    normals_.build(skin_);
+    make_topology();
+}
+
+// --- which facets there are
+// -----------------------------------------------------------------------------------
+void NodeToSegment::make_topology() {
+    struct Edge {
+        int a, b, facet, corner;
+    };
+    std::vector<Edge> edges;
+    std::vector<std::vector<int>> of(skin_.n_vertices());
+    for (int f = 0; f < skin_.n_facets(); ++f)
+        for (int i = 0, n = skin_.n_corners(f); i < n; ++i) {
+            const int a = skin_.corners(f)[i], b = skin_.corners(f)[(i + 1) % n];
+            of[a].push_back(f);
+            if (n > 2) edges.push_back({std::min(a, b), std::max(a, b), f, i});
+        }
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& p, const Edge& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+    across_.assign(facet_corners * skin_.n_facets(), -1), border_.assign(skin_.n_vertices(), 0);
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+        const Edge& e = edges[k];
+        if (k + 1 < edges.size() && edges[k + 1].a == e.a && edges[k + 1].b == e.b) {
+            const Edge& o = edges[++k];
+            across_[facet_corners * e.facet + e.corner] = o.facet;
+            across_[facet_corners * o.facet + o.corner] = e.facet;
+        } else {
+            border_[e.a] = border_[e.b] = 1;
+        }
+    }
+    if (skin_.dim == 2)
+        for (int v = 0; v < skin_.n_vertices(); ++v) border_[v] = of[v].size() == 1;
+    if (!touches_itself()) return;
+    near_.resize(n_);
+    for (int A = 0; A < n_; ++A)
+        for (int f : of[A])
+            for (int i = 0; i < skin_.n_corners(f); ++i) {
+                const auto& more = of[skin_.corners(f)[i]];
+                near_[A].insert(near_[A].end(), more.begin(), more.end());
+            }
+}
+
+// A facet that bounds the same piece of the body from the other side lies behind the vertex from the start.
+bool NodeToSegment::is_other_side(int A, int f) const {
+    const FacetShape facet = shape(rest_.data(), f);
+    const At x(&rest_[3 * A]);
+    for (int s = 0; s < facet.n_simplices(); ++s)
+        if (closest(facet, s, x).distance < 2 * options_.reach &&
+            (x - facet.corner[facet.vertex(s, 0)]).dot(facet.normal(s)) < 0)
+            return true;
+    return false;
+}
+
+bool NodeToSegment::excluded(int A, int f) const {
+    if (!touches_itself()) return false;
+    return std::find(near_[A].begin(), near_[A].end(), f) != near_[A].end() || is_other_side(A, f);
+}
+
+bool NodeToSegment::search(const double* from, const double* to) {
+    const int begin = touches_itself() ? 0 : skin_.second_begin;
+    std::vector<Box> boxes;
+    std::vector<double> centres;
+    for (int f = begin; f < skin_.n_facets(); ++f) {
+        boxes.push_back(swept(skin_, f, from, to, 0));
+        for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes.back().low[i] + boxes.back().high[i]));
+    }
+    if (!built_) tree_.build(centres);
+    tree_.refit(boxes);
+    bool changed = !built_;
+    built_ = true;
+    const double margin = 2 * options_.reach + options_.radius;
+    std::vector<int> found;
+    for (int A = 0; A < n_; ++A) {
+        Box box;
+        for (int i = 0; i < 3; ++i) {
+            box.low[i] = std::min(from[3 * A + i], to[3 * A + i]) - margin;
+            box.high[i] = std::max(from[3 * A + i], to[3 * A + i]) + margin;
+        }
+        tree_.query(box, found);
+        for (int& f : found) f += begin;
+        found.erase(std::remove_if(found.begin(), found.end(), [&](int f) { return excluded(A, f); }),
+                    found.end());
+        const auto& old = candidates_[A];
+        if (std::equal(old.begin(), old.end(), found.begin(), found.end(),
+                       [](const Candidate& c, int f) { return c.facet == f; }))
+            continue;
+        changed = true;
+        make_stencil(A, found);
+    }
+    return changed;
+}
+
+void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
+    auto& stencil = stencils_[A];
+    stencil.assign(1, A), candidates_[A].clear();
+    for (int f : facets) {
+        Candidate c{f, {}};
+        for (int i = 0; i < skin_.n_corners(f); ++i) {
+            const int v = skin_.corners(f)[i];
+            const auto at = std::find(stencil.begin(), stencil.end(), v);
+            c.local[i] = static_cast<int>(at - stencil.begin());
+            if (at == stencil.end()) stencil.push_back(v);
+        }
+        candidates_[A].push_back(c);
+    }
+    if (facets.empty()) stencil.clear();
+}
+
+// --- the closest point
+// ----------------------------------------------------------------------------------------
+FacetShape NodeToSegment::shape(const double* X, int f) const {
+    FacetShape s;
+    s.n = skin_.n_corners(f), s.dim = skin_.dim;
+    s.corner[FacetShape::centre].setZero();
+    for (int i = 0; i < s.n; ++i) {
+        s.corner[i] = At(X + 3 * skin_.corners(f)[i]);
+        s.corner[FacetShape::centre] += s.corner[i] / s.n;
+    }
+    return s;
+}
+
+// The closest simplex that faces the vertex.
+void NodeToSegment::pick(const double* X, int A, Found& found) const {
+    Vector3 own;
+    if (!normals_.normal(X, A, own.data())) own.setZero();
+    double least = options_.reach + options_.radius;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape facet = shape(X, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s) {
+            const Vector3 n = facet.normal(s);
+            if (n.isZero() || (!own.isZero() && own.dot(n) > facing)) continue;
+            const Foot foot = closest(facet, s, At(X + 3 * A));
+            if (foot.distance >= least) continue;
+            least = foot.distance;
+            found = {&c, facet, foot, n, 1};
+        }
+    }
+}
+
+// Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
+// 2005).
+Vector3 NodeToSegment::at_vertex(const double* X, int vertex) const {
+    Vector3 sum = Vector3::Zero();
+    const At a(X + 3 * vertex);
+    for (int k = normals_.start[vertex]; k < normals_.start[vertex + 1]; ++k) {
+        const Corner& corner = normals_.corners[k];
+        Vector3 m;
+        double angle = 1;
+        if (skin_.dim == 2) {
+            const Vector3 e =
+                corner.next >= 0 ? At(X + 3 * corner.next) - a : a - At(X + 3 * corner.previous);
+            m = e.cross(Vector3::UnitZ());
+        } else {
+            const Vector3 u = At(X + 3 * corner.next) - a, w = At(X + 3 * corner.previous) - a;
+            m = u.cross(w), angle = std::atan2(m.norm(), u.dot(w));
+        }
+        if (m.norm() > 0) sum += angle * m.normalized();
+    }
+    return sum;
+}
+
+// A direction that points out of the body where the closest point is on an edge or at a vertex.
+Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& border) const {
+    const Foot& foot = found.foot;
+    const int f = found.candidate->facet, n = found.facet.n;
+    border = false;
+    if (std::find(foot.vertex, foot.vertex + foot.n, FacetShape::centre) != foot.vertex + foot.n) {
+        Vector3 sum = Vector3::Zero();
+        for (int s = 0; s < found.facet.n_simplices(); ++s) sum += found.facet.normal(s);
+        return sum;
+    }
+    if (foot.n == 1) {
+        const int v = skin_.corners(f)[foot.vertex[0]];
+        border = border_[v];
+        return at_vertex(X, v);
+    }
+    const int corner = (foot.vertex[0] + 1) % n == foot.vertex[1] ? foot.vertex[0] : foot.vertex[1];
+    const int other = across_[facet_corners * f + corner];
+    border = other < 0;
+    if (border) return found.normal;
+    const FacetShape beyond = shape(X, other);
+    for (int s = 0; s < beyond.n_simplices(); ++s) {
+        const int v = skin_.corners(other)[beyond.vertex(s, 0)],
+                  w = skin_.corners(other)[beyond.vertex(s, 1)];
+        const int a = skin_.corners(f)[foot.vertex[0]], b = skin_.corners(f)[foot.vertex[1]];
+        if (beyond.n == 3 || (v == a && w == b) || (v == b && w == a)) return found.normal + beyond.normal(s);
+    }
+    return found.normal;
+}
+
+PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives, Distance& out) const {
+    const int size = 3 * static_cast<int>(stencils_[A].size());
+    if (derivatives > 0) out.gradient.setZero(size);
+    if (derivatives > 1) out.hessian.setZero(size, size);
+    Found found;
+    pick(X, A, found);
+    if (!found.candidate) return Reach::far;
+    const At x(X + 3 * A);
+    const FacetShape& facet = found.facet;
+    if (found.foot.n < facet.dim) {
+        const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)],
+                      b = facet.corner[facet.vertex(found.foot.simplex, 1)];
+        const double above = found.normal.dot(x - a), d = found.foot.distance;
+        const double beside = std::sqrt(std::max(0.0, d * d - above * above));
+        bool border;
+        const Vector3 out_of = outwards(X, found, border);
+        if (beside <= (border ? overhang : same_place) * (b - a).norm()) {
+            found.foot = whole(facet, found.foot.simplex, x);
+        } else {
+            Vector3 y = Vector3::Zero();
+            for (int i = 0; i < found.foot.n; ++i)
+                y += found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+            found.sign = (x - y).dot(out_of) < 0 ? -1 : 1;
+            found.normal = found.sign / d * (x - y);
+            if (border && found.sign < 0) return Reach::released;
+        }
+    }
+    if (found.foot.n == facet.dim) {
+        const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)];
+        out.value = found.normal.dot(x - a);
+    } else {
+        out.value = found.sign * found.foot.distance;
+    }
+    if (derivatives == 0) return Reach::near;
+    Eigen::VectorXd g;
+    Eigen::MatrixXd H;
+    differentiate(facet, found.foot, found.normal, out.value, g, derivatives > 1 ? &H : nullptr);
+    auto place = [&](int c) { return c == 0 ? 0 : 3 * found.candidate->local[c - 1]; };
+    for (int c = 0; c <= facet.n; ++c) out.gradient.segment<3>(place(c)) += g.segment<3>(3 * c);
+    for (int c = 0; c <= facet.n && derivatives > 1; ++c)
+        for (int d = 0; d <= facet.n; ++d)
+            out.hessian.block<3, 3>(place(c), place(d)) += H.block<3, 3>(3 * c, 3 * d);
+    return Reach::near;
+}
+
+}  // namespace
+
+std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options) {
+    return std::make_unique<NodeToSegment>(std::move(skin), std::move(options), std::vector<double>());
+}
+
+std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places) {
+    return std::make_unique<NodeToSegment>(std::move(skin), std::move(options), std::move(places));
+}
+
+}  // namespace visviva

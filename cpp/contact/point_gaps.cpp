@@ -1,0 +1,52 @@
+#include "point_gaps.hpp"
+
+#include "core/parallel.hpp"
+
+namespace visviva {
+
+PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
+    n_ = static_cast<int>(options_.areas.size());
+    stencils_.resize(n_);
+}
+
+void PointGaps::values(const double* X, double* gap, double* area) {
+    parallel_for(n_, [&](int A) {
+        Distance d;
+        const Reach reach = distance(X, A, 0, d);
+        area[A] = reach == Reach::near ? options_.areas[A] : 0;
+        const double open = reach == Reach::far ? options_.reach : 0;
+        gap[A] = options_.areas[A] * (reach == Reach::near ? d.value - options_.radius : open);
+    });
+}
+
+void PointGaps::gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) {
+    parallel_for(n_, [&](int A) {
+        if (!wanted[A]) return;
+        Distance d;
+        distance(X, A, 1, d);
+        d.gradient *= options_.areas[A];
+        out[A].gradient.assign(d.gradient.begin(), d.gradient.end());
+    });
+}
+
+void PointGaps::seconds(const double* X, const std::vector<double>& S, const double* direction,
+                        std::vector<Gap>& out) {
+    parallel_for(n_, [&](int A) {
+        if (S[A] == 0) return;
+        Distance d;
+        distance(X, A, 2, d);
+        d.gradient *= options_.areas[A], d.hessian *= options_.areas[A];
+        out[A].gradient.assign(d.gradient.begin(), d.gradient.end());
+        if (direction) {
+            Eigen::VectorXd D(d.gradient.size());
+            for (std::size_t v = 0; v < stencils_[A].size(); ++v)
+                D.segment<3>(3 * v) = Eigen::Map<const Eigen::Vector3d>(direction + 3 * stencils_[A][v]);
+            const Eigen::VectorXd along = d.hessian * D;
+            out[A].along.assign(along.begin(), along.end());
+        }
+        d.hessian *= S[A];
+        out[A].hessian.assign(d.hessian.data(), d.hessian.data() + d.hessian.size());
+    });
+}
+
+}  // namespace visviva

@@ -1,0 +1,30 @@
+// Gaps of single points: the distance of each vertex of the first surface, times the area that belongs to it.
+#pragma once
+#include <Eigen/Dense>
+
+#include "gaps.hpp"
+
+namespace visviva {
+
+class PointGaps : public Gaps {
+  public:
+    PointGaps(Skin skin, PointOptions options);
+    void values(const double* X, double* gap, double* area) override;
+    void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
+    void seconds(const double* X, const std::vector<double>& S, const double* direction,
+                 std::vector<Gap>& out) override;
+
+  protected:
+    enum class Reach { near, far, released };  // released: behind an open surface, but beyond its border
+    struct Distance {
+        double value = 0;
+        Eigen::VectorXd gradient;  // by the positions of the stencil
+        Eigen::MatrixXd hessian;
+    };
+    /// Signed distance of a vertex, with as many derivatives as are wanted.
+    virtual Reach distance(const double* X, int vertex, int derivatives, Distance& out) const = 0;
+
+    PointOptions options_;
+};
+
+}  // namespace visviva

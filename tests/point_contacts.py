@@ -1,0 +1,65 @@
+"""Parts that touch at points: vertices against facets, exact shapes and themselves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import visviva as vv
+
+RUBBER = vv.NeoHooke(young=100.0, poisson=0.3)
+
+
+def blocks(flat: bool = False, turn: Any = None, shift: Any = 0.0, **options: Any) -> list[Any]:
+    """Two free blocks that collide askew and slide along each other over edges of facets, turned and shifted."""
+    if flat:
+        upper = vv.RectangleMesh(size=(1.0, 0.5), counts=(2, 1), origin=(0.07, 0.51)).build()
+        lower = vv.RectangleMesh(size=(1.6, 0.5), counts=(3, 1)).build()
+        velocity: Any = (0.8, -1.0, 0.0)
+    else:
+        upper = vv.BoxMesh(size=(0.8, 0.7, 0.5), counts=(1, 1, 1), origin=(0.11, 0.13, 0.51)).build()
+        lower = vv.BoxMesh(size=(1.6, 1.1, 0.5), counts=(2, 2, 1)).build()
+        velocity = (0.8, 0.4, -1.0)
+    if turn is not None:
+        upper, lower = (replace(m, points=m.points @ turn.T + shift) for m in (upper, lower))
+        velocity = turn @ velocity
+    one = vv.Solid(mesh=upper, material=RUBBER, density=1.0, velocity=velocity)
+    two = vv.Solid(mesh=lower, material=RUBBER, density=1.0)
+    more: Any = {"formulation": "node-to-segment", "impact": "conserving"} | options
+    return [one, two, vv.Contact(first=one, second=two, **more)]
+
+
+def wavy_track(enforcement: str, flat: bool, amplitude: float = 0.05) -> list[Any]:
+    """A block under a dead load that slides along a track of convex and concave edges."""
+    if flat:
+        track = vv.RectangleMesh(size=(3.0, 0.4), counts=(10, 1)).build()
+        slider = vv.RectangleMesh(size=(0.5, 0.3), counts=(2, 1), origin=(0.2, 0.4)).build()
+        side, top, bottom, velocity = "y0", "y1", "y0", (1.0, 0.0, 0.0)
+    else:
+        track = vv.BoxMesh(size=(3.0, 0.8, 0.4), counts=(10, 2, 1)).build()
+        slider = vv.BoxMesh(size=(0.5, 0.3, 0.3), counts=(2, 1, 1), origin=(0.2, 0.23, 0.4)).build()
+        side, top, bottom, velocity = "z0", "z1", "z0", (1.0, 0.1, 0.0)
+    X = track.points.copy()
+    X[:, -1] += amplitude * (X[:, -1] > 0.3) * np.sin(2.2 * X[:, 0])
+    by = np.zeros(slider.points.shape[1])
+    by[-1] = amplitude * np.sin(2.2 * 0.7) + 0.01
+    ground = vv.Solid(mesh=replace(track, points=X), material=RUBBER, density=1.0)
+    above = vv.Solid(mesh=slider.moved(by), material=RUBBER, density=1.0, velocity=velocity)
+    load = (0.0, -4.0, 0.0) if flat else (0.0, 0.0, -4.0)
+    return [
+        ground,
+        above,
+        vv.Fixed(solid=ground, nodes=side),
+        vv.BodyForce(solid=above, force=load),
+        vv.Contact(
+            first=above,
+            first_faces=bottom,
+            second=ground,
+            second_faces=top,
+            formulation="node-to-segment",
+            enforcement=enforcement,
+            impact="conserving",
+        ),
+    ]

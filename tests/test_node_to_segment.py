@@ -1,0 +1,87 @@
+"""Contact of vertices with facets: distances, sliding over edges, conservation, objectivity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from catalogue import turned
+from numpy.typing import NDArray
+from point_contacts import RUBBER, blocks, wavy_track
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+
+def distance_to_line(x: Array, line: Array) -> Array:
+    """Signed distances (n,) of points (n, 2) to a line through points (m, 2) from left to right, above positive."""
+    a, e = line[:-1], np.diff(line, axis=0)
+    along = np.clip(np.einsum("nmk,mk->nm", x[:, None] - a, e) / (e * e).sum(axis=1), 0, 1)
+    away = np.linalg.norm(x[:, None] - a - along[:, :, None] * e, axis=2).min(axis=1)
+    return np.sign(x[:, 1] - np.interp(x[:, 0], *line.T)) * away
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_sliding_over_edges(enforcement: str) -> None:
+    """On a track with convex and concave edges the gap is the distance to the track, contact is not lost and
+    energy is exact, with the potential of the load."""
+    parts = wavy_track(enforcement, flat=True)
+    track, slider, *_, contact = parts
+    top = track.faces("y1").nodes
+    top = top[np.argsort(track.points[top, 0])]
+    bottom = slider.faces("y0").nodes
+    depths, forces = [], []
+
+    def observe(system: vv.System) -> None:
+        line, x = (
+            system.x[s.node_unknowns(n)[:, None] + [0, 1]] for s, n in ((track, top), (slider, bottom))
+        )
+        expected = distance_to_line(x, line)
+        assert np.abs(contact.gaps - expected).max() < 1e-12
+        depths.append(-expected.min())
+        forces.append(contact.pressures.sum())
+
+    system = vv.System(parts, vv.Newton(tolerance=1e-13))
+    result = vv.simulate(system, until=1.2, step=0.04, observe=observe)
+    result.assert_conserved("energy", tolerance=1e-10)
+    x = system.x[slider.node_unknowns(bottom)]
+    assert (x > slider.points[bottom, 0] + 0.9).all()  # three facets farther
+    assert max(depths) < 0.02
+    assert np.mean(np.array(forces[3:]) > 0) > 0.85  # it lands in the third step and hardly leaves again
+
+
+def test_blocks_collide_objectively() -> None:
+    """The turned and shifted system moves turned and shifted."""
+    R, shift = turned(7), np.array([0.4, -1.1, 0.7])
+    ends = []
+    for parts in (blocks(), blocks(turn=R, shift=shift)):
+        system = vv.System(parts, vv.Newton(tolerance=1e-14))
+        vv.simulate(system, until=0.1, step=0.02)
+        nodes = parts[0].node_unknowns(np.arange(parts[0].grid.n_nodes))
+        ends.append(system.x[nodes[:, None] + np.arange(3)])
+        assert (parts[2].pressures > 0).any()
+    assert np.abs(ends[0] @ R.T + shift - ends[1]).max() < 1e-12
+
+
+def test_force_balances_but_pressure_is_not_constant() -> None:
+    """A column pressed onto another mesh: the force is exact, constant pressure is not, unlike with mortar."""
+    spread = {}
+    for formulation in ("mortar", "node-to-segment"):
+        lower = vv.RectangleMesh(size=(1.0, 1.0), counts=(3, 2)).build()
+        upper = vv.RectangleMesh(size=(1.0, 1.0), counts=(4, 2), origin=(0.0, 1.0)).build()
+        one, two = (vv.Solid(mesh=m, material=RUBBER, density=1.0) for m in (upper, lower))
+        contact = vv.Contact(
+            first=one, first_faces="y0", second=two, second_faces="y1", formulation=formulation
+        )
+        held = [
+            vv.SymmetryPlane(solid=two, nodes="y0", normal=(0, 1, 0)),
+            vv.SymmetryPlane(solid=one, nodes="x0", normal=(1, 0, 0)),
+            vv.SymmetryPlane(solid=two, nodes="x0", normal=(1, 0, 0)),
+        ]
+        press = vv.Pressure(solid=one, faces="y1", pressure=2.0, follower=False)
+        system = vv.System([one, two, contact, press, *held])
+        vv.quasi_static(system, steps=2)
+        force = (contact.pressures * contact._surface.areas).sum()
+        assert abs(force - 2.0) < 1e-9
+        spread[formulation] = np.ptp(one.nodal("von_mises", system.x))
+    print(spread)
