@@ -567,16 +567,8 @@ CATALOGUE = [
     Entry("soft pendulum", soft_pendulum, ENERGY, steps=50),
     Entry("soft slider-crank", soft_slider_crank, ENERGY, steps=50),
     # contact
-    *(
-        Entry(
-            f"blocks{where}, node to segment, {by}",
-            partial(blocks, flat, enforcement=by),
-            ALL,
-            steps=40,
-        )
-        for flat, where in ((False, ""), (True, " in the plane"))
-        for by in ("multipliers", "penalty")
-    ),
+    Entry("blocks, vertices and facets", lambda: blocks(enforcement="penalty"), ALL, steps=40),
+    Entry("blocks in the plane, vertices and facets", lambda: blocks(flat=True), ALL, steps=40),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),
