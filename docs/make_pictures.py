@@ -15,7 +15,7 @@ from pathlib import Path
 import matplotlib.image as image
 from matplotlib.figure import Figure
 
-from visviva.examples import crane, flexible_slider_crank, torus
+from visviva.examples import crane, flexible_slider_crank, tori, torus
 from visviva.output.picture import snapshot
 from visviva.output.plot import energy_plot
 from visviva.run import run
@@ -60,6 +60,17 @@ def draw_solids() -> Path:
                 size=(900, 700),
             )
         return side_by_side(panels, PICTURES / "solids.jpg")
+
+
+def draw_contact() -> Path:
+    """Run the coarse tori through their impact; a moment of it beside the energies."""
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        files = here / "tori"
+        run(tori.study(mesh="coarse", until=3.0, step=0.02), files, progress=False, pictures=False)
+        snapshot(files / "trajectory.vtkhdf", here / "left.png", time=2.0, field="von_mises", size=(900, 700))
+        energy_plot(files / "ledger.csv", here / "right.png", title="Impact of two tori, h = 0.02 s")
+        return side_by_side([here / "left.png", here / "right.png"], PICTURES / "contact.jpg")
 
 
 def side_by_side(panels: list[Path], target: Path) -> Path:

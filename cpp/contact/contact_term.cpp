@@ -50,6 +50,7 @@ bool ContactTerm::beyond(const double* X, double margin) const {
 // Looks a few steps ahead, so that the tangent's pattern lasts.
 bool ContactTerm::search(const double* x0, const double* x1) {
     constexpr double steps_ahead = 4;
+    changes_ = -1;
     gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
     if (!beyond(X0_.data(), reach_ / 4) && !beyond(X1_.data(), reach_ / 4)) return false;
     from_ = X0_, to_ = X1_;
@@ -133,11 +134,12 @@ void ContactTerm::connect(const Pattern& pattern) {
 // --- pressures
 // ----------------------------------------------------------------------------------------------
 void ContactTerm::begin(const double* x0) {
+    changes_ = -1;
     gaps_->skin().positions(x0, X0_);
     gaps_->values(X0_.data(), gap0_.data(), area0_.data());
 }
 
-void ContactTerm::evaluate(const Context& c) {
+void ContactTerm::evaluate(const Context& c, bool chooses) {
     const Skin& skin = gaps_->skin();
     skin.positions(c.vectors.x0, X0_), skin.positions(c.vectors.x1, X1_);
     gaps_->values(X1_.data(), gap1_.data(), area1_.data());
@@ -148,10 +150,45 @@ void ContactTerm::evaluate(const Context& c) {
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
     std::vector<double> area(gap1_.size());
     if (at_theta) gaps_->values(Xt_.data(), gapt_.data(), area.data());
+    if (chooses && has_multipliers()) choose_active(c);
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
 }
 
-// The pressure S >= 0 at a gap.
+// The gap below which there is pressure. Conserving impact: what is closed shall not close further.
+double ContactTerm::least_gap(int A, const Context& c) const {
+    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
+    return holds ? std::min(gap0_[A], 0.0) : 0.0;
+}
+
+bool ContactTerm::wants_pressure(int A, const Context& c) const {
+    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
+    if (area1_[A] == 0 || (holds && (gap0_[A] > 0 || area0_[A] == 0))) return false;
+    const double lambda = c.vectors.x1[options_.multiplier[A]];
+    const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
+    // rounding shall not change what was chosen in this step
+    const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * reach_;
+    return pressure > (active_[A] ? -rounding : rounding);
+}
+
+// All at once at first; should that go round in circles, the first gap alone that wants to change does, which
+// ends for every matrix with positive principal minors (Murty 1974).
+void ContactTerm::choose_active(const Context& c) {
+    constexpr int patience = 6;
+    bool changed = false;
+    unsettled_ = false;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        const char wanted = wants_pressure(A, c);
+        if (wanted == active_[A]) continue;
+        if (changed && changes_ >= patience) {
+            unsettled_ = true;
+            break;
+        }
+        active_[A] = wanted, changed = true;
+    }
+    if (changes_ < 0 || changed) ++changes_;
+}
+
+// The pressure at a gap, not negative once the active set has settled.
 void ContactTerm::press(int A, const Context& c, double gap_theta) {
     const double k = options_.stiffness[A];
     S_[A] = dS_gap_[A] = R_[A] = 0;
@@ -160,15 +197,12 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
     } else if (!has_multipliers()) {
         if (gap_theta < 0) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
     } else {
-        const double lambda = c.vectors.x1[options_.multiplier[A]];
-        const bool moves = c.step.motion[0][0] != 0 && options_.conserving;
-        const double least = moves ? std::min(gap0_[A], 0.0) : 0.0;
-        const bool open = area1_[A] == 0 || (moves && (gap0_[A] > 0 || area0_[A] == 0));
-        const double pressure = lambda - k * (gap1_[A] - least);
-        if (!open && pressure > 0)
-            S_[A] = pressure, dS_gap_[A] = -k, R_[A] = least - gap1_[A];
+        const double lambda = c.vectors.x1[options_.multiplier[A]], closing = gap1_[A] - least_gap(A, c);
+        if (active_[A])
+            S_[A] = lambda - k * closing, dS_gap_[A] = -k, R_[A] = -closing;
         else
             R_[A] = -lambda / k;
+        return;
     }
     active_[A] = S_[A] != 0;
 }
@@ -207,7 +241,7 @@ void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
 }
 
 void ContactTerm::residual(const Context& c, double* r) {
-    evaluate(c);
+    evaluate(c, true);
     gaps_->gradients(Xt_.data(), active_, at_theta_);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
@@ -239,7 +273,7 @@ Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::Vec
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
-    evaluate(c);
+    evaluate(c, false);
     active_at_tangent_ = active_;
     gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
@@ -296,7 +330,7 @@ void ContactTerm::scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eig
 // --- books
 // --------------------------------------------------------------------------------------------------
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
-    evaluate(c);
+    evaluate(c, false);
     gaps_->gradients(Xt_.data(), active_, at_theta_);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {

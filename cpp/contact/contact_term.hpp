@@ -24,7 +24,7 @@ class ContactTerm : public Term {
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
     bool search(const double* x0, const double* x1) override;
-    bool outdated() const override { return active_ != active_at_tangent_; }
+    bool outdated() const override { return unsettled_ || active_ != active_at_tangent_; }
     void begin(const double* x0) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
@@ -54,7 +54,10 @@ class ContactTerm : public Term {
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     bool beyond(const double* X, double margin) const;
-    void evaluate(const Context&);
+    void evaluate(const Context&, bool chooses);
+    void choose_active(const Context&);
+    bool wants_pressure(int A, const Context&) const;
+    double least_gap(int A, const Context&) const;
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A);
     void force(int A, const Context&, Eigen::VectorXd& f) const;
@@ -73,6 +76,8 @@ class ContactTerm : public Term {
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<char> active_, active_at_tangent_;
+    int changes_ = -1;  // of the active set since the step began; -1: not chosen yet
+    bool unsettled_ = false;
     std::vector<Gap> at_theta_, at_end_;
     std::vector<Places> places_;
 };

@@ -323,8 +323,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
         evaluate_residual(context, !solver_->keeps_rigidity());
-        refresh =
-            refresh || std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
+        const bool outdated =
+            std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
+        refresh = refresh || outdated;
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
@@ -359,8 +360,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         const bool renewed = fresh < k && latest >= k - 1;
         const bool stops = rho > 0.5 && (size < noise_ || (renewed && size < 1e-10));
         const bool settled = k > 0 || latest == 0 || size == 0;
-        const bool done =
-            settled && (stops || error <= tolerance) && constraint_error() <= 100 * size + noise_;
+        const bool done = settled && !outdated && (stops || error <= tolerance) &&
+                          constraint_error() <= 100 * size + noise_;
         if (done && (!driven_ || confirmed)) {
             for (const auto& term : terms_)
                 if (const Refusal no = term->refuse(context); !no.reason.empty())
