@@ -149,6 +149,7 @@ void Mortar::make_stencils() {
 FacetPair Mortar::corners(const double* X, const Pair& pair) const {
     FacetPair p{};
     p.n_first = skin_.n_corners(pair.first), p.n_second = skin_.n_corners(pair.second);
+    p.reach = options_.reach;
     for (int c = 0; c < segment_corners; ++c) {
         const int v = skin_.corners(c < facet_corners ? pair.first : pair.second)[c % facet_corners];
         for (int i = 0; v >= 0 && i < 3; ++i) p.x[c][i] = X[3 * v + i];
@@ -175,7 +176,7 @@ bool Mortar::near(const double* X, const Pair& pair) const {
     }
     const Vector3 d = centre[1] - centre[0];
     const double along = d.dot(n[0]);
-    return n[0].dot(n[1]) < -0.1 && std::abs(along) < options_.reach &&
+    return n[0].dot(n[1]) < facing_none && std::abs(along) < options_.reach &&
            (d - n[0] * along).norm() < radius[0] + radius[1];
 }
 

@@ -12,7 +12,11 @@ inline constexpr int segment_size = 3 * segment_corners;
 struct FacetPair {
     double x[segment_corners][3];  // the first facet's corners, from `facet_corners` on the second's
     int n_first, n_second;
+    double reach = 0;  // segments fade out from half of this distance on, so that gaps stay smooth; 0: never
 };
+
+/// Facets that look at each other by less than this cosine fade out towards the second one.
+inline constexpr double facing_full = -0.3, facing_none = -0.1;
 
 /// Integrals over a segment, for every corner a of the first facet.
 struct Segment {

@@ -10,6 +10,7 @@ template <class T>
 struct OutlineAdjoint {
     T f1[5][4], f2[5][4];
     Planar<T> p[2 * segment_corners];
+    T weight;
 };
 
 /// A function over the first facet with constant covectors at its corners.
@@ -90,8 +91,8 @@ inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>*
     bool any = false;
     for (int k = 1; k + 1 < o.polygon.n; ++k) {
         const Planar<T>&a = o.polygon.p[0], ab = o.polygon.p[k] - a, ac = o.polygon.p[k + 1] - a;
-        const T area = 0.5 * cross(ab, ac);
-        if (!(value(area) > o.least)) continue;
+        const T whole = 0.5 * cross(ab, ac), area = o.weight * whole;
+        if (!(value(whole) > o.least)) continue;
         any = true;
         T area_bar[K] = {};
         for (const TrianglePoint& g : triangle_points) {
@@ -111,7 +112,8 @@ inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>*
             }
         }
         for (int s = 0; s < K; ++s) {
-            const T half = 0.5 * area_bar[s];
+            add_to(bar[s].weight, area_bar[s] * whole);
+            const T half = 0.5 * (area_bar[s] * o.weight);
             const T bx = half * ac.y, by = (-1.0) * (half * ac.x), cx = (-1.0) * (half * ab.y),
                     cy = half * ab.x;
             Planar<T>* p = bar[s].p;

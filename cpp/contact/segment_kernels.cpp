@@ -38,7 +38,7 @@ Corners<double> plain(const FacetPair& p) {
 
 void value(const FacetPair& p, Segment& s) {
     clear(s);
-    s.any = integrate(plain(p).x, p.n_first, p.n_second, Values{p, s});
+    s.any = integrate(plain(p).x, p, Values{p, s});
 }
 
 struct Weights {
@@ -55,7 +55,7 @@ struct Weights {
 
 void weights(const FacetPair& p, SegmentWeights& s) {
     s = {};
-    s.any = integrate(plain(p).x, p.n_first, p.n_second, Weights{p, s});
+    s.any = integrate(plain(p).x, p, Weights{p, s});
 }
 
 using D = Dual<N>;
@@ -95,7 +95,7 @@ void gradient(const FacetPair& p, Segment& s) {
         for (int i = 0; i < 3; ++i) x[i]->v = p.x[k][i], x[i]->d[3 * k + i] = 1;
     }
     Moments moments;
-    s.any = integrate(c.x, p.n_first, p.n_second, Gradients{p, moments});
+    s.any = integrate(c.x, p, Gradients{p, moments});
     moments.write(p, s);
 }
 
@@ -124,7 +124,7 @@ Facet<T> values(const Facet<Taped<T, K>>& f) {
 }
 template <class T, int K>
 Outline<T> values(const Outline<Taped<T, K>>& o) {
-    Outline<T> r{{}, values(o.f1), values(o.f2), o.least};
+    Outline<T> r{{}, values(o.f1), values(o.f2), o.weight.v(), o.least};
     r.polygon.n = o.polygon.n;
     for (int k = 0; k < o.polygon.n; ++k) r.polygon.p[k] = {o.polygon.p[k].x.v(), o.polygon.p[k].y.v()};
     return r;
@@ -145,12 +145,13 @@ template <class T, int K, class Seed, class Also>
 bool differentiate_3d(const FacetPair& p, Seed coordinate, const Covectors* u, Also also) {
     using R = Taped<T, K>;
     const Corners<R> c = on_tape<T, K>(coordinate);
-    const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second);
+    const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
     if (!o) return false;
     OutlineAdjoint<T> bar[K] = {};
     const bool any = back_all<T, K>(values(*o), u, bar, also);
     for (int s = 0; any && s < K; ++s) {
         seed(o->f1, bar[s].f1, s), seed(o->f2, bar[s].f2, s);
+        add_to(R::tape().adjoint(o->weight.id, s), bar[s].weight);
         for (int k = 0; k < o->polygon.n; ++k) {
             add_to(R::tape().adjoint(o->polygon.p[k].x.id, s), bar[s].p[k].x);
             add_to(R::tape().adjoint(o->polygon.p[k].y.id, s), bar[s].p[k].y);
@@ -162,11 +163,11 @@ bool differentiate_3d(const FacetPair& p, Seed coordinate, const Covectors* u, A
 
 // The same for edges, all of it on the tape.
 template <class T, int K, class Seed, class Also>
-bool differentiate_2d(const Seed& coordinate, const Covectors* u, Also also) {
+bool differentiate_2d(const FacetPair& p, const Seed& coordinate, const Covectors* u, Also also) {
     using R = Taped<T, K>;
     const Corners<R> c = on_tape<T, K>(coordinate);
     const bool any =
-        integrate_2d(c.x, c.x + facet_corners, [&](R w, const R* N1, const R*, const Vec<R>& gap) {
+        integrate_2d(c.x, c.x + facet_corners, p.reach, [&](R w, const R* N1, const R*, const Vec<R>& gap) {
             also(w.v(), Local<T>{N1[1].v(), {}, {}}, Vec<T>{gap.x.v(), gap.y.v(), gap.z.v()});
             const R parts[2][3] = {{w * gap.x, w * gap.y, w * gap.z},
                                    {w * N1[1] * gap.x, w * N1[1] * gap.y, w * N1[1] * gap.z}};
@@ -180,7 +181,7 @@ bool differentiate_2d(const Seed& coordinate, const Covectors* u, Also also) {
 
 template <class T, int K, class Seed, class Also>
 bool differentiate(const FacetPair& p, Seed coordinate, const Covectors* u, Also also) {
-    return p.n_first == 2 ? differentiate_2d<T, K>(coordinate, u, also)
+    return p.n_first == 2 ? differentiate_2d<T, K>(p, coordinate, u, also)
                           : differentiate_3d<T, K>(p, coordinate, u, also);
 }
 
