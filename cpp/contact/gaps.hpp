@@ -58,8 +58,8 @@ struct PointOptions {
 /// Distances to the closest points of the second surface's facets.
 std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
 
-/// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach, is
-/// the other side of its own body.
+/// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,
+/// is the other side of its own body.
 std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places);
 
 }  // namespace visviva
