@@ -313,6 +313,28 @@ def test_choice_follows_the_problem(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+def test_wide_rows_are_left_to_pardiso_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(linear, "missing_pardiso", lambda: "")
+    quadratic = Automatic().choose(Problem(n=600, n_entries=70_000, symmetric=True, n_multipliers=40))
+    assert "PARDISO" in quadratic.explanation
+    linear_cells = Automatic().choose(Problem(n=800, n_entries=40_000, symmetric=True, n_multipliers=40))
+    assert "PARDISO" not in linear_cells.explanation
+
+
+@pytest.mark.parametrize(("counts", "words"), [((2, 1, 1), "sparse LU"), ((3, 2, 2), "conjugate gradients")])
+def test_small_solids_choose_for_time_steps(counts: tuple[int, int, int], words: str) -> None:
+    """A few dozen nodes are factorised; from some hundred unknowns on iterations come first."""
+    mesh = vv.BoxMesh(size=(1, 0.2, 0.2), counts=counts, cell="tet10")
+    block = vv.Solid(
+        mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.35), density=1000.0, angular_velocity=(1, 0, 6)
+    )
+    system = vv.System([block])
+    assert words in system.linear_explanation
+    result = vv.simulate(system, until=0.02, step=2e-3)
+    assert words in system.core.solver
+    result.assert_conserved("energy", "angular_z")
+
+
 def test_what_is_missing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear, "has_multigrid", lambda: False)
     monkeypatch.setattr(linear, "missing_pardiso", lambda: "no such file")

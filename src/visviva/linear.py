@@ -26,19 +26,29 @@ from visviva.errors import InputError
 Array = NDArray[np.float64]
 
 SMALL = 3000
-"""Up to so many equations the solver that is always there is as fast as any."""
+"""Up to so many equations the factors that are always there are as fast as any."""
+
+SMALL_WIDE, WIDE_ROWS = 300, 80
+"""The same, where rows have more entries than that: of quadratic hexahedra Eigen's LU costs ten times PARDISO's."""
+
+TINY = 10_000
+"""Up to so many entries factors are cheaper than iterations, however short the time step."""
 
 DENSE_ROWS = 40
 """So many entries per row mean a three-dimensional mesh, whose factors fill."""
 
-LARGE = 60_000
-"""From so many equations of a three-dimensional mesh multigrid is faster than factors."""
+LARGE = 15_000
+"""From so many equations of a three-dimensional mesh multigrid is as fast as factors, and faster in compact bodies."""
 
 LARGE_FOR_EIGEN = 5000
 """The same, where the factors are Eigen's."""
 
-FEW, LOOSE = 40, 1e-3
-"""Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway."""
+FEW, LOOSE = 100, 1e-3
+"""Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway.
+More of them cost more than the share of a factorisation, which serves several of Newton's iterations."""
+
+FEW_SADDLE = 40
+"""The same of GMRES with contact pressures."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +98,21 @@ class Problem:
         """Symmetric, positive definite and without constraints."""
         return self.kind == _core.MatrixKind.definite
 
+    @property
+    def is_solid(self) -> bool:
+        """A positive definite tangent with the pattern of a three-dimensional mesh."""
+        return self.is_definite and self.has_modes and self.n_entries > DENSE_ROWS * self.n
+
+    @property
+    def is_small(self) -> bool:
+        """Eigen's factors are as fast as PARDISO's."""
+        return self.n <= (SMALL_WIDE if self.n_entries > WIDE_ROWS * self.n else SMALL)
+
+    @property
+    def is_plain(self) -> bool:
+        """In time steps there is nothing to choose: the sparse LU that is always there is as fast as anything."""
+        return self.is_small and (self.n_entries <= TINY or not self.is_solid)
+
     def __str__(self) -> str:
         kind = {"definite": "symmetric positive definite", "symmetric": "symmetric", "general": "unsymmetric"}
         text = f"{self.n} equations with {self.n_entries / max(self.n, 1):.0f} entries each, "
@@ -127,7 +152,7 @@ class Direct(LinearOptions):
     ----------
     library : {"auto", "pardiso", "eigen"}
         PARDISO of oneMKL (``pip install visviva[mkl]``) or Eigen, which is always there; "auto" takes PARDISO
-        for more than a few thousand equations if it is installed.
+        for more than a few thousand equations, or a few hundred of quadratic hexahedra, if it is installed.
     threads : int
         Threads of PARDISO.
     memory_limit : float
@@ -154,7 +179,7 @@ class Direct(LinearOptions):
         missing = missing_pardiso()
         if self.library == "pardiso" and missing:
             raise InputError(f"PARDISO cannot be used: {missing}. Install it with pip install visviva[mkl]")
-        small = self.library == "auto" and problem.n <= SMALL
+        small = self.library == "auto" and problem.is_small
         if self.library == "eigen" or small or missing:
             return self._eigen(problem, missing if self.library == "auto" and not small else "")
         return self._pardiso(problem)
@@ -276,18 +301,17 @@ class Automatic(LinearOptions):
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
         direct = Direct(threads=self.threads).choose(problem)
-        solid = problem.is_definite and problem.has_modes and problem.n_entries > DENSE_ROWS * problem.n
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
         first = []
         if problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
             first.append(
-                Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW)
+                Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW_SADDLE)
             )
-        if solid and problem.has_inertia:
+        if problem.is_solid and problem.has_inertia:
             first.append(
                 Iterative(method="cg", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
             )
-        if solid and problem.n >= large and has_multigrid():
+        if problem.is_solid and problem.n >= large and has_multigrid():
             limit = 100  # beyond it factors are cheaper
             first.append(
                 Iterative(

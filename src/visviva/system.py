@@ -17,7 +17,7 @@ from visviva import _core
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.form import Form, Strain, Vector
-from visviva.linear import SMALL, Automatic, LinearOptions, Problem, rigid_motions
+from visviva.linear import Automatic, LinearOptions, Problem, rigid_motions
 from visviva.model import Field, Model, inertia_terms, strain_terms
 from visviva.scheme import EnergyMomentum, Scheme, Static
 
@@ -253,12 +253,13 @@ class System:
         core, options = self.core, self.newton.linear
         if options is not None and self.newton.null_space:
             raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
-        if options is None and inertia and (self._use_null_space() or core.n_equations <= SMALL):
+        problem = self._linear_problem(inertia)
+        if options is None and inertia and (self._use_null_space() or problem.is_plain):
             core.use_solver(self._use_null_space(), self.newton.regularization)
             self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
             return
         core.set_modes(self._modes())
-        choice = (options or Automatic()).choose(self._linear_problem(inertia))
+        choice = (options or Automatic()).choose(problem)
         core.use_linear(list(choice.in_order))
         self.linear_explanation = choice.explanation
 
