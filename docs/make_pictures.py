@@ -1,9 +1,10 @@
 """Draw the pictures of the README.
 
-    python docs/make_pictures.py [crane | solids]
+    python docs/make_pictures.py [crane | solids | contact]
 
-writes ``docs/pictures/crane.png``, the crane under way and its energies with the error of their balance, and
-``docs/pictures/solids.jpg``, the hollow torus in flight and the slider-crank with a flexible rod.
+writes ``docs/pictures/crane.png``, the crane under way and its energies with the error of their balance,
+``docs/pictures/solids.jpg``, the hollow torus in flight and the slider-crank with a flexible rod, and
+``docs/pictures/contact.jpg``, two tori in impact and their energies.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ def side_by_side(panels: list[Path], target: Path) -> Path:
 
 
 if __name__ == "__main__":
-    drawn = {"crane": draw_crane, "solids": draw_solids}
+    drawn = {"crane": draw_crane, "solids": draw_solids, "contact": draw_contact}
     for name in sys.argv[1:] or drawn:
         path = drawn[name]()
         print(f"{path} {path.stat().st_size / 1000:.0f} kB")
