@@ -19,7 +19,7 @@ from instances.solid import Brick
 from instances.stokes import StokesCell
 from numpy.typing import NDArray
 from point_contacts import blocks
-from solid_parts import FRAMED, REST, block, coupled, loaded, pinned, wavy
+from solid_parts import FRAMED, REST, TIED, block, coupled, loaded, pinned, tied, wavy
 
 import visviva as vv
 from visviva.component import Component
@@ -545,6 +545,7 @@ CATALOGUE = [
     ),
     Entry("solid, spherical inside", lambda: pinned(vv.Spherical), ALL, steps=60),
     Entry("solid, distance inside", lambda: pinned(vv.Distance), ALL, steps=60),
+    *(Entry(f"tied {c}, {m}", partial(tied, c, m), ALL, steps=60) for c, m in TIED),
     # solids alone: cells and materials
     *(
         Entry(f"solid, {c}", partial(flying, c, (1, 1, 1)), ALL, steps=50)

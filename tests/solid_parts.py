@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -109,3 +110,20 @@ FRAMED: dict[str, Callable[..., Component]] = {
 def wavy(t: float, X: Array) -> Array:
     """A load or motion of time and place."""
     return 0.1 * np.sin(3 * t) * np.column_stack([X[:, 1], X[:, 0] ** 2, 0 * X[:, 0]])
+
+
+TIED = (("hex8", "dual"), ("tet4", "standard"), ("quad8", "dual"), ("tri3", "standard"))
+
+
+def tied(cell: str, multipliers: Any) -> Components:
+    """Two bricks or plates in flight whose meshes do not match, tied along curved surfaces."""
+    first, second = block(cell, (1, 3, 1)), block(cell, (1, 2, 1), at=1.0)
+    for solid in (first, second):
+        points = solid.grid.points.copy()
+        points[:, 0] += 0.06 * np.sin(4.0 * points[:, 1]) * (1.0 - np.abs(points[:, 0] - 1.0))
+        solid.grid = replace(solid.grid, points=4.0 * points)
+    return [
+        first,
+        second,
+        vv.Tie(first=first, first_faces="x1", second=second, second_faces="x0", multipliers=multipliers),
+    ]

@@ -4,6 +4,10 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "contact/contact_term.hpp"
+#include "contact/search.hpp"
+#include "contact/segment_points.hpp"
+#include "contact/tie_term.hpp"
+#include "core/system.hpp"
 #include "linear.hpp"
 
 namespace nb = nanobind;
@@ -38,6 +42,81 @@ Skin skin_of(int dim, const Ints& first, const Ints& unknown, const Doubles& wei
 
 std::shared_ptr<Gaps> shared(std::unique_ptr<Gaps> gaps) { return gaps; }
 
+// Facets of the first surface that come nearer than `margin` to facets of the second: pairs [n][2].
+std::vector<int> near_facets(const Skin& skin, const double* X, double margin) {
+    std::vector<Box> boxes;
+    std::vector<double> centres;
+    for (int f = skin.second_begin; f < skin.n_facets(); ++f) {
+        boxes.push_back(swept(skin, f, X, X, 0));
+        for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes.back().low[i] + boxes.back().high[i]));
+    }
+    BoxTree tree;
+    tree.build(centres), tree.refit(boxes);
+    std::vector<int> pairs, found;
+    for (int f = 0; f < skin.n_first; ++f) {
+        tree.query(swept(skin, f, X, X, margin), found);
+        for (int k : found) pairs.push_back(f), pairs.push_back(skin.second_begin + k);
+    }
+    return pairs;
+}
+
+// Quadrature points of the segments of pairs: of which pair, and per point the weight and both facets'
+// shapes.
+nb::tuple segment_points(const Skin& skin, const Doubles& X, const Ints& pairs, const Doubles& rule) {
+    std::vector<RulePoint> points(rule.shape(0));
+    for (std::size_t k = 0; k < points.size(); ++k)
+        points[k] = {rule.data()[3 * k], rule.data()[3 * k + 1], rule.data()[3 * k + 2]};
+    std::vector<SegmentPoint> all;
+    std::vector<double> pair, values;
+    for (std::size_t k = 0; k < pairs.shape(0); ++k) {
+        const int facet[2] = {pairs.data()[2 * k], pairs.data()[2 * k + 1]};
+        FacetPair p{{}, skin.n_corners(facet[0]), skin.n_corners(facet[1])};
+        for (int side = 0; side < 2; ++side)
+            for (int a = 0; a < skin.n_corners(facet[side]); ++a)
+                std::copy_n(X.data() + 3 * skin.corners(facet[side])[a], 3, p.x[side * facet_corners + a]);
+        add_points(p, points, all);
+        pair.resize(all.size(), static_cast<double>(k));
+    }
+    for (const SegmentPoint& p : all) {
+        values.push_back(p.weight);
+        values.insert(values.end(), p.first, p.first + facet_corners);
+        values.insert(values.end(), p.second, p.second + facet_corners);
+    }
+    return nb::make_tuple(copy_of(pair), copy_of(values));
+}
+
+std::vector<Dependence> dependences_of(const Ints& unknown, const Ints& multiplier, const Doubles& weight,
+                                       const Ints& first, const Ints& others, const Doubles& weights) {
+    std::vector<Dependence> all;
+    for (std::size_t k = 0; k < unknown.size(); ++k) {
+        const int begin = first.data()[k], end = first.data()[k + 1];
+        all.push_back({unknown.data()[k],
+                       multiplier.data()[k],
+                       weight.data()[k],
+                       {others.data() + begin, others.data() + end},
+                       {weights.data() + begin, weights.data() + end}});
+    }
+    return all;
+}
+
+void bind_tying(nb::module_& m) {
+    m.def("near_facets", [](const Skin& skin, const Doubles& X, double margin) {
+        const std::vector<int> pairs = near_facets(skin, X.data(), margin);
+        return copy_of({pairs.begin(), pairs.end()});
+    });
+    m.def("segment_points", segment_points);
+    nb::class_<TieTerm, Term>(m, "TieTerm")
+        .def("__init__", [](TieTerm* t, int dim, const Ints& first, const Ints& unknown,
+                            const Ints& multiplier, const Doubles& weight) {
+            new (t) TieTerm({dim, vector_of<int>(first), vector_of<int>(unknown), vector_of<int>(multiplier),
+                             vector_of<double>(weight)});
+        });
+    m.def("set_dependences", [](System& s, const Ints& unknown, const Ints& multiplier, const Doubles& weight,
+                                const Ints& first, const Ints& others, const Doubles& weights) {
+        s.set_dependences(dependences_of(unknown, multiplier, weight, first, others, weights));
+    });
+}
+
 }  // namespace
 
 void bind_contact(nb::module_& m) {
@@ -68,6 +147,7 @@ void bind_contact(nb::module_& m) {
                 make_self_contact(skin, {vector_of<double>(areas), 0, reach}, vector_of<double>(places)));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("places"));
+    bind_tying(m);
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
         .def(
             "__init__",

@@ -307,6 +307,7 @@ static void bind_system(nb::module_& m) {
              })
         .def_prop_ro("n_equations", [](const System& s) { return s.solved().n; })
         .def_prop_ro("n_entries", [](const System& s) { return s.solved().col.size(); })
+        .def_prop_ro("n_eliminated", &System::n_eliminated)
         .def("use_linear",
              [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def_prop_ro("solver",

@@ -59,11 +59,20 @@ void System::finalize() {
         term->connect(pattern);
     }
     hold(pattern);
-    if (std::none_of(element_.begin(), element_.end(), [](int e) { return e >= 0; })) return;
-    if (condensation_)
-        *condensation_ = Condensation(csr_, element_);  // the solver knows it already
-    else
+    reduce();
+}
+
+// What leaves the equations before they are solved. The solver knows earlier ones already.
+void System::reduce() {
+    const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
+    if (local && condensation_)
+        *condensation_ = Condensation(csr_, element_);
+    else if (local)
         condensation_ = std::make_shared<Condensation>(csr_, element_);
+    if (!dependences_.empty() && elimination_)
+        *elimination_ = Elimination(condensed(), dependences_, fixed_);
+    else if (!dependences_.empty())
+        elimination_ = std::make_shared<Elimination>(condensed(), dependences_, fixed_);
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "condensed.hpp"
+#include "eliminated.hpp"
 #include "linear.hpp"
 #include "predictor.hpp"
 #include "term.hpp"
@@ -42,6 +43,8 @@ class System {
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
     // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
     void set_local(std::vector<int> element) { element_ = std::move(element); }
+    // Unknowns that constant linear constraints give by others; see Elimination.
+    void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
@@ -102,7 +105,8 @@ class System {
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
-    const Csr& solved() const { return condensation_ ? condensation_->left() : csr_; }
+    const Csr& solved() const { return elimination_ ? elimination_->left() : condensed(); }
+    int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
     int revision() const { return revision_; }  // of the pattern
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
@@ -112,6 +116,8 @@ class System {
     LedgerSums sums;  // of the last accepted step
 
   private:
+    const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
+    void reduce();
     void hold(const Pattern&);
     void rewire();
     void prepare_predictor();
@@ -150,6 +156,8 @@ class System {
     Csr csr_;
     std::vector<int> element_;
     std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
+    std::vector<Dependence> dependences_;
+    std::shared_ptr<Elimination> elimination_;  // null where there are none
     std::unique_ptr<LinearSolver> solver_;
     struct Segment {
         int begin, end, order;  // unknowns of equal order in a row

@@ -7,6 +7,7 @@ from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from visviva.body.solid import Solid
 from visviva.contact.contact import Contact
+from visviva.contact.tying import Tie
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
 from visviva.joint.lower_pairs import (
@@ -185,6 +186,7 @@ __all__ = [
     "SymmetryPlane",
     "System",
     "Term",
+    "Tie",
     "TimeFunction",
     "Torque",
     "TorquePair",

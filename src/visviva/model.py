@@ -156,6 +156,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
+    dependences: list[tuple[int, int, float, Array, Array]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -208,6 +209,10 @@ class Model:
         self.fields.append(new)
         self._remember(new)
         return new
+
+    def refresh(self, changed: Field) -> None:
+        """To be called after initial values or rates of a field were changed."""
+        self._remember(changed)
 
     def _remember(self, new: Field) -> None:
         end = new.start + new.size
@@ -348,6 +353,13 @@ class Model:
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
         self._element(component, strains, law, numbers, signals, account, shift)
+
+    def depend(self, unknown: int, multiplier: int, weight: float, others: Array, weights: Array) -> None:
+        """Let an unknown leave the equations with the multiplier of ``weight x[unknown] + weights . x[others] = 0``.
+
+        The constraint must be that of a term of its own, with constant weights in rows and columns.
+        """
+        self.dependences.append((unknown, multiplier, weight, others, weights))
 
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""

@@ -191,6 +191,7 @@ class System:
         core.set_blocks(*self._blocks())
         core.set_nodes(self._nodes())
         core.set_local(self.local)
+        self._set_dependences()
         prescribed = self.model.prescribed
         core.set_prescribed(
             np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
@@ -203,6 +204,22 @@ class System:
         core.x[:] = np.concatenate([f.values for f in fields])
         core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
+
+    def _set_dependences(self) -> None:
+        """What constant constraints give leaves the equations, unless rigid bodies are eliminated block by block."""
+        listed = self.model.dependences
+        if not listed or self.newton.null_space:
+            return
+        unknown, multiplier, weight, others, weights = zip(*listed, strict=True)
+        _core.set_dependences(
+            self.core,
+            np.array(unknown, dtype=np.int32),
+            np.array(multiplier, dtype=np.int32),
+            np.array(weight),
+            np.cumsum([0, *map(len, others)], dtype=np.int32),
+            np.concatenate(others).astype(np.int32),
+            np.concatenate(weights),
+        )
 
     def _blocks(self) -> tuple[NDArray[np.int32], ...]:
         numbers: dict[Any, int] = {}
@@ -242,7 +259,7 @@ class System:
             return self.newton.null_space
         small = int(self.block_sizes.max()) <= 20 and not any(f.is_local for f in self.model.fields)
         others = any(a.kind in ("servo", "contact") for a in self.model.accounts)
-        return small and not self.model.terms and not others
+        return small and not self.model.terms and not others and not self.model.dependences
 
     def choose_linear(self, *, inertia: bool = True) -> None:
         """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU.
@@ -271,7 +288,7 @@ class System:
             n_entries=self.core.n_entries,
             symmetric=True,
             definite=all(f.order != 1 and f.definite for f in fields),
-            n_multipliers=self.n_constraints,
+            n_multipliers=self.n_constraints - self.core.n_eliminated,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
             n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
             has_inertia=inertia,

@@ -89,6 +89,12 @@ def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface
 
 
 def _of_solid(solid: Solid, faces: Faces) -> Surface:
+    forms = [[(int(u), 1.0)] for u in solid.node_unknowns(faces.nodes)]
+    return of_nodes(solid, faces, forms)
+
+
+def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -> Surface:
+    """The surface of a solid whose nodes are these forms."""
     nodes = faces.nodes
     rows: list[tuple[int, ...]] = []
     number = np.full(solid.grid.n_nodes, -1)
@@ -98,7 +104,6 @@ def _of_solid(solid: Solid, faces: Faces) -> Surface:
             facets = np.full((len(cells), 4), -1)
             facets[:, : len(part)] = number[cells[:, list(part)]]
             rows.extend(map(tuple, facets.tolist()))
-    forms = [[(int(u), 1.0)] for u in solid.node_unknowns(nodes)]
     places = solid.points[nodes]
     return Surface(forms, True, np.zeros_like(places), np.array(rows), places, solid.dimension)
 

@@ -44,6 +44,10 @@ class Support(Component):
         d = self.solid.dimension
         return (d * self._chosen[:, None] + np.flatnonzero(directions[:d])).ravel()
 
+    def holds(self) -> NDArray[np.bool_] | None:
+        """Components (3,) that stay as they are at each of the nodes; None where that is not so simple."""
+        return None
+
     def _refuse_nothing(self, directions: Any) -> None:
         if not any(directions[: self.solid.dimension]):
             raise InputError(f"{self.label}: none of the directions {tuple(directions)} can be held")
@@ -75,6 +79,9 @@ class Fixed(Support):
         super().__post_init__()
         self._refuse_nothing(self.directions)
 
+    def holds(self) -> NDArray[np.bool_] | None:
+        return np.array(self.directions)
+
     def contribute(self, model: Model) -> None:
         model.hold(self.solid.motion, self._numbers(model, self.directions))
 
@@ -104,6 +111,10 @@ class SymmetryPlane(Support):
         if self.solid.dimension == 2 and n[2] != 0:
             raise InputError(f"{self.label}: a plane solid cannot be held along {self.normal.tolist()}")
         self._along = np.array(n)
+
+    def holds(self) -> NDArray[np.bool_] | None:
+        axis = np.abs(self._along) > 1e-12
+        return axis if axis.sum() == 1 else None
 
     def contribute(self, model: Model) -> None:
         axis = np.abs(self._along) > 1e-12

@@ -1,0 +1,216 @@
+#include "eliminated.hpp"
+
+#include <algorithm>
+
+namespace visviva {
+
+Elimination::Elimination(const Csr& full, const std::vector<Dependence>& dependences,
+                         const std::vector<char>& fixed)
+    : full_(&full), kept_(full.n, -1), own_(full.n, 0.0) {
+    choose(dependences, fixed);
+    number();
+    expand();
+    find_pattern();
+}
+
+void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed) {
+    enum : char { none, depends, supports };
+    std::vector<char> role(full_->n, none);
+    for (const Dependence& d : dependences) {
+        Given g{full_->equation[d.unknown], full_->equation[d.multiplier], d.weight, {}, {}};
+        if (fixed[d.unknown] || g.equation < 0 || role[g.equation] != none) continue;
+        bool chained = false;
+        for (std::size_t k = 0; k < d.others.size(); ++k) {
+            if (fixed[d.others[k]]) continue;
+            const int other = full_->equation[d.others[k]];
+            chained = chained || role[other] == depends;
+            g.others.push_back(other), g.factors.push_back(-d.weights[k] / d.weight);
+        }
+        if (chained) continue;
+        role[g.equation] = depends;
+        for (int other : g.others) role[other] = supports;
+        given_.push_back(std::move(g));
+    }
+}
+
+void Elimination::number() {
+    const Csr& f = *full_;
+    std::vector<char> gone(f.n, 0);
+    for (const Given& g : given_) gone[g.equation] = gone[g.multiplier] = 1;
+    left_.equation.assign(f.equation.size(), -1);
+    for (int i = 0; i < f.n; ++i) {
+        if (gone[i]) continue;
+        kept_[i] = left_.n++;
+        left_.equation[f.unknown[i]] = kept_[i];
+        left_.unknown.push_back(f.unknown[i]);
+    }
+}
+
+// The transformation T and its transpose.
+void Elimination::expand() {
+    const Csr& f = *full_;
+    parts_.resize(f.n), feeds_.resize(left_.n), plain_.assign(left_.n, 1);
+    for (int i = 0; i < f.n; ++i)
+        if (kept_[i] >= 0) parts_[i] = {{kept_[i], 1.0}}, feeds_[kept_[i]] = {{i, 1.0}};
+    std::vector<char> is_given(f.n, 0);
+    for (const Given& g : given_) {
+        is_given[g.equation] = 1;
+        for (std::size_t k = 0; k < g.others.size(); ++k) {
+            const int other = kept_[g.others[k]];
+            parts_[g.equation].push_back({other, g.factors[k]});
+            feeds_[other].push_back({g.equation, g.factors[k]});
+            plain_[other] = 0;
+        }
+    }
+    for (int i = 0; i < f.n; ++i) {
+        const bool touched = std::any_of(f.col.begin() + f.row[i], f.col.begin() + f.row[i + 1],
+                                         [&](int j) { return is_given[j]; });
+        if (!touched) continue;
+        touched_.push_back(i);
+        if (kept_[i] >= 0) plain_[kept_[i]] = 0;
+    }
+}
+
+void Elimination::find_pattern() {
+    const Csr& f = *full_;
+    left_.row.assign(1, 0);
+    std::vector<int> seen(left_.n, -1), cols;
+    for (int k = 0; k < left_.n; ++k) {
+        cols.clear();
+        for (const Part& feed : feeds_[k])
+            for (auto e = f.row[feed.equation]; e < f.row[feed.equation + 1]; ++e)
+                for (const Part& p : parts_[f.col[e]])
+                    if (seen[p.equation] != k) seen[p.equation] = k, cols.push_back(p.equation);
+        std::sort(cols.begin(), cols.end());
+        left_.col.insert(left_.col.end(), cols.begin(), cols.end());
+        left_.row.push_back(static_cast<std::int64_t>(left_.col.size()));
+    }
+    values_.resize(left_.col.size()), place_.assign(left_.n, -1);
+}
+
+Blocks Elimination::left(const Blocks& blocks) const {
+    Blocks b = blocks;
+    b.node.clear(), b.modes.clear();
+    for (std::size_t k = 0; k + 1 < blocks.node.size(); ++k)
+        for (int i = blocks.node[k]; i < blocks.node[k + 1]; ++i)
+            if (kept_[i] >= 0) {
+                b.node.push_back(kept_[i]);
+                break;
+            }
+    if (!blocks.node.empty()) b.node.push_back(left_.n);
+    for (int i = 0; i < full_->n; ++i)
+        if (kept_[i] >= 0)
+            b.modes.insert(b.modes.end(), blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes,
+                           blocks.modes.begin() + static_cast<std::ptrdiff_t>(i + 1) * b.n_modes);
+    return b;
+}
+
+void Elimination::eliminate(const double* values) {
+    const Csr& f = *full_;
+    full_values_ = values;
+    double* to = values_.data();
+    for (int k = 0; k < left_.n; ++k, to = values_.data() + left_.row[k]) {
+        if (plain_[k]) {
+            const int i = feeds_[k][0].equation;
+            for (auto e = f.row[i]; e < f.row[i + 1]; ++e)
+                if (kept_[f.col[e]] >= 0) *to++ = values[e];
+            continue;
+        }
+        std::fill(to, values_.data() + left_.row[k + 1], 0.0);
+        for (auto e = left_.row[k]; e < left_.row[k + 1]; ++e) place_[left_.col[e]] = e;
+        for (const Part& feed : feeds_[k])
+            for (auto e = f.row[feed.equation]; e < f.row[feed.equation + 1]; ++e)
+                for (const Part& p : parts_[f.col[e]])
+                    values_[place_[p.equation]] += feed.factor * p.factor * values[e];
+    }
+}
+
+double Elimination::along(int row, const std::vector<double>& d) const {
+    double sum = 0;
+    for (auto e = full_->row[row]; e < full_->row[row + 1]; ++e) sum += full_values_[e] * d[full_->col[e]];
+    return sum;
+}
+
+// With dx = T dx_left + own: r_left = T^T (r + K own)
+void Elimination::condense(std::vector<double>& r) {
+    for (const Given& g : given_) own_[g.equation] = -r[full_->unknown[g.multiplier]] / g.weight;
+    for (int i : touched_) r[full_->unknown[i]] += along(i, own_);
+    for (const Given& g : given_)
+        for (std::size_t k = 0; k < g.others.size(); ++k)
+            r[full_->unknown[g.others[k]]] += g.factors[k] * r[full_->unknown[g.equation]];
+}
+
+void Elimination::recover(const double* r, double* d) const {
+    const Csr& f = *full_;
+    for (const Given& g : given_) {
+        double sum = own_[g.equation];
+        for (std::size_t k = 0; k < g.others.size(); ++k) sum += g.factors[k] * d[f.unknown[g.others[k]]];
+        d[f.unknown[g.equation]] = sum;
+        d[f.unknown[g.multiplier]] = 0;
+    }
+    std::vector<double> lambda(given_.size());
+    for (std::size_t k = 0; k < given_.size(); ++k) {
+        const int i = given_[k].equation;
+        double sum = r[f.unknown[i]];
+        for (auto e = f.row[i]; e < f.row[i + 1]; ++e) sum += full_values_[e] * d[f.unknown[f.col[e]]];
+        lambda[k] = -sum / given_[k].weight;
+    }
+    for (std::size_t k = 0; k < given_.size(); ++k) d[f.unknown[given_[k].multiplier]] = lambda[k];
+}
+
+namespace {
+
+class Eliminated : public LinearSolver {
+  public:
+    Eliminated(std::shared_ptr<Elimination> elimination, std::unique_ptr<LinearSolver> solver)
+        : elimination_(std::move(elimination)), solver_(std::move(solver)) {}
+
+    void analyze(const Csr&, const Blocks& blocks) override {
+        blocks_ = elimination_->left(blocks);
+        solver_->analyze(elimination_->left(), blocks_);
+    }
+    bool factor(const double* values, const Place& place) override {
+        elimination_->eliminate(values);
+        return solver_->factor(elimination_->values().data(), place);
+    }
+    bool solve(const double* r, const Place& place, double* d) override {
+        right_.assign(r, r + elimination_->n_unknowns());
+        right_.push_back(0.0);  // element slots of nothing may point there
+        elimination_->condense(right_);
+        if (!solver_->solve(right_.data(), place, d)) return false;
+        elimination_->recover(r, d);
+        return true;
+    }
+
+    void project(const double* x0, double* dx) override { solver_->project(x0, dx); }
+    void balance(const double* r, const Place& place, double* dx, double* x1) override {
+        solver_->balance(r, place, dx, x1);
+    }
+    std::string message() const override { return solver_->message(); }
+    int n_iterations() const override { return solver_->n_iterations(); }
+    int n_negative() const override { return solver_->n_negative(); }  // of what is left
+    double memory() const override { return solver_->memory(); }
+    void forget() override { solver_->forget(); }
+    std::vector<double> state() const override { return solver_->state(); }
+    void set_state(const std::vector<double>& s) override { solver_->set_state(s); }
+    int singular_unknown() const override { return solver_->singular_unknown(); }
+    void find_redundant(bool on) override { solver_->find_redundant(on); }
+    int n_redundant() const override { return solver_->n_redundant(); }
+    bool keeps_rigidity() const override { return solver_->keeps_rigidity(); }
+    std::string name() const override { return solver_->name() + ", tied nodes eliminated"; }
+
+  private:
+    std::shared_ptr<Elimination> elimination_;
+    std::unique_ptr<LinearSolver> solver_;
+    Blocks blocks_;
+    std::vector<double> right_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<Elimination> elimination,
+                                              std::unique_ptr<LinearSolver> solver) {
+    return std::make_unique<Eliminated>(std::move(elimination), std::move(solver));
+}
+
+}  // namespace visviva
