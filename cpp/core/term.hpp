@@ -1,7 +1,6 @@
 // A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the
 // ledger.
 #pragma once
-#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -9,14 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "aligned.hpp"
 #include "inertia.hpp"
 #include "step.hpp"
 #include "strain.hpp"
 
 namespace visviva {
-
-template <class T>
-using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;
 
 struct Context {
     const Step& step;
