@@ -118,6 +118,63 @@ def test_singular_position_is_an_instant_only() -> None:
     assert result.ledger["defect_position"][-1] < 1e-14
 
 
+def stretched(
+    pin: str, motion: str, null_space: bool | None = None, locked: bool = False
+) -> tuple[vv.System, vv.RigidBody]:
+    """A driven parallelogram that starts with all bars in one line; its beam of length 2 and one of its pins."""
+    ground, box = vv.Ground(), vv.Box(size=(1, 0.1, 0.1))
+    left = vv.RigidBody(shape=box, mass=1.0, position=(0.5, 0, 0), name="left")
+    right = vv.RigidBody(shape=box, mass=1.0, position=(2.5, 0, 0), name="right")
+    beam = vv.RigidBody(shape=vv.Box(size=(2, 0.1, 0.1)), mass=2.0, position=(2, 0, 0), name="beam")
+    foot = vv.Revolute(a=ground, b=left, at=(0, 0, 0))
+    axes = {} if locked else {"axis": (1, 0, 0), "first": (0, 0, 1)}  # one axis across the plane, or none
+    pins = {
+        "revolute": lambda: vv.Revolute(a=beam, b=right, at=(3, 0, 0)),
+        "universal": lambda: vv.Universal(a=beam, b=right, at=(3, 0, 0), **axes, name="pin"),
+    }
+    joints = [foot, vv.Revolute(a=left, b=beam, at=(1, 0, 0)), pins[pin]()]
+    joints.append(vv.Revolute(a=ground, b=right, at=(2, 0, 0)))
+    parts = [ground, left, right, beam, *joints, vv.Motor(joint=foot, motion=motion)]
+    return vv.System(
+        [*parts, vv.Gravity(acceleration=(0, -GRAVITY, 0))], vv.Newton(null_space=null_space)
+    ), beam
+
+
+@pytest.mark.parametrize("null_space", [None, False])
+@pytest.mark.parametrize("pin", ["revolute", "universal"])
+@pytest.mark.parametrize(
+    "scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler(), vv.GeneralizedAlpha(rho=0.8)], ids=str
+)
+def test_motor_starts_in_a_singular_position(scheme: vv.Scheme, pin: str, null_space: bool | None) -> None:
+    """Velocities that satisfy the constraints there are not unique: those of a motion are found."""
+    system, beam = stretched(pin, "2*t", null_space)
+    report = system.check()
+    assert report.degrees_of_freedom == 1
+    assert report.velocities.after < 1e-12
+    result = vv.simulate(system, until=0.5, step=0.005, scheme=scheme)
+    assert result.statistics.rejected == 0
+    place = beam.point().position.value(system.x)
+    assert place == pytest.approx([1 + np.cos(1.0), np.sin(1.0), 0], abs=1e-12)
+    from_rest, beam = stretched(pin, "t**2", null_space)
+    result = vv.simulate(from_rest, until=0.5, step=0.005, scheme=scheme)  # to either branch
+    assert result.statistics.rejected <= 1
+    end = beam.point((-1, 0, 0)).position.value(from_rest.x)
+    assert end == pytest.approx([np.cos(0.25), np.sin(0.25), 0], abs=1e-12)
+
+
+@pytest.mark.parametrize("turn", [0.1, 0.01, 0.001])
+def test_pin_that_locks_a_mechanism_is_told(turn: float) -> None:
+    """A pin neither of whose axes is across the plane lets the stretched bars move by nothing but an instant.
+
+    In every position that the motor is turned to nothing fits, so no treatment of the singular one can help.
+    """
+    with pytest.raises(vv.InputError, match="no configuration satisfies all constraints"):
+        stretched("universal", f"{turn} + 2*t", locked=True)[0].check()
+    system, _ = stretched("universal", "2*t", locked=True)
+    with pytest.raises(vv.StepFailure, match="nothing moves any more but constraints stay violated"):
+        vv.simulate(system, until=1.0, step=0.01)
+
+
 @pytest.mark.parametrize("joint", [vv.Spherical, vv.Revolute])
 def test_long_chains_are_not_taken_for_redundant(joint: type[vv.Spherical] | type[vv.Revolute]) -> None:
     report = check(chain(300, joint), tangents=False)

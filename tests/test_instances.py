@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from instances.solid import Brick
 from instances.stokes import StokesCell
 
 import visviva as vv
+from visviva.model import Model
 from visviva.run import run as run_study
 
 run = partial(run_study, pictures=False, progress=False)
@@ -79,3 +81,58 @@ def test_static_brick_finds_back_to_its_shape() -> None:
     system.touch()
     system.step(1.0, vv.Static())
     assert system.x[brick.motion.unknowns] == pytest.approx(rest, abs=1e-12)
+
+
+# --- what held unknowns take in -----------------------------------------------------------------------------
+
+
+class HeldBar(Bar):
+    """A bar with its ends at given temperatures; the right one may change in time."""
+
+    right: Any = None
+
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        model.hold(self.heat, [0])
+        if self.right is None:
+            model.hold(self.heat, [self.heat.size - 1])
+
+    def contribute(self, model: Model) -> None:
+        super().contribute(model)
+        if self.right is not None:
+            f = self.right
+            values, rates = (lambda t: np.array([f(t)])), (lambda t: np.array([f.rate(t)]))
+            model.prescribe(self, self.heat, [self.heat.size - 1], values, rates)
+
+
+@pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.EnergyMomentum(), vv.BackwardEuler()], ids=str)
+def test_heat_through_held_temperatures_is_booked(scheme: vv.Scheme) -> None:
+    """Heat balance to round-off; what one end takes in in the end the other gives: conductivity times slope."""
+    bar = HeldBar(temperatures=(3.0, 0.0, 0.5, 0.0, 1.0), exchange=0.0)
+    result = vv.simulate(vv.System([bar]), until=6.0, step=0.02, scheme=scheme)
+    heat, supplied = result.ledger["potential_heat"], result.ledger["work_supply"]
+    assert supplied[-1] == pytest.approx(heat[-1] - heat[0], rel=1e-12)
+    assert heat[-1] == pytest.approx(2.0, rel=1e-9)  # linear from 3 to 1
+    assert result.ledger.imbalance() < 1e-13
+    assert supplied[-1] == pytest.approx(2.0 - heat[0], rel=1e-9)
+    assert abs(supplied[-1] - supplied[-2]) < 1e-9
+
+
+def test_heat_through_prescribed_temperatures_is_booked() -> None:
+    bar = HeldBar(temperatures=(0.0,) * 5, exchange=0.4)
+    bar.right = vv.TimeFunction("sin(2*t)")
+    result = vv.simulate(vv.System([bar]), until=2.0, step=0.02, scheme=vv.Midpoint())
+    assert np.ptp(result.ledger["work_supply"]) > 0.1
+    assert result.ledger.imbalance() < 1e-13
+
+
+def test_power_of_held_velocities_is_booked() -> None:
+    class Lid(StokesCell):
+        def declare(self, model: Model) -> None:
+            super().declare(model)
+            model.hold(self.velocity, range(12), 12 * [0.0])
+            model.hold(self.velocity, [12], [0.7])
+
+    result = vv.simulate(vv.System([Lid()]), until=1.0, step=0.02, scheme=vv.Midpoint())
+    assert result.ledger["work_supply"][-1] > 0.1
+    assert result.ledger.imbalance() < 1e-12

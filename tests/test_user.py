@@ -318,3 +318,35 @@ def test_user_components_say_what_is_wrong():
         vv.System([ball, vv.Constraint(of=[ball], function=lambda e: e, n=0)])
     with pytest.raises(vv.InputError, match="no coordinates"):
         vv.System([ball, vv.UserTerm(term=vv.Term(), on=[vv.Ground()])])
+
+
+class Ballast(vv.Term):
+    """More of the mass that a body has, as a term in Python: ``M q''`` with the mass matrix of the body."""
+
+    kind, stores = "ballast", "kinetic"
+
+    def __init__(self, mass):
+        super().__init__()
+        self.M = np.kron(mass, np.eye(3))
+
+    def residual(self, s):
+        return s.second_rate @ self.M
+
+    def energy(self, s):
+        return 0.5 * np.einsum("ni,ij,nj->n", s.v1, self.M, s.v1)
+
+
+def test_momenta_of_terms_in_python_are_booked():
+    """A body with its mass once more as a term has twice the momenta, about the same motion."""
+
+    def books(double):
+        spin = {"angular_velocity": (0.3, 2.0, -0.5), "velocity": (1.0, 0.2, 0.1), "position": (0.5, 1, 2)}
+        body = vv.RigidBody(shape=vv.Box(size=(1, 2, 3)), density=0.7, **spin)
+        more = [vv.UserTerm(term=Ballast(body.mass_matrix()), on=[body])] if double else []
+        return vv.simulate(vv.System([body, *more]), until=1.0, step=0.02).ledger
+
+    once, twice = books(False), books(True)
+    for name in ("momentum_x", "momentum_z", "angular_x", "angular_y", "angular_z"):
+        assert np.abs(once[name][0]) > 0.1
+        assert twice[name] == pytest.approx(2 * once[name], rel=1e-10)
+        assert twice.drift(name) < 1e-12

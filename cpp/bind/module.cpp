@@ -101,7 +101,7 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
         const std::size_t shape[3] = {n, nl, nl};
         alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
                  own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
-                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()));
+                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6));
     };
 }
 
@@ -340,8 +340,11 @@ static void bind_system(nb::module_& m) {
         .def("set_signal_count", &System::set_signal_count)
         .def("set_driven", &System::set_driven)
         .def("set_prescribed",
-             [](System& s, const Ints& unknown, const Ints& account) {
-                 s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account));
+             [](System& s, const Ints& unknown, const Ints& account, const Ints& supply) {
+                 std::vector<Supply> kinds;
+                 for (std::size_t k = 0; k < supply.size(); ++k)
+                     kinds.push_back(static_cast<Supply>(supply.data()[k]));
+                 s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
         .def("memory",
              [](const System& s) {

@@ -77,7 +77,7 @@ CallbackTerm::CallbackTerm(int n, int n_local, const int* index, Function residu
     const std::size_t size = index_.size();
     for (auto* a : {&x0_, &x1_, &rate_, &second_rate_, &v1_, &r_}) a->assign(size, 0.0);
     k_.assign(size * n_local, 0.0);
-    energy_.assign(n, 0.0), work_.assign(n, 0.0);
+    energy_.assign(n, 0.0), work_.assign(n, 0.0), momentum_.assign(6 * static_cast<std::size_t>(n), 0.0);
 }
 
 void CallbackTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
@@ -96,8 +96,8 @@ TermArguments CallbackTerm::gather(const Context& c) {
         x0_[k] = v.x0[index_[k]], x1_[k] = v.x1[index_[k]];
         rate_[k] = v.rate[index_[k]], second_rate_[k] = v.second_rate[index_[k]];
     }
-    return {&c.step,   x0_.data(), x1_.data(),     rate_.data(), second_rate_.data(),
-            r_.data(), k_.data(),  energy_.data(), work_.data(), v1_.data()};
+    return {&c.step,   x0_.data(),     x1_.data(),   rate_.data(),     second_rate_.data(), r_.data(),
+            k_.data(), energy_.data(), work_.data(), momentum_.data(), v1_.data()};
 }
 
 void CallbackTerm::residual(const Context& c, double* r) {
@@ -115,10 +115,13 @@ void CallbackTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) 
     for (std::size_t k = 0; k < index_.size(); ++k) v1_[k] = v1[index_[k]];
     std::fill(energy_.begin(), energy_.end(), 0.0);
     std::fill(work_.begin(), work_.end(), 0.0);
+    std::fill(momentum_.begin(), momentum_.end(), 0.0);
     ledger_(gather(c));
     for (int e = 0; e < n_; ++e) {
         sums.energy[account[e]] += energy_[e];
         sums.work[account[e]] += work_[e];
+        double* momentum = &sums.momentum[6 * static_cast<std::size_t>(component[e])];
+        for (int k = 0; k < 6; ++k) momentum[k] += momentum_[6 * static_cast<std::size_t>(e) + k];
     }
 }
 

@@ -218,6 +218,14 @@ double System::constraint_error() const {
     return kernels().vector_largest(n_, r_.data(), constraint_weight_.data());
 }
 
+int System::worst_constraint() const {
+    int worst = 0;
+    for (int i = 0; i < n_; ++i)
+        if (std::abs(r_[i]) * constraint_weight_[i] > std::abs(r_[worst]) * constraint_weight_[worst])
+            worst = i;
+    return worst;
+}
+
 bool System::refactor(const Context& c, const Step& step) {
     std::fill(values_.begin(), values_.end(), 0.0);
     const bool inner = solver_->keeps_rigidity();
@@ -384,6 +392,11 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         refresh = full || (rho > options.keep_factor && !done);
         last = size;
     }
+    if (last <= 1e-12 && constraint_error() > 100 * last + noise_)
+        return fail(
+            "nothing moves any more but constraints stay violated (they contradict each other, or lead no "
+            "further from here)",
+            worst_constraint());
     return fail("no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
 }
 
@@ -405,8 +418,14 @@ void System::book(const Context& c, const double* v1) {
 void System::book_step(const Context& c, const double* v1, double direction) {
     if (!prescribed_.empty()) evaluate_residual(c, true);  // before the terms go on to the end
     book(c, v1);
-    for (std::size_t k = 0; k < prescribed_.size(); ++k)
-        sums.work[prescribed_account_[k]] += direction * r_[prescribed_[k]] * dx[prescribed_[k]];
+    for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+        const int u = prescribed_[k];
+        const double h = c.step.h;
+        const double through = supply_[k] == Supply::work    ? direction * dx[u]
+                               : supply_[k] == Supply::power ? h * (x[u] + c.step.theta * dx[u])
+                                                             : h;
+        sums.work[prescribed_account_[k]] += r_[u] * through;
+    }
 }
 
 // Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its

@@ -32,6 +32,10 @@ struct Report {
     std::string reason;              // why not converged
 };
 
+// What a held unknown takes in over a step, from the force r that holds it: work of a position, power of a
+// velocity, or an amount (heat) that the ledger counts by itself.
+enum class Supply : int { work = 0, power = 1, amount = 2 };
+
 class System {
   public:
     // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
@@ -61,10 +65,11 @@ class System {
         return {zero, zero, zero, zero};
     }
     void set_driven(bool driven) { driven_ = driven; }
-    // Fixed unknowns that move as prescribed: their increments are put into dx before a step is solved, and
-    // the work of what moves them is booked on these accounts.
-    void set_prescribed(std::vector<int> unknown, std::vector<int> account) {
-        prescribed_ = std::move(unknown), prescribed_account_ = std::move(account);
+    // Fixed unknowns that move as prescribed, or through which something flows: their increments are put into
+    // dx before a step is solved, and what they take in is booked on these accounts.
+    void set_prescribed(std::vector<int> unknown, std::vector<int> account, std::vector<Supply> supply) {
+        prescribed_ = std::move(unknown), prescribed_account_ = std::move(account),
+        supply_ = std::move(supply);
     }
     void accept(const Step& step, const Signals& signals, bool ledger);
     void discard();
@@ -135,6 +140,7 @@ class System {
     double iterate(const Step&);
     void weigh_constraints();
     double constraint_error() const;
+    int worst_constraint() const;
     Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();
     void book(const Context&, const double* v1);
@@ -152,6 +158,7 @@ class System {
     int n_modes_ = 0;
     std::vector<int> node_, held_;  // held: fixed unknowns with equations
     std::vector<int> prescribed_, prescribed_account_;
+    std::vector<Supply> supply_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::vector<int> element_;

@@ -141,7 +141,7 @@ struct TermArguments {
     const Step* step;
     const double *x0, *x1, *rate, *second_rate;  // gathered, [n][n_local]
     double *residual, *tangent;                  // [n][n_local], [n][n_local][n_local] or null
-    double *energy, *work;                       // [n] or null (ledger)
+    double *energy, *work, *momentum;            // [n], [n], [n][6], for the ledger
     const double* v1;                            // ledger only
 };
 
@@ -164,7 +164,7 @@ class CallbackTerm : public Term {
     int n_, nl_;
     std::vector<int> index_;
     Function residual_, tangent_, ledger_, accept_;
-    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_;
+    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_, momentum_;
     std::vector<std::int64_t> position_;
 };
 

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.consistency import Correction, descend, project_positions, project_velocities, worst
+from visviva.consistency import (
+    Correction,
+    descend,
+    follow_branch,
+    project_positions,
+    project_velocities,
+    rate_violation,
+    worst,
+)
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, Instant, instant
 from visviva.scheme import EnergyMomentum
@@ -146,9 +154,10 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     if len(at.multipliers):
         at.factor()
     null = at.redundancies()
-    if null.shape[1] > 0:
-        settle(system, at)
+    passing = null.shape[1] > 0 and settle(system, at) != null.shape[1]
     velocities = project_velocities(system, at) if repair else told(rate_violation(system, at))
+    if repair and passing:
+        velocities.moved |= follow_branch(system, at, null)
     report = CheckReport(
         n_components=len(system.components),
         n_coordinates=system.n_coordinates,
@@ -168,14 +177,6 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
 def told(violation: float) -> Correction:
     """The report of a violation that was left as it is."""
     return Correction(violation, violation, {})
-
-
-def rate_violation(system: System, at: Instant) -> float:
-    """Largest relative violation of the constraints' rates."""
-    v = system.v[at.coordinates]
-    drift = at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
-    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
 
 
 # --- redundancy ---------------------------------------------------------------------------------------------
@@ -206,9 +207,9 @@ def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
     return found
 
 
-def settle(system: System, at: Instant) -> None:
+def settle(system: System, at: Instant) -> int:
     """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as
-    well.
+    well; returns how many are.
 
     In a singular configuration (bars in one line) constraints depend on each other for an instant only and
     have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
@@ -218,6 +219,7 @@ def settle(system: System, at: Instant) -> None:
     way, _ = at.solve(at.metric @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
     system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
     system.x[at.multipliers] = 0.0
+    lasting = 0
     if descend(system, damped=False) <= 1e-11:
         near = Instant(system)
         near.factor()
@@ -226,6 +228,7 @@ def settle(system: System, at: Instant) -> None:
         if system.core.find_redundant(step, system.signals(step), True) != lasting:
             system.core.find_redundant(step, system.signals(step), False)
     system.x[:] = x
+    return lasting
 
 
 # --- coordinates that nothing holds -------------------------------------------------------------------------

@@ -181,6 +181,46 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
     return Correction(before, after, moved(system, full))
 
 
+def rate_violation(system: System, at: Instant) -> float:
+    """Largest relative violation of the constraints' rates."""
+    v, drift = system.v[at.coordinates], at.drift()
+    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
+    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+
+
+def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
+    """In a singular position, turn velocities that lead nowhere into those of a motion close by.
+
+    Where constraints are redundant for an instant only (bars in one line), more velocities satisfy their rates
+    than motions have: accelerations exist only if ``null^T (G' v) v`` vanishes for the combinations `null`
+    (m, r) of constraints without effect. Newton steps keep ``G v`` and are least in kinetic energy. Where they
+    find nothing (the mechanism is locked, or an impact is due) the velocities stay as they are.
+
+    Returns
+    -------
+    dict of str to float
+        Largest change of a rate by component.
+    """
+    coordinates, start = at.coordinates, system.v.copy()
+    bound = rate_violation(system, at) + 1e-9
+    for _ in range(20):
+        c = at.convection()
+        rest = null.T @ c
+        if np.all(np.abs(rest) <= 1e-7 * (np.abs(null).T @ np.abs(c))):
+            break
+        J = 2 * at.bend(null)
+        still = np.zeros(len(at.multipliers))
+        ways = np.column_stack([at.solve(column, still)[0] for column in J.T])
+        system.v[coordinates] -= ways @ np.linalg.lstsq(J.T @ ways, rest, rcond=1e-9)[0]
+        if rate_violation(system, at) > bound:
+            system.v[:] = start
+            break
+    else:
+        system.v[:] = start
+    system.touch()
+    return moved(system, system.v - start)
+
+
 # --- accelerations ------------------------------------------------------------------------------------------
 
 

@@ -121,19 +121,33 @@ class Instant:
 
     def gradient_along(self, v: Array, later: float = 0.0, shift: float = 0.0) -> Array:
         """``G v`` with G taken at configurations moved by ``shift v`` and the clock `later`."""
+        rate: Array = self._gradients_near(v, later, shift) @ v
+        return rate
+
+    def _gradients_near(self, v: Array, later: float = 0.0, shift: float = 0.0) -> sp.csr_array:
         system = self.system
         system.core.dx[self.coordinates] = shift * v
         A = system.tangent(instant(system.time + later, leading=1.0))[1]
         system.core.dx[:] = 0.0
-        rate: Array = A[self._m][:, self._q] @ v
-        return rate
+        G: sp.csr_array = A[self._m][:, self._q]
+        return G
+
+    def _span(self, v: Array) -> float:
+        """How far along velocities to look for differences."""
+        return 1e-3 / max(float(np.max(np.abs(v) / self.scale, initial=0.0)), 1.0)
+
+    def bend(self, null: Array) -> Array:
+        """Derivatives (n, r) along the velocities of the gradients of combinations (m, r) of constraints."""
+        v = self.system.v[self.coordinates]
+        return difference(lambda s: self._gradients_near(v, shift=s).T @ null, self._span(v))
 
     def convection(self) -> Array:
         """Second time derivative (m,) of the constraints without accelerations: what ``G a`` must balance."""
         system = self.system
         v = system.v[self.coordinates]
-        span = 1e-3 / max(float(np.max(np.abs(v) / self.scale, initial=0.0)), 1.0)
-        total = difference(lambda s: self.gradient_along(v, shift=s), span) if np.any(v) else 0.0 * self.reach
+        total: Array = np.zeros(len(self.reach))
+        if np.any(v):
+            total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
         if system.model.signals:
             functions = system.model.signals
             bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), 1e-3)

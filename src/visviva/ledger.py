@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.instant import Instant, instant
+
+if TYPE_CHECKING:
+    from visviva.system import System
+
 Array = NDArray[np.float64]
+
+STILL = 1e-6
+"""What moves by less than this part of its size counts as being at rest."""
 
 MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z")
 
@@ -21,11 +29,20 @@ class Ledger:
     ----------
     names : list of str
         Columns: time, kinetic, potentials by kind, total, works by kind (summed over time), imbalance of the
-        balance ``total - total_0 - works``, momenta, constraint defects of position and velocity.
+        balance ``total - total_0 - works``, momenta, constraint defects of position and velocity (the largest
+        violations relative to the constraints' gradients times the sizes of the unknowns, so that lengths,
+        their squares and products of directors compare; that of rates is per unit of time).
+    mass, length : float
+        Of the whole system: what momenta and rates are compared with.
+    pull : float
+        Work of the forces at the start if everything moved along by its own size.
     """
 
     potentials: list[str]
     works: list[str]
+    mass: float = 0.0
+    length: float = 1.0
+    pull: float = 0.0
     rows: list[Array] = field(default_factory=list)
 
     @property
@@ -45,16 +62,37 @@ class Ledger:
 
     @property
     def energy_scale(self) -> float:
-        """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work."""
-        t = self.table
-        swings = [np.ptp(self[f"potential_{k}"]) for k in self.potentials]
+        """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work.
+
+        Where hardly anything moves a millionth of the potentials or of `pull`, which are exact to rounding only.
+        """
+        potentials = [self[f"potential_{k}"] for k in self.potentials]
+        swings = [max(np.ptp(p), STILL * np.abs(p).max()) for p in potentials]
         works = [np.abs(self[f"work_{k}"]).max() for k in self.works]
-        return float(max([t[:, 1].max(), *swings, *works, np.finfo(float).tiny]))
+        return float(max([self["kinetic"].max(), *swings, *works, STILL * self.pull, np.finfo(float).tiny]))
+
+    @property
+    def speed(self) -> float:
+        """Greatest root mean square of the velocity of the mass; at least a millionth of the length per run."""
+        rms = float(np.sqrt(2 * self["kinetic"].max() / self.mass)) if self.mass > 0 else 0.0
+        duration = float(np.ptp(self["time"]))
+        return max(rms, STILL * self.length / duration if duration > 0 else 0.0)
 
     def momentum_scale(self, kind: str) -> float:
-        """Largest momentum ('momentum' or 'angular') of the run."""
+        """What changes of momentum ('momentum' or 'angular') are relative to.
+
+        The greatest momentum that the masses can have with the largest kinetic energy T of the run, ``sqrt(2 m
+        T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
+        """
+        most = self.mass * self.speed * (self.length if kind == "angular" else 1.0)
         parts = np.array([self[f"{kind}_{c}"] for c in "xyz"])
-        return float(max(np.abs(parts).max(), np.finfo(float).tiny))
+        return float(max(most, np.abs(parts).max(), np.finfo(float).tiny))
+
+    @property
+    def rate_scale(self) -> float:
+        """How often per unit of time the system moves by its length; once in the run at least."""
+        duration = float(np.ptp(self["time"]))
+        return max(self.speed / self.length, 1 / duration if duration > 0 else 1.0)
 
     def imbalance(self) -> float:
         """Largest closing error of the energy balance relative to the energy scale."""
@@ -78,11 +116,17 @@ class Bookkeeper:
         Energy of the initial state, None before its row is booked.
     """
 
-    def __init__(self, accounts: list[Any]) -> None:
+    def __init__(self, system: System) -> None:
+        accounts = system.model.accounts
+
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        self.ledger = Ledger(kinds("potential"), kinds("work", "dissipation"))
+        mass = sum(m for c in system.components for m, _ in c.weights())
+        self.ledger = Ledger(
+            kinds("potential"), kinds("work", "dissipation"), mass, system.model.length, pull(system)
+        )
+        self._per_reach = 1 / reaches(system)[:, None]
         ledger, n = self.ledger, len(accounts)
         self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)
         self._potential = np.zeros((len(ledger.potentials), n))
@@ -105,8 +149,28 @@ class Bookkeeper:
         if self.total0 is None:
             self.total0 = total
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
-        defect = core.defect.reshape(-1, 2).max(axis=0)
+        defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
         row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
         self.ledger.rows.append(row)
         return row
+
+
+def reaches(system: System) -> Array:
+    """By what the violations of each component's constraints are measured (n_components,); 1 without any."""
+    reach = np.full(len(system.components), np.inf)
+    if system.n_constraints:
+        at, model = Instant(system), system.model
+        owner = {u: model.index(f.component) for f in model.fields if f.multiplier for u in f.unknowns}
+        np.minimum.at(reach, [owner[int(u)] for u in at.multipliers], at.reach)
+    return np.where(np.isfinite(reach), reach, 1.0)
+
+
+def pull(system: System) -> float:
+    """Work of the present forces, without constraints, if every unknown moved along by its size."""
+    saved = system.x.copy()
+    system.x[system.order == 0] = 0.0
+    force = np.abs(system.residual(instant(system.time, theta=1.0)))
+    system.x[:] = saved
+    moves = np.concatenate([(f.order == 2) & ~f.fixed for f in system.model.fields])
+    return float((force * system.scale)[moves].sum())

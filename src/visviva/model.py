@@ -47,6 +47,9 @@ class Field:
     element : int array (size,)
         The only element that touches each unknown, which is eliminated with that element's equations before the
         others are solved; -1 if several do. An element's own unknowns follow each other.
+    amount : bool
+        Of order 1: whether the ledger counts what they store by itself (heat), not by half its square as for
+        velocities. It decides what flows in through those that are held.
     """
 
     component: Component
@@ -62,6 +65,7 @@ class Field:
     fixed: NDArray[np.bool_]
     node: int = 1
     definite: bool = True
+    amount: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
@@ -80,6 +84,11 @@ class Field:
     @property
     def unknowns(self) -> range:
         return range(self.start, self.start + self.size)
+
+    @property
+    def supply(self) -> int:
+        """What held unknowns take in from the force r that holds them, see the core's `Supply`."""
+        return 0 if self.order != 1 else 1 + self.amount
 
     def form(self, k: int = 0) -> Form:
         """The `k`-th unknown as a form."""
@@ -112,6 +121,8 @@ class Prescription:
         Their rates (k,) just after a time.
     account : int
         Where the work of what moves them is booked.
+    supply : int
+        See `Field.supply`.
     """
 
     component: Component
@@ -119,6 +130,7 @@ class Prescription:
     values: Callable[[float], Array]
     rates: Callable[[float], Array]
     account: int
+    supply: int
 
     def acceleration(self, time: float) -> Array:
         """Second derivatives (k,) of the values just after a time, by differences forward."""
@@ -192,6 +204,7 @@ class Model:
         node: int = 1,
         definite: bool = True,
         element: ArrayLike = (),
+        amount: bool = True,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -204,7 +217,21 @@ class Model:
         block = (component, name) if block is None and stage == 0 else (block or component)
         local = np.asarray(element, dtype=np.int32).ravel()
         new = Field(
-            component, name, order, start, x, v, scales, stage, multiplier, block, held, node, definite, local
+            component,
+            name,
+            order,
+            start,
+            x,
+            v,
+            scales,
+            stage,
+            multiplier,
+            block,
+            held,
+            node,
+            definite,
+            amount,
+            local,
         )
         self.fields.append(new)
         self._remember(new)
@@ -255,9 +282,19 @@ class Model:
         self.hold(moved, k, values(0.0))
         moved.rates[k] = rates(0.0)
         self._remember(moved)
-        account = self.account(component, "prescribed motion", "work")
+        account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
-        self.prescribed.append(Prescription(component, unknowns, values, rates, account))
+        self.prescribed.append(Prescription(component, unknowns, values, rates, account, moved.supply))
+
+    def supplied(self) -> tuple[NDArray[np.int32], ...]:
+        """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
+        rows = [(int(u), p.account, p.supply) for p in self.prescribed for u in p.unknowns]
+        moving = {u for u, _, _ in rows}
+        for f in self.fields:
+            still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
+            rows += [(u, self.account(f.component, "supply", "work"), f.supply) for u in still]
+        table = np.array(rows, dtype=np.int32).reshape(-1, 3)
+        return tuple(np.ascontiguousarray(column) for column in table.T)
 
     @property
     def initial(self) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.component import Attachable
+from visviva.component import Attachable, Component
 from visviva.errors import InputError
 from visviva.form import Vector
 
@@ -26,8 +26,12 @@ class Point:
 
     @property
     def position(self) -> Vector:
-        """Position in space as a vector form."""
-        return self.component.place(self.X)
+        """Position in space as a vector form, once the component is part of a system."""
+        try:
+            return self.component.place(self.X)
+        except AttributeError:
+            refuse_uncomposed(self.component)
+            raise
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +50,21 @@ class Frame(Point):
     @property
     def directors(self) -> tuple[Vector, Vector, Vector]:
         """The three directions in space as vector forms."""
-        a, b, c = (self.component.turn(axis) for axis in self.axes)
+        try:
+            a, b, c = (self.component.turn(axis) for axis in self.axes)
+        except AttributeError:
+            refuse_uncomposed(self.component)
+            raise
         return a, b, c
+
+
+def refuse_uncomposed(component: Component) -> None:
+    """Say what is missing where a component is asked for its unknowns before a system has given it any."""
+    if not hasattr(component, "_system"):
+        raise InputError(
+            f"{component.label} is not part of a system yet: what is asked for is a form of its unknowns, which "
+            "vv.System([...]) numbers; compose the system first"
+        ) from None
 
 
 def triad(axis: Any, first: Any = None) -> Array:

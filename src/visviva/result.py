@@ -95,12 +95,16 @@ class Result:
                 writer.append(time, drawing.points(x), drawing.values(x, v))
 
     def conservation(self) -> dict[str, float]:
-        """Relative errors: energy balance, each momentum, constraints at position and velocity level."""
+        """Relative errors: energy balance, each momentum, constraints at position and velocity level.
+
+        Relative to `Ledger.energy_scale`, `Ledger.momentum_scale`, the reach of the constraints, and that times
+        `Ledger.rate_scale`.
+        """
         ledger = self.ledger
         figures = {"energy": ledger.imbalance()}
         figures |= {name: ledger.drift(name) for name in MOMENTA}
         figures["constraints"] = float(ledger["defect_position"].max())
-        figures["constraint rates"] = float(ledger["defect_velocity"].max())
+        figures["constraint rates"] = float(ledger["defect_velocity"].max()) / ledger.rate_scale
         return figures
 
     def audit(self) -> str:
@@ -138,7 +142,8 @@ def audit(result: Result) -> str:
             f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}",
             f"  linear momentum changes (relative)   {momentum}",
             f"  angular momentum changes (relative)  {angular}",
-            f"  constraints hold to {f['constraints']:.1e}, their rates to {f['constraint rates']:.1e}",
+            f"  constraints hold (relative) to {f['constraints']:.1e}, "
+            f"their rates to {f['constraint rates']:.1e}",
         ]
     )
 

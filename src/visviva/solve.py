@@ -153,7 +153,7 @@ def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkee
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme)
     system.pace.clear()
-    books = Bookkeeper(system.model.accounts)
+    books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
     system.take_stock()
     books.book(system.time, system.core)

@@ -56,8 +56,19 @@ class Newton:
     max_iterations: int = 25
     keep_factor: float = 0.3
     null_space: bool | None = None
-    regularization: float = 1e-11
+    regularization: float = 1e-13
     linear: LinearOptions | None = None
+
+    def __post_init__(self) -> None:
+        for name, least, most in (
+            ("tolerance", 1e-300, 1.0),
+            ("max_iterations", 1, 1e9),
+            ("keep_factor", 0.0, 1.0),
+            ("regularization", 0.0, 1.0),
+        ):
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise InputError(f"Newton: {name} = {value} is not a number from {least:g} to {most:g}")
 
 
 @dataclass(frozen=True)
@@ -181,6 +192,7 @@ class System:
         self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
         terms = [*inertia_terms(self.model), *strain_terms(self.model), *self.model.batches]
         terms += [term.build(self.model, component) for term, component in self.model.terms]
+        supplied = self.model.supplied()
         core.set_accounts(
             len(self.model.accounts), len(self.components)
         )  # after the terms have opened theirs
@@ -191,14 +203,8 @@ class System:
         core.set_blocks(*self._blocks())
         core.set_nodes(self._nodes())
         core.set_local(self.local)
+        core.set_prescribed(*supplied)
         self._set_dependences()
-        prescribed = self.model.prescribed
-        core.set_prescribed(
-            np.concatenate([np.zeros(0, np.int32), *(p.unknowns for p in prescribed)]),
-            np.concatenate(
-                [np.zeros(0, np.int32), *(np.full_like(p.unknowns, p.account) for p in prescribed)]
-            ),
-        )
         core.finalize()
         self.choose_linear()
         core.x[:] = np.concatenate([f.values for f in fields])
@@ -387,9 +393,10 @@ class System:
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
         scheme = EnergyMomentum() if scheme is None else scheme
-        if self._repeated is None or self._repeated[:2] != (scheme, h):
-            self._repeated = scheme, h, scheme.step(self.time, h)
-        step = self._repeated[2].moved_to(self.time)
+        repeated = self._repeated
+        if repeated is None or repeated[1] != h or (repeated[0] is not scheme and repeated[0] != scheme):
+            repeated = self._repeated = scheme, h, scheme.step(self.time, h)
+        step = repeated[2].moved_to(self.time)
         if scheme.projects_velocity:
             attempt = self.attempt(step)
             self.accept(attempt, scheme)

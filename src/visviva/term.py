@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.component import Attachable
 from visviva.errors import RunError
 
 if TYPE_CHECKING:
@@ -64,6 +65,12 @@ class Term:
         'potential' or 'kinetic': what its energy, if it has one, counts as.
     history : dict of arrays
         State of its own; changed in `accept` only, and kept in restart files.
+
+    Notes
+    -----
+    The ledger's momenta are those of what stores kinetic energy: by its derivatives with respect to the rates of
+    points and directors of components, unless `momentum` says otherwise (as it must where the velocities are
+    no rates of those).
     """
 
     unknowns: NDArray[np.int32]
@@ -94,6 +101,21 @@ class Term:
         w: Array = -np.einsum("ij,ij->i", self.residual(s), s.x1 - s.x0)
         return w
 
+    def momentum(self, s: Stencils) -> Array:
+        """Linear and angular momentum (n, 6) at the end of the step."""
+        total = np.zeros((len(s.x1), 6))
+        if self.energy is None or not self._places:
+            return total
+        columns = np.array([c for place in self._places for c in place.columns])
+        p = np.zeros_like(s.x1)
+        p[:, columns] = kinetic_momenta(self.energy, s, columns)
+        for place in self._places:
+            x, part = np.zeros((2, len(total), 3))
+            x[:, place.axes], part[:, place.axes] = s.x1[:, place.columns], p[:, place.columns]
+            total[:, :3] += part if place.is_position else 0.0
+            total[:, 3:] += np.cross(x, part)
+        return total
+
     def accept(self, s: Stencils) -> None:
         """The step is accepted: update `history`."""
 
@@ -112,6 +134,8 @@ class Term:
         category = self.stores if self.energy is not None else "work"
         account = model.account(owner, self.kind, category)
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
+        moving = n and self.stores == "kinetic" and self.energy is not None
+        self._places = places(model, index[0]) if moving else []
         # The core keeps weak references only (a term may know its system); they live here.
         self._calls = self._residual, self._tangent, self._ledger, self._accept
         term = _core.CallbackTerm(index, *self._calls)
@@ -132,9 +156,51 @@ class Term:
             args[8][:] = checked(self.label, "energy", self.energy(s), args[8].shape)
         else:
             args[9][:] = checked(self.label, "work", self.work(s), args[9].shape)
+        args[10][:] = checked(self.label, "momentum", self.momentum(s), args[10].shape)
 
     def _accept(self, *args: Any) -> None:
         self.accept(Stencils(*args[:6]))
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point or director among the unknowns of a stencil: its columns, and which coordinates they are."""
+
+    columns: list[int]
+    axes: list[int]
+    is_position: bool
+
+
+def places(model: Model, unknowns: NDArray[np.int32]) -> list[Place]:
+    """The points and directors of components that a stencil (n_local,) sees; others of a batch are alike."""
+    owner: dict[int, tuple[int, int, bool]] = {}
+    for component in model.components:
+        vectors = component.vectors(model) if isinstance(component, Attachable) else None
+        starts, positions, width = vectors or ((), (), 0)
+        for start, is_position in zip(starts, positions, strict=True):
+            owner |= {int(start) + c: (int(start), c, bool(is_position)) for c in range(width)}
+    found: dict[int, Place] = {}
+    for column, unknown in enumerate(unknowns.tolist()):
+        if unknown in owner:
+            start, axis, is_position = owner[unknown]
+            place = found.setdefault(start, Place([], [], is_position))
+            place.columns.append(column)
+            place.axes.append(axis)
+    return list(found.values())
+
+
+def kinetic_momenta(energy: Callable[[Stencils], Array], s: Stencils, columns: Array) -> Array:
+    """Derivatives (n, k) of an energy by the rates in some columns; exact for squares of rates."""
+    p = np.empty((len(s.v1), len(columns)))
+    d = 1e-3 * max(1.0, float(np.abs(s.v1).max(initial=0.0)))
+    for k, column in enumerate(columns):
+        ends = []
+        for sign in (1.0, -1.0):
+            v1 = s.v1.copy()
+            v1[:, column] += sign * d
+            ends.append(np.asarray(energy(replace(s, v1=v1))))
+        p[:, k] = (ends[0] - ends[1]) / (2 * d)
+    return p
 
 
 def checked(label: str, what: str, value: Any, shape: tuple[int, ...]) -> Array:

@@ -159,7 +159,7 @@ class UserTerm(Component):
         unknowns = np.concatenate([np.array(f.unknowns, dtype=np.int32) for f in fields])
         self.term.unknowns = unknowns[None, :]
         self.term.order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
-        for what in ("residual", "tangent", "energy", "work", "accept"):
+        for what in ("residual", "tangent", "energy", "work", "momentum", "accept"):
             if type(self.term).__dict__.get(what) is not None:
                 setattr(self.term, what, guarded(self.label, what, getattr(self.term, what)))
         model.term(self, self.term)

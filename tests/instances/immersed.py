@@ -102,7 +102,9 @@ class ImmersedSolid(Component):
 
     def declare(self, model: Model) -> None:
         rng = np.random.default_rng(self.seed)
-        self.velocity = model.field(self, "velocity", self.speed * rng.standard_normal(24), order=1)
+        self.velocity = model.field(
+            self, "velocity", self.speed * rng.standard_normal(24), order=1, amount=False
+        )
 
     def contribute(self, model: Model) -> None:
         shape = [(w, hex8(xi)[0]) for xi, w in zip(*gauss(2, 3), strict=True)]

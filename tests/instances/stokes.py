@@ -85,7 +85,7 @@ class StokesCell(Component):
         self.M, self.A, self.B = cell(self.viscosity)
         free = sl.null_space(self.B)
         v = free @ np.random.default_rng(self.seed).standard_normal(free.shape[1])
-        self.velocity = model.field(self, "velocity", v, order=1)
+        self.velocity = model.field(self, "velocity", v, order=1, amount=False)
         self.pressure = model.field(self, "pressure", np.zeros(3), order=0, multiplier=True, stage=1)
 
     def contribute(self, model: Model) -> None:

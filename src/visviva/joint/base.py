@@ -14,7 +14,7 @@ from visviva.component import Attachable, Component, settings
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, dot, strain
 from visviva.law import Law, LawKind
-from visviva.point import Frame, Point
+from visviva.point import Frame, Point, refuse_uncomposed
 from visviva.values import Vector3
 
 if TYPE_CHECKING:
@@ -178,10 +178,16 @@ class Joint(Component):
 
     def coordinate(self, name: str | None = None) -> Form:
         """The joint's coordinate as a form; `name` where it has both an angle and a stroke."""
+        refuse_uncomposed(self)
         if name is None:
             if len(self._coordinates) != 1:
                 raise InputError(f"{self.label} has the coordinates {list(self._coordinates)}; say which")
             name = next(iter(self._coordinates))
+        if name not in self._coordinates:
+            raise InputError(
+                f"{self.label} has no coordinate {name!r}: it has {list(self._coordinates)}; construct the joint "
+                f"with {name}=True"
+            )
         return self._coordinates[name].form()
 
     def generalised_reaction(self, x: Array) -> dict[int, float]:
