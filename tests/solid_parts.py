@@ -25,14 +25,14 @@ def block(cell: str = "hex8", counts: Sequence[int] = (1, 1, 1), at: float = 0.0
     plane = cell.startswith(("tri", "quad"))
     size = (1.0, 0.7, 0.5)[: 2 if plane else 3]
     mesh = (vv.RectangleMesh if plane else vv.BoxMesh)(
-        size=size, counts=tuple(counts[: len(size)]), cell=cell
+        size=size, counts=tuple(counts[: len(size)]), cell=cell, origin=(at, 0.0, 0.0)[: len(size)]
     )
     motion: dict[str, Any] = {
         "velocity": (0.3, -0.2, 0.0 if plane else 0.4),
         "angular_velocity": (0.0, 0.0, 0.8) if plane else (0.5, -0.6, 0.8),
     }
     return vv.Solid(
-        mesh=mesh.build().moved((at, 0.0, 0.0)[: len(size)]),
+        mesh=mesh,
         material=vv.NeoHooke(young=60.0, poisson=0.3),
         density=1.3,
         **(motion | options),

@@ -9,6 +9,7 @@ from visviva.body.solid import Solid
 from visviva.contact.contact import Contact
 from visviva.contact.tying import Tie
 from visviva.errors import InputError, RunError, VisvivaError
+from visviva.formula import Formula
 from visviva.joint.higher import Gear, RackAndPinion, RopeOverWinch
 from visviva.joint.lower_pairs import (
     Cylindrical,
@@ -40,7 +41,16 @@ from visviva.material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVena
 from visviva.material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
 from visviva.material.tissue import HolzapfelGasserOgden
 from visviva.material.user import UserMaterial
-from visviva.measure import DirectorProduct, JointCoordinate, Offset, Position, SquaredDistance
+from visviva.measure import (
+    CentreOfMass,
+    Direction,
+    DirectorProduct,
+    JointCoordinate,
+    Offset,
+    Position,
+    Separation,
+    SquaredDistance,
+)
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import (
     BoxMesh,
@@ -64,7 +74,7 @@ from visviva.probe import (
     SupportTorque,
     Velocity,
 )
-from visviva.reaction import ReactionForce, ReactionTorque, reaction
+from visviva.reaction import ReactionForce, ReactionTorque, ServoInputs, reaction
 from visviva.result import Result
 from visviva.scheme import (
     ArcLength,
@@ -95,6 +105,7 @@ __all__ = [
     "BoxMesh",
     "Bushing",
     "Capsule",
+    "CentreOfMass",
     "Cone",
     "Constraint",
     "Contact",
@@ -103,6 +114,7 @@ __all__ = [
     "Cylindrical",
     "Damper",
     "Direct",
+    "Direction",
     "DirectorProduct",
     "Displacement",
     "Distance",
@@ -116,6 +128,7 @@ __all__ = [
     "FollowerForce",
     "FollowerTorque",
     "Force",
+    "Formula",
     "Gear",
     "GeneralizedAlpha",
     "GeneralizedForce",
@@ -170,7 +183,9 @@ __all__ = [
     "Screw",
     "SectionForce",
     "SectionTorque",
+    "Separation",
     "Servo",
+    "ServoInputs",
     "Solid",
     "Sphere",
     "SphereMesh",

@@ -58,6 +58,16 @@ class Component(metaclass=Validated):
         """Masses with the points they hang on: what uniform gravity acts upon."""
         return []
 
+    @property
+    def total_mass(self) -> float:
+        """Its mass."""
+        return sum(m for m, _ in self.weights())
+
+    def mass_moment(self, x: Array) -> Array:
+        """Mass times the position of its centre (3,), at the unknowns `x` of the system."""
+        moments = [m * np.asarray(place.value(x)) for m, place in self.weights()]
+        return np.sum(moments, axis=0) if moments else np.zeros(3)
+
     def weigh(self, model: Model, acceleration: Array) -> None:
         """Add the potential of uniform gravity."""
         from visviva.law import linear

@@ -13,11 +13,12 @@ from visviva.body.fields import quantity, smoothed
 from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.form import Vector
+from visviva.measure import Position
 from visviva.mesh.cells import CELLS
 from visviva.output.surface import Surface
 
 if TYPE_CHECKING:
-    from visviva.study import Study
+    from visviva.study import Probe, Study
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -31,8 +32,6 @@ class Drawing:
     ----------
     system : System
         Every component with a `surface` is drawn, the cells of solids, and the `lines` of ropes and springs.
-    lines : sequence of (Vector, Vector)
-        Further lines between two points.
     spots : mapping
         Further single points by name.
     fields : sequence of str
@@ -61,14 +60,13 @@ class Drawing:
     def __init__(
         self,
         system: System,
-        lines: Sequence[Line] = (),
         spots: Mapping[str, Vector] | None = None,
         fields: Sequence[str] = (),
     ) -> None:
         drawn = [(c, c.surface()) for c in system.components if isinstance(c, Attachable)]
         bodies = [(c, surface) for c, surface in drawn if surface is not None]
         self._solids = [c for c in system.components if isinstance(c, Solid)]
-        named = list(named_lines(system, lines))
+        named = list(named_lines(system))
         taken = {str(c.name) for c in (*(c for c, _ in bodies), *self._solids)} | {name for name, _ in named}
         free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
         self.surfaces = (
@@ -132,16 +130,11 @@ def filled(solid: Solid) -> Surface:
     return Surface(str(solid.name), solid.points, list(cells.values()), [CELLS[name].vtk for name in cells])
 
 
-def named_lines(system: System, lines: Sequence[Line]) -> Iterator[tuple[str, Line]]:
-    """Lines of components under their names, then the given ones that are not among them."""
-    drawn: set[Line] = set()
+def named_lines(system: System) -> Iterator[tuple[str, Line]]:
+    """Lines of components under their names."""
     for component in system.components:
         for k, line in enumerate(component.lines()):
-            drawn.add(line)
             yield (f"{component.name}-{k + 1}" if k else str(component.name)), line
-    for k, line in enumerate(lines):
-        if line not in drawn:
-            yield f"line-{k + 1}", line
 
 
 def placement(component: Attachable) -> list[Vector]:
@@ -162,10 +155,17 @@ def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_arra
 
 
 def draw(study: Study) -> Drawing:
-    """What is drawn of a study: its system, its ropes, and its trails where no component has their name."""
-    spots = {name: study.probes[name] for name in study.trails if name in study.probes}
-    vectors = {name: spot for name, spot in spots.items() if isinstance(spot, Vector)}
-    return Drawing(study.system, study.ropes, vectors, study.fields)
+    """What is drawn of a study: its system, and its trails where no component has their name."""
+    places = {name: place_of(study.probes[name]) for name in study.trails if name in study.probes}
+    spots = {name: place for name, place in places.items() if place is not None}
+    return Drawing(study.system, spots, study.fields)
+
+
+def place_of(probe: Probe) -> Vector | None:
+    """The point that a probe records, if it does."""
+    if isinstance(probe, Position) and probe.direction is None:
+        return probe.place
+    return probe if isinstance(probe, Vector) else None
 
 
 def trail_names(study: Study, drawing: Drawing) -> list[str]:

@@ -122,7 +122,7 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        mass = sum(m for c in system.components for m, _ in c.weights())
+        mass = sum(c.total_mass for c in system.components)
         self.ledger = Ledger(
             kinds("potential"), kinds("work", "dissipation"), mass, system.model.length, pull(system)
         )

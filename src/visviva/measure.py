@@ -9,9 +9,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.arguments import Validated
-from visviva.component import settings
+from visviva.component import Component, settings
 from visviva.errors import InputError
-from visviva.form import Strain, dot, squared, strain
+from visviva.form import Strain, Vector, dot, squared, strain
 from visviva.joint.base import Joint
 from visviva.load.where import frame_of, point_of
 from visviva.values import Vector3
@@ -51,8 +51,13 @@ class Position(Measure):
     at: Vector3 | None = None
     direction: Vector3 | None = None
 
+    @property
+    def place(self) -> Vector:
+        """The point."""
+        return point_of("Position", self.of, self.at).position
+
     def strains(self) -> list[Strain]:
-        x = point_of("Position", self.of, self.at).position
+        x = self.place
         return [strain(c) for c in x] if self.direction is None else [strain(x.along(self.direction))]
 
 
@@ -93,6 +98,61 @@ class Offset(Measure):
     def strains(self) -> list[Strain]:
         frame, point = frame_of("Offset", self.a), point_of("Offset", self.to)
         return [dot(frame.directors[self.i - 1], point.position - frame.position)]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Direction(Measure):
+    """Direction (3) in space of an axis that goes with a body, given in its own coordinates."""
+
+    of: Any
+    axis: Vector3
+
+    def strains(self) -> list[Strain]:
+        d1, d2, d3 = frame_of("Direction", self.of).directors
+        x, y, z = self.axis.tolist()
+        return [strain(component) for component in x * d1 + y * d2 + z * d3]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Separation(Reading):
+    """Probe: distance of two points, such as the length of a rope.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(3, 4, 0))
+    >>> vv.Separation(a=ground, b=ball)(vv.System([ground, ball]))
+    5.0
+    """
+
+    a: Any
+    b: Any
+
+    def __call__(self, system: System) -> float:
+        a, b = (point_of("Separation", p).position.value(system.x) for p in (self.a, self.b))
+        return float(np.linalg.norm(b - a))
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class CentreOfMass(Reading):
+    """Probe: centre of mass (3,) of a component, or of several together.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> a, b = vv.PointMass(mass=1.0), vv.PointMass(mass=3.0, position=(4, 0, 0))
+    >>> vv.CentreOfMass(of=[a, b])(vv.System([a, b])).tolist()
+    [3.0, 0.0, 0.0]
+    """
+
+    of: Component | list[Component]
+
+    def __call__(self, system: System) -> Any:
+        parts = self.of if isinstance(self.of, list) else [self.of]
+        mass = sum(c.total_mass for c in parts)
+        if mass == 0:
+            raise InputError(f"CentreOfMass: {', '.join(c.label for c in parts)} has no mass")
+        return np.sum([c.mass_moment(system.x) for c in parts], axis=0) / mass
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Reaction forces and torques of joints and motors, from their multipliers."""
+"""Reaction forces and torques of joints and motors and inputs of servo constraints, from their multipliers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.joint.base import Joint
+from visviva.joint.servo import Servo
 from visviva.measure import Reading
 
 if TYPE_CHECKING:
@@ -64,3 +65,14 @@ class ReactionTorque(Reading):
     def __call__(self, system: System) -> Array:
         """Present value."""
         return reaction(system, self.joint)[1]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ServoInputs(Reading):
+    """Probe: inputs (n,) of the actuators of a servo constraint in the last step."""
+
+    servo: Servo
+
+    def __call__(self, system: System) -> Array:
+        """Present value."""
+        return self.servo.inputs(system)

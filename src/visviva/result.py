@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from visviva.form import Form, Strain, Vector
 from visviva.ledger import MOMENTA, Ledger
+from visviva.measure import Measure
 
 if TYPE_CHECKING:
     from visviva.scheme import Scheme
@@ -54,9 +55,12 @@ class Result:
     rates: list[Array] = field(default_factory=list)
     statistics: Statistics = field(default_factory=Statistics)
 
-    def history(self, what: Form | Vector | Strain) -> Array:
-        """Values of a form, vector or strain at the kept times, (n,) or (n, 3)."""
-        return np.array([what.value(x) for x in self.states])
+    def history(self, what: Form | Vector | Strain | Measure) -> Array:
+        """Values of a form, vector, strain or measure at the kept times, (n,) or (n, k)."""
+        if not isinstance(what, Measure):
+            return np.array([what.value(x) for x in self.states])
+        values = np.array([[e.value(x) for e in what.strains()] for x in self.states])
+        return values[:, 0] if values.shape[1] == 1 else values
 
     def write(
         self, path: str | Path, fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")

@@ -31,9 +31,7 @@ class Study:
     probes : dict
         Time series by name; a vector is recorded as name_x, name_y, name_z.
     trails : tuple of str
-        Vector probes whose path is drawn.
-    ropes : list of (Vector, Vector)
-        Lines to draw between two points (ropes, springs).
+        Probes of positions whose path is drawn.
     fields : sequence of str
         Fields of solids that the trajectory holds beside displacements and velocities; pictures show the first.
     title : str
@@ -49,7 +47,6 @@ class Study:
     scheme: Scheme = field(default_factory=EnergyMomentum)
     probes: Mapping[str, Probe] = field(default_factory=dict)
     trails: tuple[str, ...] = ()
-    ropes: list[tuple[Vector, Vector]] = field(default_factory=list)
     fields: Sequence[str] = FIELDS
     title: str = ""
     notes: str = ""

@@ -7,7 +7,7 @@ import bisect
 import cmath
 import math
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
 from visviva.errors import InputError
 
-Evaluator = Callable[[complex], complex]
+Evaluator = Callable[[Any], complex]
 Source = float | str | list[list[float]] | Callable[[float], float]
 
 OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
@@ -216,45 +216,83 @@ def _table(source: Any) -> list[list[float]]:
     return rows
 
 
+class Expression:
+    """An expression in any names, called with their values.
+
+    Examples
+    --------
+    >>> area = Expression("a*b/2")
+    >>> sorted(area.names), area({"a": 3.0, "b": 4.0})
+    (['a', 'b'], 6.0)
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text, self._tree = text, _parsed(text)
+        called = {id(n.func) for n in ast.walk(self._tree) if isinstance(n, ast.Call)}
+        found = [n for n in ast.walk(self._tree) if isinstance(n, ast.Name) and id(n) not in called]
+        self.names = {n.id for n in found} - set(NAMES)
+        self._value = _build(self._tree, text, self.names)
+
+    def __call__(self, values: Mapping[str, complex]) -> float:
+        """Its value; numbers that are not finite or not real are errors."""
+        try:
+            value = complex(self._value(values))
+        except KeyError as error:
+            raise InputError(
+                f"{error.args[0]!r} in {self.text!r} is unknown; there are {', '.join(values)}"
+            ) from None
+        except (ArithmeticError, ValueError) as error:
+            raise InputError(f"{self.text!r} cannot be evaluated at {dict(values)}: {error}") from None
+        if abs(value.imag) > 1e-12 * abs(value.real):
+            raise InputError(f"{self.text!r} is not real at {dict(values)}")
+        return value.real
+
+
 def _compile(text: str) -> Evaluator:
-    """An expression as nested functions; whatever is not listed above is refused."""
+    """An expression in t as nested functions; whatever is not listed above is refused."""
+    return _build(_parsed(text), text)
+
+
+def _parsed(text: str) -> ast.expr:
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
-        raise InputError(f"{text!r} is not an expression in t: {error.msg}") from None
-    return _build(tree.body, text)
+        raise InputError(f"{text!r} is not an expression: {error.msg}") from None
 
 
-def _build(node: ast.AST, text: str) -> Evaluator:
+def _build(node: ast.AST, text: str, names: Set[str] = frozenset()) -> Evaluator:
+    """A function of t, or of the values of `names` if there are any."""
     match node:
         case ast.Constant(value=bool()):
             pass
         case ast.Constant(value=int() | float() as constant):
             number = float(constant)
             return lambda t: number
-        case ast.Name(id="t"):
+        case ast.Name(id=name) if name in names:
+            return lambda values: values[name]
+        case ast.Name(id="t") if not names:
             return lambda t: t
         case ast.Name(id=name) if name in NAMES:
             return lambda t: NAMES[name]
         case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
-            unary, inner = OPERATORS[type(op)], _build(operand, text)
+            unary, inner = OPERATORS[type(op)], _build(operand, text, names)
             return lambda t: unary(inner(t))
         case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
-            binary, a, b = OPERATORS[type(op)], _build(left, text), _build(right, text)
+            binary, a, b = OPERATORS[type(op)], _build(left, text, names), _build(right, text, names)
             return lambda t: binary(a(t), b(t))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
-            return _call(name, args, text)
+            return _call(name, args, text, names)
     used = ast.unparse(node)
-    known = ", ".join(["t", *NAMES, *FUNCTIONS])
+    known = ", ".join([*(names or ["t"]), *NAMES, *FUNCTIONS])
     raise InputError(
         f"{used!r} in {text!r} is not understood; an expression may use numbers, + - * / **, {known}"
     )
 
 
-def _call(name: str, args: list[ast.expr], text: str) -> Evaluator:
+def _call(name: str, args: list[ast.expr], text: str, names: Set[str]) -> Evaluator:
     if len(args) not in ARGUMENTS.get(name, (1,)):
         raise InputError(f"{name} in {text!r} takes one argument, not {len(args)}")
-    function, inner = FUNCTIONS[name], [_build(a, text) for a in args]
+    function, inner = FUNCTIONS[name], [_build(a, text, names) for a in args]
     return lambda t: function(*(f(t) for f in inner))
 
 

@@ -325,6 +325,14 @@ class Solid(Attachable):
             lam = 2 * lam * mu / (lam + 2 * mu)
         return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
 
+    @property
+    def total_mass(self) -> float:
+        return self.mass
+
+    def mass_moment(self, x: Array) -> Array:
+        moment: Array = self.nodal_mass @ self.positions(x)
+        return moment
+
     def weigh(self, model: Model, acceleration: Array) -> None:
         m = self.nodal_mass
         if np.any(m > 0):

@@ -33,7 +33,7 @@ def study(gravity: float = 9.81, until: float = 10.0, step: float = 0.01) -> vv.
         for k in range(6)
     ]
     system = vv.System([ground, *bars, *hinges, vv.Gravity(acceleration=(0, -gravity, 0))])
-    probes = {f"P{k}": bars[k].point_at(POINTS[k]).position for k in (2, 3, 4)}
+    probes = {f"P{k}": vv.Position(of=bars[k], at=POINTS[k]) for k in (2, 3, 4)}
     return vv.Study(
         system, until, step, probes=probes, trails=("P3",), title="Bricard mechanism (IFToMM A04)"
     )

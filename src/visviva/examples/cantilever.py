@@ -35,9 +35,8 @@ def study(
     down = (0.0, 0.0, -force / HEIGHT**2)
     load = vv.Traction(solid=beam, faces="x1", traction=down, times="t" if static else None, name="load")
     system = vv.System([beam, clamp, load])
-    tip = beam.point_at((LENGTH, 0, 0)).position
     probes = {
-        "tip": tip,
+        "tip": vv.Position(of=beam, at=(LENGTH, 0, 0)),
         "stress": vv.Extreme(solid=beam, field="von_mises"),
         "clamp_force": vv.SupportForce(solid=beam, nodes="x0"),
     }

@@ -56,17 +56,16 @@ def study(
     )
     parts = [ground, girder, trolley, drum, load, slewing, rail, axle, rope]
     if winch == "locked":
-        parts.append(vv.Motor(joint=axle, motion=lambda t: 0.0, name="brake"))
+        parts.append(vv.Motor(joint=axle, motion=0.0, name="brake"))
     system = vv.System([*parts, vv.Gravity(acceleration=(0, 0, -gravity))])
-    at_load = load.point().position
     probes = {
-        "crane_angle": slewing.coordinate(),
-        "trolley_position": rail.coordinate(),
-        "winch_angle": axle.coordinate(),
-        "rope_length": lambda s: length + radius * s.value(axle.coordinate()),
-        "load": at_load,
-        "slewing_force": lambda s: vv.reaction(s, slewing)[0],
-        "rope_force": lambda s: vv.reaction(s, rope)[0],
+        "crane_angle": vv.JointCoordinate(joint=slewing),
+        "trolley_position": vv.JointCoordinate(joint=rail),
+        "winch_angle": vv.JointCoordinate(joint=axle),
+        "rope_length": vv.Separation(a=drum, b=load),
+        "load": vv.Position(of=load),
+        "slewing_force": vv.ReactionForce(joint=slewing),
+        "rope_force": vv.ReactionForce(joint=rope),
     }
     return vv.Study(
         system,
@@ -76,7 +75,6 @@ def study(
         trails=("load",),
         title="Rotary crane",
         notes=__doc__,
-        ropes=[(drum.point().position, at_load)],
     )
 
 

@@ -47,12 +47,12 @@ def study(gravity: float = 9.81, duration: float = 5.0, step: float = 0.02) -> v
     servo = vv.Servo(output=[load], follows=[path(k) for k in range(3)], actuators=drives, name="servo")
     parts = [ground, girder, trolley, drum, load, *drives, rope, servo]
     system = vv.System([*parts, vv.Gravity(acceleration=(0, 0, -gravity))])
-    where = load.point().position
-    probes: dict[str, Any] = {"crane_angle": slewing.coordinate(), "trolley_position": rail.coordinate()}
-    probes |= {"winch_angle": axle.coordinate(), "load": where, "inputs": servo.inputs}
-    title, ropes = "Servo-controlled crane", [(drum.point().position, where)]
+    names = {"crane_angle": slewing, "trolley_position": rail, "winch_angle": axle}
+    probes: dict[str, Any] = {name: vv.JointCoordinate(joint=joint) for name, joint in names.items()}
+    probes |= {"load": vv.Position(of=load), "inputs": vv.ServoInputs(servo=servo)}
     scheme = vv.GeneralizedAlpha(rho=0.0)
-    return vv.Study(system, duration, step, scheme, probes, trails=("load",), ropes=ropes, title=title)
+    title = "Servo-controlled crane"
+    return vv.Study(system, duration, step, scheme, probes, trails=("load",), title=title)
 
 
 def check(result: vv.Result) -> None:

@@ -17,16 +17,12 @@ def study(
         vv.Distance(a=inner.point(), b=outer.point(), name="outer bar"),
     ]
     system = vv.System([ground, inner, outer, *bars, vv.Gravity(acceleration=(0, -gravity, 0))])
-    pivot, p, q = (c.point().position for c in (ground, inner, outer))
-    return vv.Study(
-        system,
-        until,
-        step,
-        probes={"inner": p, "outer": q, "inner_bar_force": lambda s: vv.reaction(s, bars[0])[0]},
-        trails=("outer",),
-        ropes=[(pivot, p), (p, q)],
-        title="Double pendulum",
-    )
+    probes = {
+        "inner": vv.Position(of=inner),
+        "outer": vv.Position(of=outer),
+        "inner_bar_force": vv.ReactionForce(joint=bars[0]),
+    }
+    return vv.Study(system, until, step, probes=probes, trails=("outer",), title="Double pendulum")
 
 
 def check(result: vv.Result) -> None:

@@ -53,20 +53,17 @@ def study(
     wrist = vv.Revolute(a=small, b=slider, at=B, axis=Z, name="wrist")
     guide = vv.Prismatic(a=ground.frame_at((0, 0, 0), X), b=slider.frame_at(B, X), stroke=True, name="guide")
     system = vv.System([ground, wheel, rod, big, small, slider, shaft, pin, wrist, guide])
-    middle = rod.point_at((A + B) / 2).position
-
-    def bending(s: vv.System) -> float:
-        """Distance of the rod's middle from the line between its ends, in the plane."""
-        a, m, b = (place.value(s.x)[:2] for place in (big.point().position, middle, small.point().position))
-        (u, v), (p, q) = b - a, m - a
-        return float((u * q - v * p) / np.hypot(u, v))
-
+    middle = vv.Position(of=rod, at=(A + B) / 2)
+    bending = vv.Formula(  # distance of the rod's middle from the line between its ends, in the plane
+        formula="((b_x-a_x)*(m_y-a_y) - (b_y-a_y)*(m_x-a_x)) / sqrt((b_x-a_x)**2 + (b_y-a_y)**2)",
+        of={"a": vv.Position(of=big), "m": middle, "b": vv.Position(of=small)},
+    )
     probes = {
-        "crank_angle": shaft.coordinate(),
-        "slider": guide.coordinate(),
+        "crank_angle": vv.JointCoordinate(joint=shaft),
+        "slider": vv.JointCoordinate(joint=guide),
         "bending": bending,
         "middle": middle,
-        "pin_force": lambda s: vv.reaction(s, pin)[0],
+        "pin_force": vv.ReactionForce(joint=pin),
     }
     title = "Slider-crank with a flexible rod"
     return vv.Study(system, until, step, probes=probes, trails=("middle",), title=title, notes=__doc__)

@@ -14,8 +14,8 @@ def study(disturbance: float = 0.1, spin: float = 1.0, until: float = 40.0, step
     box = vv.Box(size=(4.9, 3.46, 0.2))  # nearly the edges that belong to these moments
     body = vv.RigidBody(mass=1.0, inertia=(1, 2, 3), shape=box, angular_velocity=rate, name="body")
     system = vv.System([body])
-    d1, d2, d3 = body.directors
-    probes = {"d1": d1, "d2": d2, "d3": d3}
+    axes = {"d1": (1, 0, 0), "d2": (0, 1, 0), "d3": (0, 0, 1)}
+    probes = {name: vv.Direction(of=body, axis=axis) for name, axis in axes.items()}
     return vv.Study(system, until, step, probes=probes, trails=("d2",), title="Free body (Dzhanibekov)")
 
 

@@ -29,7 +29,7 @@ def study(
     )
     tip = vv.Spherical(a=ground, b=disc, at=(0, 0, 0), name="tip")
     system = vv.System([ground, disc, tip, vv.Gravity(acceleration=(0, 0, -gravity))])
-    probes = {"centre": disc.point().position, "tip_force": lambda s: vv.reaction(s, tip)[0]}
+    probes = {"centre": vv.Position(of=disc), "tip_force": vv.ReactionForce(joint=tip)}
     title = "Heavy top (Geradin & Cardona)"
     return vv.Study(system, until, step, probes=probes, trails=("centre",), title=title)
 

@@ -32,7 +32,8 @@ def study(
     )
     tip = vv.Spherical(a=ground, b=cone, at=(0, 0, 0), name="tip")
     system = vv.System([ground, cone, tip, vv.Gravity(acceleration=(0, 0, -gravity))])
-    probes = {"centre": cone.point((0, 0, 0.075)).position, "tip_force": lambda s: vv.reaction(s, tip)[0]}
+    centre = vv.Position(of=cone.point((0, 0, 0.075)))
+    probes = {"centre": centre, "tip_force": vv.ReactionForce(joint=tip)}
     return vv.Study(system, until, step, probes=probes, trails=("centre",), title="Lagrange's top")
 
 

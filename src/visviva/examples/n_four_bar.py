@@ -27,7 +27,7 @@ def study(
         hinges.append(vv.Revolute(a=cranks[k + 1], b=link, at=feet[k + 1] + up, axis=Z))
     system = vv.System([ground, *cranks, *rods, *hinges, vv.Gravity(acceleration=(0, -gravity, 0))])
     probes = {
-        f"B{k}": c.point_at(foot + up).position for k, (c, foot) in enumerate(zip(cranks, feet, strict=True))
+        f"B{k}": vv.Position(of=c, at=foot + up) for k, (c, foot) in enumerate(zip(cranks, feet, strict=True))
     }
     title = f"{loops} parallel four-bars (IFToMM A02)"
     return vv.Study(system, until, step, probes=probes, trails=("B0",), title=title)

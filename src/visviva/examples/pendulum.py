@@ -24,15 +24,14 @@ def study(
     bob = vv.PointMass(mass=mass, position=(-length * np.sin(phi), -length * np.cos(phi), 0), name="bob")
     bar = vv.Distance(a=ground.point(), b=bob.point(), length=length, name="bar")
     system = vv.System([ground, bob, bar, vv.Gravity(acceleration=(0, -gravity, 0))])
-    place = bob.point().position
+    force = vv.ReactionForce(joint=bar)
     probes = {
-        "bob": place,
-        "bar_force": lambda s: vv.reaction(s, bar)[0],
-        "tension": lambda s: np.linalg.norm(vv.reaction(s, bar)[0]),
+        "bob": vv.Position(of=bob),
+        "bar_force": force,
+        "tension": vv.Formula(formula="sqrt(f_x**2 + f_y**2 + f_z**2)", of={"f": force}),
     }
-    pivot = ground.point().position
     title = "Simple pendulum (IFToMM A01)"
-    return vv.Study(system, until, step, probes=probes, trails=("bob",), ropes=[(pivot, place)], title=title)
+    return vv.Study(system, until, step, probes=probes, trails=("bob",), title=title)
 
 
 def check(result: vv.Result) -> None:

@@ -32,11 +32,11 @@ def study(
     thread = vv.Screw(a=ground, b=nut, at=(0, 0, 0), axis=(0, 0, 1), pitch=pitch, name="thread")
     system = vv.System([ground, nut, thread, vv.Gravity(acceleration=(0, 0, -gravity))])
     probes = {
-        "angle": thread.coordinate(),
-        "nut": nut.point().position,
-        "tip": nut.point((0.25, 0, 0)).position,
-        "force": lambda s: vv.reaction(s, thread)[0],
-        "torque": lambda s: vv.reaction(s, thread)[1],
+        "angle": vv.JointCoordinate(joint=thread),
+        "nut": vv.Position(of=nut),
+        "tip": vv.Position(of=nut.point((0.25, 0, 0))),
+        "force": vv.ReactionForce(joint=thread),
+        "torque": vv.ReactionTorque(joint=thread),
     }
     return vv.Study(system, until, step, probes=probes, trails=("tip",), title="Screw")
 

@@ -32,9 +32,9 @@ def study(
     motor = vv.Motor(joint=shaft, motion=lambda t: rate * t, name="motor")
     system = vv.System([ground, wheel, connecting, piston, shaft, pin, wrist, slide, motor])
     probes = {
-        "crank_angle": shaft.coordinate(),
-        "piston": slide.coordinate(),
-        "A": wheel.point_at(A).position,
+        "crank_angle": vv.JointCoordinate(joint=shaft),
+        "piston": vv.JointCoordinate(joint=slide),
+        "A": vv.Position(of=wheel, at=A),
     }
     return vv.Study(system, until, step, probes=probes, trails=("A",), title="Slider-crank")
 

@@ -21,16 +21,8 @@ def study(
     bob = vv.PointMass(mass=1.0, position=(rest + stretch, 0, 0), velocity=(0, speed, 0), name="bob")
     spring = vv.Spring(a=ground.point(), b=bob.point(), stiffness=stiffness, free_length=rest, name="coil")
     system = vv.System([ground, bob, spring])
-    place, pivot = bob.point().position, ground.point().position
-    return vv.Study(
-        system,
-        until,
-        step,
-        probes={"bob": place},
-        trails=("bob",),
-        ropes=[(pivot, place)],
-        title="Spring pendulum",
-    )
+    probes = {"bob": vv.Position(of=bob)}
+    return vv.Study(system, until, step, probes=probes, trails=("bob",), title="Spring pendulum")
 
 
 def check(result: vv.Result) -> None:

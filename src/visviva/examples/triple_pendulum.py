@@ -43,7 +43,7 @@ def study(
         )
         bodies.append(rod)
     system = vv.System([ground, *bodies, *joints, vv.Gravity(acceleration=(0, 0, -gravity))])
-    probes = {f"end{k + 1}": rod.point((0.5, 0, 0)).position for k, rod in enumerate(bodies)}
+    probes = {f"end{k + 1}": vv.Position(of=rod.point((0.5, 0, 0))) for k, rod in enumerate(bodies)}
     trails = (f"end{rods}",)
     return vv.Study(
         system, until, step, probes=probes, trails=trails, title="Pendulum of rods on ball joints"

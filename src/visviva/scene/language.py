@@ -13,7 +13,7 @@ from visviva.body.shape import Shape
 from visviva.component import Component
 from visviva.linear import LinearOptions
 from visviva.material.base import Material
-from visviva.measure import Measure, Reading
+from visviva.measure import Reading
 from visviva.mesh.generate import MeshSource
 from visviva.scheme import Scheme
 
@@ -57,9 +57,9 @@ def components() -> dict[str, type[Component]]:
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes, meshes, materials, options of linear solvers and measures."""
+    """What can stand as an argument: shapes, meshes, materials, options of linear solvers, measures, probes."""
     choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
-    return {**choices, **public(Measure)}
+    return {**choices, **public(Reading)}
 
 
 def probes() -> dict[str, type[Any]]:
@@ -91,6 +91,11 @@ def is_reference(hint: Any) -> bool:
     return any(
         leaf is Any or (isinstance(leaf, type) and issubclass(leaf, Component)) for leaf in leaves(hint)
     )
+
+
+def named(hint: Any) -> Any:
+    """The type of the values of an argument that is a mapping from names; None for other arguments."""
+    return typing.get_args(hint)[1] if typing.get_origin(hint) is dict else None
 
 
 def is_path(hint: Any) -> bool:

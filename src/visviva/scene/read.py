@@ -257,6 +257,8 @@ class Reader:
         """A value of a constructor's argument: plain data, another constructor, or a reference."""
         if language.is_reference(hint):
             return self.reference(key, given)
+        if language.named(hint) and isinstance(given, dict):
+            return {name: self.reference((*key, name), item) for name, item in given.items()}
         if language.is_path(hint) and isinstance(given, str):
             return self.document.file.parent / given
         if isinstance(given, dict):

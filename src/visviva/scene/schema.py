@@ -129,6 +129,8 @@ def argument(hint: Any) -> Schema:
     """A value of an argument."""
     if language.is_reference(hint):
         return ref("reference")
+    if language.named(hint):
+        return {"type": "object", "additionalProperties": ref("reference")}
     leaves = [leaf for leaf in language.leaves(hint) if leaf is not types.NoneType]
     for name, base in language.CHOICES.items():
         if any(isinstance(leaf, type) and issubclass(leaf, base) for leaf in leaves):

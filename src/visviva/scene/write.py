@@ -12,6 +12,7 @@ import numpy as np
 from visviva.component import Component
 from visviva.errors import InputError
 from visviva.measure import Reading
+from visviva.mesh.mesh import Mesh
 from visviva.output.files import replacing, reporting
 from visviva.point import Frame, Point
 from visviva.scene import language
@@ -128,13 +129,16 @@ def plain(label: str, item: Any) -> Any:
     """Numbers, texts, lists and paths."""
     if isinstance(item, np.ndarray | np.generic):
         return item.tolist()
+    if isinstance(item, dict):
+        return {name: value(f"{label}: {name}", part) for name, part in item.items()}
     if isinstance(item, list | tuple):  # TOML knows no null: a direction without prescribed motion is 'free'
         return ["free" if part is None else value(label, part) for part in item]
     if isinstance(item, Path):
         return str(item.absolute())
     if isinstance(item, bool | int | float | str):
         return item
-    raise InputError(f"{label} is {item!r}, an object of Python, which no file can hold")
+    cure = "; write it to a file and give vv.MeshFile(path=...)" if isinstance(item, Mesh) else ""
+    raise InputError(f"{label} is {item!r}, an object of Python, which no file can hold{cure}")
 
 
 # --- notations ----------------------------------------------------------------------------------------------
