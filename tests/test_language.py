@@ -76,7 +76,20 @@ def moved() -> list[Component]:
     ]
 
 
-MORE = [Entry(f.__name__, f, frozenset()) for f in (driven, servo, moved)]
+def touching() -> list[Component]:
+    lower, upper = (
+        vv.Solid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0, 0, height)),
+            material=vv.NeoHooke(young=100.0, poisson=0.3),
+            density=1.0,
+            velocity=(0, 0, -height),
+        )
+        for height in (0.0, 1.5)
+    )
+    return [lower, upper, vv.Contact(first=lower, second=upper, first_faces="z1", second_faces="z0")]
+
+
+MORE = [Entry(f.__name__, f, frozenset()) for f in (driven, servo, moved, touching)]
 TOLD = r"an object of Python, which no file can hold|is not part of visviva"
 
 
@@ -155,7 +168,7 @@ probes:
 
 
 BAD_FORMULAS = {
-    "2*q": r"'q' in '2\*q' is no probe; there are t, r",
+    "2*q": r"'q' in '2\*q' is no probe; there are r, t",
     "2*rr": r"'rr' in '2\*rr' is no probe; did you mean 'r'",
     "2*": "is not an expression",
     "open('x')": "not understood",
