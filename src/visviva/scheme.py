@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.errors import InputError
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -136,6 +137,11 @@ class GeneralizedAlpha(Scheme):
     """
 
     rho: float = 0.9
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.rho <= 1:
+            raise InputError(f"GeneralizedAlpha: rho = {self.rho} is not a number from 0 to 1")
+
     order: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
 

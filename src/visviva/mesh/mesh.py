@@ -59,6 +59,9 @@ class Mesh:
         points = np.array(self.points, dtype=np.float64, order="C")
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             raise InputError(f"points of a mesh are an array (n, 3) or (n, 2), not {points.shape}")
+        if not np.isfinite(points).all():
+            k = int(np.argmin(np.isfinite(points).all(axis=1)))
+            raise InputError(f"point {k} of a mesh is not finite: {points[k].tolist()}")
         n, put = len(points), object.__setattr__
         put(self, "points", _fixed(points))
         put(self, "cells", {name: _cells(name, rows, n) for name, rows in self.cells.items()})

@@ -1,0 +1,161 @@
+"""What is refused at once, with the component's name and what is wrong: bodies, joints, and numbers that are none."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from catalogue import CATALOGUE
+from test_language import MORE, NEEDS_CODE
+
+import visviva as vv
+from visviva.adaptive import Adaptive
+from visviva.run import run
+from visviva.scene import language
+
+UNIT: dict[str, Any] = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "name": "arm"}
+BENT, LEFT = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 1, 0], [0, 0, -1]]
+
+
+def arm(**changes: Any) -> vv.RigidBody:
+    return vv.RigidBody(**(UNIT | changes))
+
+
+def twice(kind: Callable[..., Any], **more: Any) -> Any:
+    body = arm()
+    return kind(a=body.point(), b=body, at=(0, 0, 0), name="link", **more)
+
+
+REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
+    "no mass": (lambda: arm(mass=0.0), "RigidBody 'arm'.*mass 0 is not positive"),
+    "negative mass": (lambda: arm(mass=-2.0), "RigidBody 'arm'.*mass -2 is not positive"),
+    "point without mass": (lambda: vv.PointMass(mass=0.0, name="bob"), "PointMass 'bob'.*mass 0 is not positive"),
+    "negative point mass": (lambda: vv.PointMass(mass=-1.0, name="bob"), "PointMass 'bob'.*mass -1"),
+    "negative density": (
+        lambda: vv.RigidBody(shape=vv.Sphere(radius=1.0), density=-1.0, name="arm"), "RigidBody 'arm'.*density"
+    ),
+    "triangle inequality": (lambda: arm(inertia=(1.0, 1.0, 2.5)), "RigidBody 'arm'.*triangle"),
+    "triangle inequality in a frame": (
+        lambda: arm(inertia=[[1.75, 0.75, 0], [0.75, 1.75, 0], [0, 0, 1.0]]), "RigidBody 'arm'.*triangle"
+    ),
+    "inertia not symmetric": (lambda: arm(inertia=[[1, 0.2, 0], [0, 1, 0], [0, 0, 1]]), "symmetric"),
+    "negative inertia": (lambda: arm(inertia=(-1.0, 1.0, 1.0)), "RigidBody 'arm'"),
+    "negative Euler value": (
+        lambda: vv.RigidBody(mass=1.0, euler=(1.0, -1.0, 1.0), name="arm"), "RigidBody 'arm'.*"
+    ),
+    "directors not orthonormal": (lambda: arm(rotation=BENT), "RigidBody 'arm'.*orthonormal"),
+    "left-handed directors": (lambda: arm(rotation=LEFT), "RigidBody 'arm'.*left-handed"),
+    "frame not orthonormal": (lambda: arm().frame(axes=BENT), "'arm'.*not right-handed and orthonormal"),
+    "left-handed frame": (lambda: arm().frame(axes=LEFT), "'arm'.*not right-handed and orthonormal"),
+    "axis without direction": (lambda: arm().frame_at((0, 0, 0), (0, 0, 0)), "an axis needs three finite numbers"),
+    **{
+        f"{kind.__name__} with itself": (lambda kind=kind: twice(kind), "'link'.*'arm' with itself")  # type: ignore[misc]
+        for kind in (vv.Spherical, vv.Revolute, vv.Prismatic, vv.Cylindrical, vv.Planar, vv.Universal, vv.Rigid,
+                     vv.PointOnLine, vv.PointOnPlane, vv.Distance)
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_bad_bodies_and_joints_are_refused(name: str) -> None:
+    make, message = REFUSED[name]
+    with pytest.raises(vv.InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("until", "step"),
+    [(1.0, 0.0), (1.0, -0.1), (0.0, 0.1), (-1.0, 0.1), (np.nan, 0.1), (1.0, np.inf), (np.inf, 0.1)],
+)
+def test_bad_times_of_a_run_are_refused_before_its_directory_is_made(
+    until: float, step: float, tmp_path: Any
+) -> None:
+    study = vv.Study(vv.System([arm()]), until=until, step=step)
+    with pytest.raises(
+        vv.InputError, match=r"step = .* is not a positive number|is not after the start at 0"
+    ):
+        run(study, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+# --- numbers that are none ----------------------------------------------------------------------------------
+def composed() -> dict[str, Any]:
+    """One object of every public class that takes numbers, by its name."""
+    found: dict[str, Any] = {}
+
+    def collect(thing: Any) -> None:
+        if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+            if type(thing).__name__ in found and not isinstance(thing, vv.Solid):
+                return
+            found.setdefault(type(thing).__name__, thing)
+            for f in dataclasses.fields(thing):
+                if f.init:
+                    collect(getattr(thing, f.name))
+        elif isinstance(thing, list | tuple):
+            for part in thing:
+                collect(part)
+
+    collect([vv.Newton(), Adaptive(tolerance=1e-6), *MORE_VALUES])
+    for entry in [*CATALOGUE, *MORE]:
+        collect(entry.build())
+    return found
+
+
+BALL = vv.PointMass(mass=1.0)
+AXIS = (1.0, 0.0, 0.0)
+MORE_VALUES: list[Any] = [
+    vv.Sphere(radius=1.0), vv.Box(size=(1, 2, 3)), vv.Cylinder(radius=1.0, length=2.0),
+    vv.Capsule(radius=1.0, length=2.0), vv.Cone(radius=1.0, height=2.0),
+    vv.CylinderMesh(radius=1.0, height=1.0, counts=(1, 1, 1)), vv.SphereMesh(radius=1.0, counts=(1, 1)),
+    vv.HollowCylinderMesh(inner_radius=1.0, outer_radius=2.0, height=1.0, counts=(1, 8, 1)),
+    vv.HollowTorusMesh(), vv.GeneralizedAlpha(rho=0.8),
+    vv.Displacement(of=BALL, direction=AXIS), vv.Velocity(of=BALL, direction=AXIS),
+    vv.Distance(a=BALL.point(), b=arm().point(), length=1.0),
+    vv.Contact(first=arm(shape=vv.Box(size=(1, 1, 1))), second=arm(shape=vv.Box(size=(1, 1, 1))), stiffness=1.0),
+    vv.Position(of=BALL, at=(0, 0, 0), direction=AXIS), vv.Direction(of=arm(), axis=AXIS),
+]  # fmt: skip
+
+
+def numbers(thing: Any) -> Iterator[tuple[str, Any]]:
+    """Arguments that hold numbers, with the first of them replaced by none."""
+    for f in dataclasses.fields(thing):
+        value = getattr(thing, f.name)
+        if not f.init or isinstance(value, bool | int):
+            continue
+        if isinstance(value, float):
+            yield f.name, float("nan")
+        elif isinstance(value, np.ndarray) and value.dtype == float and value.size:
+            spoiled = value.copy()
+            spoiled.flat[0] = np.nan
+            yield f.name, spoiled
+        elif isinstance(value, tuple) and value and all(isinstance(v, float) for v in value):
+            yield f.name, (float("nan"), *value[1:])
+
+
+FOUND = composed()
+CASES = [(name, key) for name in sorted(FOUND) if hasattr(vv, name) for key, _ in numbers(FOUND[name])]
+
+
+@pytest.mark.parametrize(("name", "key"), CASES, ids=lambda text: text)
+def test_nothing_takes_numbers_that_are_none(name: str, key: str) -> None:
+    thing = FOUND[name]
+    given = {f.name: getattr(thing, f.name) for f in dataclasses.fields(thing) if f.init}
+    spoiled = dict(numbers(thing))[key]
+    with pytest.raises(ValueError, match=r"finite|nan|positive|number|range|between|greater|less"):
+        type(thing)(**(given | {key: spoiled}))
+
+
+def test_every_component_with_numbers_was_tried() -> None:
+    tried = {name for name, _ in CASES}
+    without = {n for n, c in language.components().items() if not {"float", "Number", "Vector3"} & words(c)}
+    assert set(language.components()) - without - NEEDS_CODE <= tried | {"Ground"}
+
+
+def words(cls: type[Any]) -> set[str]:
+    """Names of types in the annotations of the arguments."""
+    return {
+        w for f in dataclasses.fields(cls) for w in str(f.type).replace("|", " ").replace("[", " ").split()
+    }
