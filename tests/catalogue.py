@@ -13,12 +13,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
 from instances.heat import Bar
 from instances.immersed import ImmersedSolid
 from instances.solid import Brick
 from instances.stokes import StokesCell
 from numpy.typing import NDArray
 from point_contacts import blocks
+from rubbing import thrown
 from solid_parts import FRAMED, REST, TIED, block, coupled, loaded, pinned, tied, wavy
 
 import visviva as vv
@@ -269,9 +271,17 @@ MOMENTA = LINEAR | ANGULAR
 ALL = ENERGY | MOMENTA
 AXIAL = frozenset({"angular_z"})
 FALLING = ENERGY | {"momentum_x", "momentum_y", "angular_z"}
-IN_PLANE = ENERGY | {"momentum_x", "momentum_y", "angular_z"}
+PLANE_MOMENTA = frozenset({"momentum_x", "momentum_y", "angular_z"})
+IN_PLANE = ENERGY | PLANE_MOMENTA
 PLANE = ("spherical", "revolute", "revolute, angle", "rigid", "point on line", "distance")
 SLIDING = ("planar", "prismatic", "prismatic, stroke", "cylindrical", "screw", "point on line")
+
+CONTACTS: dict[str, Any] = {
+    "dissipative": ({}, MOMENTA),
+    "conserving": ({"impact": "conserving"}, ALL),
+    "penalty": ({"enforcement": "penalty"}, ALL),
+}
+"""Ways to enforce contact, and what they conserve."""
 
 CATALOGUE = [
     Entry("free body", lambda: [body()], ALL),
@@ -570,6 +580,33 @@ CATALOGUE = [
     # contact
     Entry("blocks, vertices and facets", lambda: blocks(enforcement="penalty"), ALL, steps=40),
     Entry("blocks in the plane, vertices and facets", lambda: blocks(flat=True), ALL, steps=40),
+    *(
+        Entry(f"contact, {name}, {kind}", partial(make, **options), what, h=0.01, steps=30)
+        for name, make in {"bricks": bricks, "plates": plates}.items()
+        for kind, (options, what) in CONTACTS.items()
+    ),
+    Entry("contact, tet4", partial(bricks, "tet4", impact="conserving"), ALL, h=0.01, steps=10),
+    Entry("contact, quad8", partial(plates, "quad8", enforcement="penalty"), ALL, h=0.01, steps=10),
+    Entry(
+        "contact, rigid box",
+        partial(rigid_on_brick, vv.Box(size=(0.8, 0.7, 0.4)), 0.22, enforcement="penalty"),
+        ALL,
+        h=0.01,
+        steps=15,
+    ),
+    Entry(
+        "contact, rigid triangles",
+        partial(rigid_on_brick, vv.SurfaceMesh(**PYRAMID), 0.02, impact="conserving"),
+        ALL,
+        h=0.01,
+        steps=15,
+    ),
+    # friction
+    Entry("friction", thrown, MOMENTA, steps=20),
+    Entry("friction, elastic", lambda: thrown(tangential="penalty", stiffness=60.0), MOMENTA, steps=20),
+    Entry("friction, penalty", lambda: thrown(enforcement="penalty", stiffness=60.0), MOMENTA, steps=20),
+    Entry("friction in the plane", lambda: thrown(2), PLANE_MOMENTA, steps=30),
+    Entry("friction in the plane, elastic", lambda: thrown(2, tangential="penalty"), PLANE_MOMENTA, 0.01, 40),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

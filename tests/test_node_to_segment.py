@@ -53,13 +53,14 @@ def test_sliding_over_edges(enforcement: str) -> None:
 def test_blocks_collide_objectively() -> None:
     """The turned and shifted system moves turned and shifted."""
     R, shift = turned(7), np.array([0.4, -1.1, 0.7])
-    ends = []
+    ends, touched = [], False
     for parts in (blocks(), blocks(turn=R, shift=shift)):
         system = vv.System(parts, vv.Newton(tolerance=1e-14))
-        vv.simulate(system, until=0.1, step=0.02)
+        for _ in vv.march(system, until=0.1, step=0.02):
+            touched |= bool(parts[2].pressures.max() > 0)
         nodes = parts[0].node_unknowns(np.arange(parts[0].grid.n_nodes))
         ends.append(system.x[nodes[:, None] + np.arange(3)])
-        assert (parts[2].pressures > 0).any()
+        assert touched
     assert np.abs(ends[0] @ R.T + shift - ends[1]).max() < 1e-12
 
 

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rubbing import thrown
 
 import visviva as vv
 from visviva.examples import crane, four_bar
@@ -78,6 +79,8 @@ STUDIES: dict[str, Compose] = {
     "enhanced strains": lambda: soft("enhanced", "hex8"),
     "pressures of elements": lambda: soft("mixed", "hex20"),
     "backward Euler": lambda: chain(vv.BackwardEuler()),
+    "friction": lambda: vv.Study(vv.System(thrown()), UNTIL, 0.01),
+    "elastic friction": lambda: vv.Study(vv.System(thrown(tangential="penalty", friction=0.8)), UNTIL, 0.01),
 }
 
 

@@ -42,7 +42,7 @@ def differences(system: vv.System, step: object, free: Array) -> Array:
         near, far = residual(j, d) - residual(j, -d), residual(j, 2 * d) - residual(j, -2 * d)
         return (8 * near - far) / (12 * d)
 
-    K = np.stack([column(j, 2e-4) for j in free], axis=1)
+    K = np.stack([column(j, 5e-5) for j in free], axis=1)
     core.dx[:] = trial
     return K
 

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
 
 #include "contact/contact_term.hpp"
 #include "contact/search.hpp"
@@ -147,23 +148,48 @@ void bind_contact(nb::module_& m) {
                 make_self_contact(skin, {vector_of<double>(areas), 0, reach}, vector_of<double>(places)));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("places"));
+    m.def(
+        "obstacle",
+        [](const Skin& skin, const Doubles& areas, double radius, int core, const Doubles& half, double round,
+           double axis) {
+            ObstacleShape shape{static_cast<ObstacleShape::Core>(core), {}, round, axis};
+            std::copy_n(half.data(), 3, shape.half);
+            return shared(make_obstacle(skin, {vector_of<double>(areas), radius, 0}, shape));
+        },
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("core"), nb::arg("half"),
+        nb::arg("round"), nb::arg("axis"));
     bind_tying(m);
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
         .def(
             "__init__",
             [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
-               const Doubles& stiffness, bool conserving) {
+               const Doubles& stiffness, bool conserving, double friction, const Ints& tangential,
+               const Doubles& tangential_stiffness) {
+                FrictionOptions rubbing{friction, vector_of<int>(tangential),
+                                        vector_of<double>(tangential_stiffness)};
                 new (t) ContactTerm(std::move(gaps),
-                                    {vector_of<int>(multiplier), vector_of<double>(stiffness), conserving},
+                                    {vector_of<int>(multiplier), vector_of<double>(stiffness), conserving,
+                                     std::move(rubbing)},
                                     reach);
             },
             nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"),
-            nb::arg("conserving"))
+            nb::arg("conserving"), nb::arg("friction"), nb::arg("tangential"),
+            nb::arg("tangential_stiffness"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
+        .def("book_friction", [](ContactTerm& t, int work,
+                                 int energy) { t.friction_account = work, t.slip_energy_account = energy; })
+        .def_prop_ro(
+            "tractions", [](const ContactTerm& t) { return copy_of(t.tractions()); },
+            nb::rv_policy::automatic)
+        .def_prop_ro(
+            "slips",
+            [](const ContactTerm& t) { return std::vector<int>(t.slips().begin(), t.slips().end()); })
         .def_prop_ro(
             "pressures", [](const ContactTerm& t) { return copy_of(t.pressures()); },
             nb::rv_policy::automatic)
+        .def_prop_ro(
+            "forces", [](const ContactTerm& t) { return copy_of(t.forces()); }, nb::rv_policy::automatic)
         .def_prop_ro(
             "gaps", [](const ContactTerm& t) { return copy_of(t.gap_values()); }, nb::rv_policy::automatic)
         .def_prop_ro(

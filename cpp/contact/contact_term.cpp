@@ -13,6 +13,8 @@ namespace {
 
 using Map = Eigen::Map<const Eigen::VectorXd>;
 
+constexpr double touching = 1e-9;  // part of a vertex's share of the surface
+
 Map vector_of(const std::vector<double>& a) { return {a.data(), static_cast<Eigen::Index>(a.size())}; }
 
 // Forces along the relative motion that complete the work of the gradient to the change of the gap, and how
@@ -34,8 +36,26 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
-    active_.assign(n, 0), active_at_tangent_.assign(n, 0);
+    for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_}) a->assign(n, 0);
     at_theta_.resize(n), at_end_.resize(n);
+    if (!has_friction()) return;
+    const Eigen::Vector2d none = Eigen::Vector2d::Zero();
+    grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
+    elastic_.assign(2 * n, 0.0);
+    for (Record* r : {&now_, &before_, &at_tangent_})
+        r->X.assign(gaps_->skin().constant.size(), 0.0), r->traction = elastic_;
+}
+
+int ContactTerm::n_multipliers() const {
+    return (has_multipliers() ? 1 : 0) + (has_tangential() ? gaps_->skin().dim - 1 : 0);
+}
+
+std::vector<int> ContactTerm::multipliers(int A) const {
+    std::vector<int> m;
+    if (has_multipliers()) m.push_back(options_.multiplier[A]);
+    for (int i = 0; has_tangential() && i + 1 < gaps_->skin().dim; ++i)
+        m.push_back(options_.friction.multiplier[A] + i);
+    return m;
 }
 
 // --- which gaps there are
@@ -64,16 +84,32 @@ bool ContactTerm::search(const double* x0, const double* x1) {
 Refusal ContactTerm::refuse(const Context& c) {
     gaps_->skin().positions(c.vectors.x1, X1_);
     if (!beyond(X1_.data(), reach_ / 2)) return {};
-    return {has_multipliers() ? options_.multiplier[0] : -1,
+    return {n_multipliers() > 0 ? multipliers(0)[0] : -1,
             name + " moved farther in the step than its search had reached"};
 }
 
 void ContactTerm::write_memory(std::vector<double>& m) const {
     m.push_back(from_.empty() ? 0 : 1);
     m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
+    for (const Record* r : {&now_, &before_, &at_tangent_}) {
+        if (!has_history()) break;
+        m.insert(m.end(), r->X.begin(), r->X.end());
+        m.insert(m.end(), r->traction.begin(), r->traction.end());
+    }
 }
 
 bool ContactTerm::read_memory(const double*& m) {
+    const bool changed = read_search(m);
+    for (Record* r : {&now_, &before_, &at_tangent_})
+        for (std::vector<double>* part : {&r->X, &r->traction}) {
+            if (!has_history()) break;
+            std::copy_n(m, part->size(), part->begin());
+            m += part->size();
+        }
+    return changed;
+}
+
+bool ContactTerm::read_search(const double*& m) {
     const std::size_t n = gaps_->skin().constant.size();
     if (*m++ == 0) return false;
     from_.assign(m, m + n), to_.assign(m + n, m + 2 * n);
@@ -93,12 +129,13 @@ void ContactTerm::couple(Pattern& pattern) const {
     const Skin& skin = gaps_->skin();
     auto rows = [&](int k) { return skin.mesh_node[k] ? 1 : skin.dim; };
     for (int A = 0; A < gaps_->n(); ++A) {
-        if (has_multipliers()) pattern.couple(options_.multiplier[A], options_.multiplier[A]);
+        const std::vector<int> own = multipliers(A);
+        for (int a : own)
+            for (int b : own) pattern.couple(a, b);
         each_form(A, [&](int, int k) {
             for (int i = 0; i < rows(k); ++i) {
                 const int u = skin.unknown[k] + i;
-                if (has_multipliers())
-                    pattern.couple(u, options_.multiplier[A]), pattern.couple(options_.multiplier[A], u);
+                for (int a : own) pattern.couple(u, a), pattern.couple(a, u);
                 each_form(A, [&](int, int l) {
                     for (int j = 0; j < rows(l); ++j) pattern.couple(u, skin.unknown[l] + j);
                 });
@@ -112,13 +149,14 @@ void ContactTerm::connect(const Pattern& pattern) {
     places_.assign(gaps_->n(), {});
     for (int A = 0; A < gaps_->n(); ++A) {
         Places& p = places_[A];
-        const int lambda = has_multipliers() ? options_.multiplier[A] : -1;
-        if (lambda >= 0) p.diagonal = pattern.position(lambda, lambda);
+        const std::vector<int> own = multipliers(A);
+        for (int a : own)
+            for (int b : own) p.square.push_back(pattern.position(a, b));
         auto add = [&](std::vector<Place>& to, int u, int w) { to.push_back({pattern.position(u, w), 0}); };
         each_form(A, [&](int, int k) {
             const int u = skin.unknown[k];
-            for (int i = 0; i < skin.dim && lambda >= 0; ++i)
-                add(p.row, lambda, u + i), add(p.column, u + i, lambda);
+            for (int a : own)
+                for (int i = 0; i < skin.dim; ++i) add(p.row, a, u + i), add(p.column, u + i, a);
             each_form(A, [&](int, int l) {
                 const int w = skin.unknown[l];
                 if (skin.mesh_node[k] && skin.mesh_node[l])
@@ -137,9 +175,10 @@ void ContactTerm::begin(const double* x0) {
     changes_ = -1;
     gaps_->skin().positions(x0, X0_);
     gaps_->values(X0_.data(), gap0_.data(), area0_.data());
+    if (has_history()) recall();
 }
 
-void ContactTerm::evaluate(const Context& c, bool chooses) {
+void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     const Skin& skin = gaps_->skin();
     skin.positions(c.vectors.x0, X0_), skin.positions(c.vectors.x1, X1_);
     gaps_->values(X1_.data(), gap1_.data(), area1_.data());
@@ -152,6 +191,9 @@ void ContactTerm::evaluate(const Context& c, bool chooses) {
     if (at_theta) gaps_->values(Xt_.data(), gapt_.data(), area.data());
     if (chooses && has_multipliers()) choose_active(c);
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
+    if (!has_friction()) return;
+    gaps_->grips(Xt_.data(), active_, gradients, grips_);
+    parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
 }
 
 // The gap below which there is pressure. Conserving impact: what is closed shall not close further.
@@ -160,14 +202,19 @@ double ContactTerm::least_gap(int A, const Context& c) const {
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
 }
 
+// Without inertia what just touches holds: bodies may rest on nothing else.
+double ContactTerm::slack(int A, const Context& c) const {
+    return c.step.motion[0][0] != 0 ? 0 : touching * area1_[A] * size(A);
+}
+
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
     const bool holds = options_.conserving && c.step.motion[0][0] != 0;
     if (area1_[A] == 0 || (holds && (gap0_[A] > 0 || area0_[A] == 0))) return false;
     const double lambda = c.vectors.x1[options_.multiplier[A]];
     const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
-    const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * reach_;
-    return pressure > (active_[A] ? -rounding : rounding);
+    const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * size(A);
+    return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
 }
 
 // All at once at first; should that go round in circles, the first gap alone that wants to change does, which
@@ -195,7 +242,7 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
     if (!has_multipliers() && is_discrete(c.step)) {
         press_discretely(A);
     } else if (!has_multipliers()) {
-        if (gap_theta < 0) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
+        if (gap_theta < slack(A, c)) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
     } else {
         const double lambda = c.vectors.x1[options_.multiplier[A]], closing = gap1_[A] - least_gap(A, c);
         if (active_[A])
@@ -204,7 +251,7 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
             R_[A] = -lambda / k;
         return;
     }
-    active_[A] = S_[A] != 0;
+    active_[A] = dS_gap_[A] != 0;
 }
 
 // S (gap1 - gap0) = W(gap0) - W(gap1) for W = k / 2 <-gap>^2
@@ -246,11 +293,16 @@ void ContactTerm::residual(const Context& c, double* r) {
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
+        for (int i = 0; has_tangential() && i + 1 < gaps_->skin().dim; ++i)
+            r[options_.friction.multiplier[A] + i] +=
+                (traction_[A].value[i] - base_[A][i]) / options_.friction.stiffness[A];
         if (!active_[A]) continue;
         force(A, c, f);
         const auto& stencil = gaps_->stencil(A);
+        f *= -S_[A];
+        if (has_friction()) f += sliding(A).force(traction_[A].value);
         for (std::size_t v = 0; v < stencil.size(); ++v)
-            gaps_->skin().add_force(stencil[v], f.data() + 3 * v, -S_[A], r);
+            gaps_->skin().add_force(stencil[v], f.data() + 3 * v, 1.0, r);
     }
 }
 
@@ -258,6 +310,7 @@ void ContactTerm::residual(const Context& c, double* r) {
 Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::VectorXd& g1) const {
     const Gap& gap = at_theta_[A];
     const Eigen::VectorXd g = vector_of(gap.gradient);
+    if (S_[A] == 0) return Eigen::MatrixXd::Zero(g.size(), g.size());
     const double t = theta(c.step);
     Eigen::MatrixXd K = t * Eigen::Map<const Eigen::MatrixXd>(gap.hessian.data(), g.size(), g.size());
     if (!is_discrete(c.step)) return K;
@@ -273,24 +326,46 @@ Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::Vec
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
-    evaluate(c, false);
-    active_at_tangent_ = active_;
+    evaluate(c, false, true);
+    active_at_tangent_ = active_, slips_at_tangent_ = slips_;
+    if (has_history()) at_tangent_ = {X0_, elastic_};
+    std::vector<char> unpressed(active_.size());
+    for (std::size_t A = 0; A < active_.size(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
+    if (std::any_of(unpressed.begin(), unpressed.end(), [](char u) { return u; }))
+        gaps_->gradients(Xt_.data(), unpressed, at_theta_);
     gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
     if (!at_theta) gaps_->gradients(X1_.data(), active_, at_end_);
     std::vector<Eigen::MatrixXd> K(gaps_->n());
-    std::vector<Eigen::VectorXd> g1(gaps_->n()), f(gaps_->n());
+    std::vector<Border> borders(gaps_->n());
     parallel_for(gaps_->n(), [&](int A) {
-        if (!active_[A]) return;
-        g1[A] = vector_of((at_theta ? at_theta_ : at_end_)[A].gradient);
-        if (at_theta) g1[A] *= theta(c.step);
-        force(A, c, f[A]);
-        K[A] = stiffness(A, c, g1[A]) + dS_gap_[A] * f[A] * g1[A].transpose();
+        Eigen::VectorXd g1, f;
+        if (active_[A]) {
+            g1 = vector_of((at_theta ? at_theta_ : at_end_)[A].gradient);
+            if (at_theta) g1 *= theta(c.step);
+            force(A, c, f);
+            K[A] = stiffness(A, c, g1) + dS_gap_[A] * f * g1.transpose();
+        }
+        borders[A] = border(A, g1, f);
+        if (has_friction() && active_[A]) add_friction(A, c, g1, K[A], borders[A]);
     });
     for (int A = 0; A < gaps_->n(); ++A) {
         if (active_[A]) scatter(A, K[A], values);
-        if (has_multipliers()) scatter_multiplier(A, g1[A], f[A], values);
+        scatter(A, borders[A], values);
     }
+}
+
+// Without friction; where there is no contact multipliers vanish.
+ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const {
+    const int m = n_multipliers(), normal = has_multipliers() ? 1 : 0;
+    Border b;
+    b.square.setZero(m, m);
+    if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
+    for (int i = normal; i < m; ++i) b.square(i, i) = -1 / options_.friction.stiffness[A];
+    if (!active_[A]) return b;
+    b.row.setZero(m, g1.size()), b.column.setZero(g1.size(), m);
+    if (normal) b.row.row(0) = -g1.transpose(), b.column.col(0) = -f;
+    return b;
 }
 
 void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) const {
@@ -310,39 +385,55 @@ void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) const
     });
 }
 
-void ContactTerm::scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f,
-                                     double* values) const {
-    const Places& p = places_[A];
-    if (!active_[A]) {
-        if (p.diagonal >= 0) values[p.diagonal] -= 1 / options_.stiffness[A];
-        return;
-    }
+void ContactTerm::scatter(int A, const Border& b, double* values) const {
     const Skin& skin = gaps_->skin();
+    const Places& p = places_[A];
+    const Eigen::Index m = b.square.rows();
+    for (Eigen::Index i = 0; i < m; ++i)
+        for (Eigen::Index j = 0; j < m; ++j)
+            if (const auto at = p.square[i * m + j]; at >= 0) values[at] += b.square(i, j);
+    if (!active_[A]) return;
     std::size_t at = 0;
     each_form(A, [&](int v, int k) {
-        for (int i = 0; i < skin.dim; ++i, ++at) {
-            if (p.row[at].at >= 0) values[p.row[at].at] -= skin.weight[k] * g1[3 * v + i];
-            if (p.column[at].at >= 0) values[p.column[at].at] -= skin.weight[k] * f[3 * v + i];
-        }
+        for (Eigen::Index j = 0; j < m; ++j)
+            for (int i = 0; i < skin.dim; ++i, ++at) {
+                if (p.row[at].at >= 0) values[p.row[at].at] += skin.weight[k] * b.row(j, 3 * v + i);
+                if (p.column[at].at >= 0) values[p.column[at].at] += skin.weight[k] * b.column(3 * v + i, j);
+            }
     });
 }
 
 // --- books
 // --------------------------------------------------------------------------------------------------
+// The same along a step taken backwards, as statics books its work, leaves the results of the step itself.
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
+    if (c.step.h >= 0) return book(c, sums);
+    const auto S = S_, gap = gap1_, area = area1_, forces = forces_;
+    book(c, sums);
+    S_ = S, gap1_ = gap, area1_ = area, forces_ = forces;
+}
+
+void ContactTerm::book(const Context& c, LedgerSums& sums) {
     evaluate(c, false);
     gaps_->gradients(Xt_.data(), active_, at_theta_);
+    forces_.assign(X1_.size(), 0.0);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         const double depth = std::min(gap1_[A], 0.0);
         if (!has_multipliers()) sums.energy[energy_account] += 0.5 * options_.stiffness[A] * depth * depth;
-        if (!active_[A] || !has_multipliers()) continue;
+        if (has_friction()) book_friction(A, c, sums);
+        if (!active_[A]) continue;
         force(A, c, f);
-        sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
+        const auto& stencil = gaps_->stencil(A);
+        for (std::size_t v = 0; v < stencil.size(); ++v)
+            for (int i = 0; i < 3; ++i) forces_[3 * stencil[v] + i] += S_[A] * f[3 * v + i];
+        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
     }
-    gap0_ = gap1_, area0_ = area1_;
 }
 
-void ContactTerm::accept(const Context& c) { begin(c.vectors.x1); }
+void ContactTerm::accept(const Context& c) {
+    if (has_history()) keep(c);
+    begin(c.vectors.x1);
+}
 
 }  // namespace visviva

@@ -2,16 +2,27 @@
 // penalty, with forces whose momenta vanish and whose work is the change of the gaps.
 #pragma once
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "core/term.hpp"
+#include "friction.hpp"
 #include "gaps.hpp"
 
 namespace visviva {
+
+// With the traction of each gap from a slip that is elastic up to Coulomb's limit, or from multipliers that
+// let nothing slip below it.
+struct FrictionOptions {
+    double coefficient = 0;
+    std::vector<int> multiplier;    // first unknown of each gap's one or two; empty: elastic slip
+    std::vector<double> stiffness;  // of each gap: traction per weighted displacement
+};
 
 struct ContactOptions {
     std::vector<int> multiplier;    // unknown of each gap; empty: penalty
     std::vector<double> stiffness;  // of each gap: pressure per weighted gap
     bool conserving = false;        // gaps that are closed must not close further, open ones may
+    FrictionOptions friction;
 };
 
 class ContactTerm : public Term {
@@ -24,7 +35,9 @@ class ContactTerm : public Term {
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
     bool search(const double* x0, const double* x1) override;
-    bool outdated() const override { return unsettled_ || active_ != active_at_tangent_; }
+    bool outdated() const override {
+        return unsettled_ || active_ != active_at_tangent_ || slips_ != slips_at_tangent_;
+    }
     void begin(const double* x0) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
@@ -38,9 +51,14 @@ class ContactTerm : public Term {
     const std::vector<double>& pressures() const { return S_; }
     const std::vector<double>& gap_values() const { return gap1_; }
     const std::vector<double>& areas() const { return area1_; }
+    /// Tractions on the first surface, three numbers each, and whether what is in contact slips.
+    std::vector<double> tractions() const;
+    const std::vector<char>& slips() const { return slips_; }
     int n() const { return gaps_->n(); }
+    /// Forces on all vertices in the last step, three numbers each.
+    const std::vector<double>& forces() const { return forces_; }
 
-    int work_account = -1, energy_account = -1;
+    int work_account = -1, energy_account = -1, friction_account = -1, slip_energy_account = -1;
 
   private:
     struct Place {
@@ -48,22 +66,46 @@ class ContactTerm : public Term {
     };
     struct Places {
         std::vector<Place> vertex, row, column;  // form by form, multiplier by form, form by multiplier
-        std::int64_t diagonal = -1;
+        std::vector<std::int64_t> square;        // multiplier by multiplier
+    };
+    // What the multipliers of a gap add to the tangent: by the stencil's positions, and on its forces.
+    struct Border {
+        Eigen::MatrixXd row, column, square;
+    };
+    // Elastic tractions, two numbers each, belong to a configuration of the vertices.
+    struct Record {
+        std::vector<double> X, traction;
     };
     bool has_multipliers() const { return !options_.multiplier.empty(); }
+    bool has_friction() const { return options_.friction.coefficient > 0; }
+    bool has_tangential() const { return !options_.friction.multiplier.empty(); }
+    bool has_history() const { return has_friction() && !has_tangential(); }
+    std::vector<int> multipliers(int A) const;
+    int n_multipliers() const;
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
+    bool read_search(const double*& memory);
     bool beyond(const double* X, double margin) const;
-    void evaluate(const Context&, bool chooses);
+    void evaluate(const Context&, bool chooses, bool gradients = false);
     void choose_active(const Context&);
     bool wants_pressure(int A, const Context&) const;
     double least_gap(int A, const Context&) const;
+    double slack(int A, const Context&) const;
+    double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
+    void recall();
+    void keep(const Context&);
+    void rub(int A, const Context&);
+    void book(const Context&, LedgerSums&);
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A);
     void force(int A, const Context&, Eigen::VectorXd& f) const;
     Eigen::MatrixXd stiffness(int A, const Context&, const Eigen::VectorXd& g1) const;
     void scatter(int A, const Eigen::MatrixXd& K, double* values) const;
-    void scatter_multiplier(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f, double* values) const;
+    Border border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
+    void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::MatrixXd& K, Border&) const;
+    void scatter(int A, const Border&, double* values) const;
+    void book_friction(int A, const Context&, LedgerSums&) const;
+    Sliding sliding(int A) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
     void each_form(int A, F f) const;
@@ -75,10 +117,17 @@ class ContactTerm : public Term {
     std::vector<double> X0_, X1_, Xt_, D_;
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
-    std::vector<char> active_, active_at_tangent_;
+    std::vector<double> forces_;
+    std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     int changes_ = -1;  // of the active set since the step began; -1: not chosen yet
     bool unsettled_ = false;
     std::vector<Gap> at_theta_, at_end_;
+    std::vector<Grip> grips_;
+    std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
+    std::vector<Eigen::Vector2d> slid_;  // weighted displacements in the step
+    std::vector<Traction> traction_;
+    std::vector<double> elastic_;       // at the start of the step
+    Record now_, before_, at_tangent_;  // the latest, the one before, that of the kept tangent
     std::vector<Places> places_;
 };
 

@@ -1,7 +1,9 @@
 // Gap functions: what a contact keeps from becoming negative. Each belongs to a vertex of the first surface
 // and depends on the positions of a few vertices, its stencil.
 #pragma once
+#include <Eigen/Dense>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,16 @@ struct Gap {
     std::vector<double> along;  // the second derivatives times a direction
     std::vector<double>
         hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
+};
+
+/// What friction acts on at a gap: the displacement there of the second surface relative to the first is the
+/// sum of `weight` (areas that add up to zero) times those of the stencil's vertices, seen along two
+/// directions of the tangent plane that turn with the first surface; in the plane the second is zero.
+struct Grip {
+    Eigen::VectorXd weight;
+    Eigen::Matrix<double, 3, 2> tangent;
+    // By positions of the stencil's vertices, where wanted: [vertex][3 k], and [3][3 k] of each direction.
+    Eigen::MatrixXd weight_gradient, tangent_gradient[2];
 };
 
 class Gaps {
@@ -35,6 +47,11 @@ class Gaps {
     /// their own second derivatives `along` it; gradients as well.
     virtual void seconds(const double* X, const std::vector<double>& S, const double* direction,
                          std::vector<Gap>& out) = 0;
+    /// What friction acts on at the gaps that are wanted, with or without its derivatives.
+    virtual void grips(const double* /*X*/, const std::vector<char>& /*wanted*/, bool /*gradients*/,
+                       std::vector<Grip>& /*out*/) {
+        throw std::logic_error("friction is not known for these gaps");
+    }
 
   protected:
     Skin skin_;
@@ -61,5 +78,18 @@ std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
 /// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,
 /// is the other side of its own body.
 std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places);
+
+/// A shape in a frame; round about the third axis, or with edges along the axes.
+struct ObstacleShape {
+    enum Core { half_space, box, cylinder };
+    Core core = half_space;
+    double half[3] = {};  // half the size of the core along each axis; no size at all for a ball
+    double radius = 0;    // of a round layer about the core
+    double axis = 1;      // length of the axes in the skin
+};
+
+/// Distances to an exact shape; the last four vertices of the skin are its frame, the origin and the ends of
+/// its axes.
+std::unique_ptr<Gaps> make_obstacle(Skin skin, PointOptions options, const ObstacleShape& shape);
 
 }  // namespace visviva

@@ -60,6 +60,8 @@ class Mortar : public Gaps {
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
                  std::vector<Gap>& out) override;
+    void grips(const double* X, const std::vector<char>& wanted, bool gradients,
+               std::vector<Grip>& out) override;
 
   private:
     bool near(const double* X, const Pair& pair) const;
@@ -73,6 +75,8 @@ class Mortar : public Gaps {
     std::vector<Matrix3> normal_gradient(const double* X, int A) const;
     void add_normal_curvature(int A, const Vector3& g, Eigen::MatrixXd& H) const;
     void second(const double* X, int A, double S, const double* direction, Gap& out) const;
+    void set_weights(int A, bool gradients, Grip& out) const;
+    void set_tangents(const double* X, int A, bool gradients, Grip& out) const;
 
     MortarOptions options_;
     NormalField normals_;
@@ -81,6 +85,8 @@ class Mortar : public Gaps {
     std::vector<std::vector<Share>> shares_;
     std::vector<std::vector<int>> ring_;  // per vertex and corner of its normal: places of next and previous
     std::vector<Segment> segments_;
+    std::vector<SegmentWeights> weights_;
+    std::vector<SegmentWeightGradients> weight_gradients_;
     std::vector<int> owner_;  // per pair: the vertex whose share of second derivatives is the pair's
 };
 
@@ -339,6 +345,81 @@ void Mortar::second(const double* X, int A, double S, const double* direction, G
                         H(3 * s.local[c] + i, 3 * s.local[d] + j) += segment.H[3 * c + i][3 * d + j];
     }
     out.hessian.assign(H.data(), H.data() + H.size());
+}
+
+// --- friction
+// ----------------------------------------------------------------------------------------------
+void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradients, std::vector<Grip>& out) {
+    weights_.resize(pairs_.size());
+    if (gradients) weight_gradients_.resize(pairs_.size());
+    each_segment(X, &wanted, [&](const FacetPair& x, const Pair&, Segment& s) {
+        const auto p = &s - segments_.data();
+        if (gradients)
+            segment_kernels().weight_gradients(x, weights_[p], weight_gradients_[p]);
+        else
+            segment_kernels().weights(x, weights_[p]);
+        s.any = weights_[p].any;
+    });
+    parallel_for(n_, [&](int A) {
+        if (!wanted[A]) return;
+        set_weights(A, gradients, out[A]);
+        set_tangents(X, A, gradients, out[A]);
+    });
+}
+
+// Integrals of N_A times the shapes of the second surface, minus those of the first.
+void Mortar::set_weights(int A, bool gradients, Grip& out) const {
+    const Eigen::Index k = stencils_[A].size();
+    out.weight.setZero(k);
+    if (gradients) out.weight_gradient.setZero(k, 3 * k);
+    for (const Share& s : shares_[A]) {
+        if (!segments_[s.pair].any) continue;
+        for (int c = 0; c < segment_corners; ++c) {
+            if (s.local[c] < 0) continue;
+            const int b = c % facet_corners;
+            const double sign = c < facet_corners ? -1 : 1;
+            const SegmentWeights& w = weights_[s.pair];
+            out.weight[s.local[c]] += sign * (c < facet_corners ? w.first : w.second)[s.corner][b];
+            if (!gradients) continue;
+            const SegmentWeightGradients& g = weight_gradients_[s.pair];
+            const double* d = (c < facet_corners ? g.first : g.second)[s.corner][b];
+            for (int e = 0; e < segment_corners; ++e)
+                for (int i = 0; s.local[e] >= 0 && i < 3; ++i)
+                    out.weight_gradient(s.local[c], 3 * s.local[e] + i) += sign * d[3 * e + i];
+        }
+    }
+}
+
+// The first direction is that of the first edge at the vertex, seen in the tangent plane.
+void Mortar::set_tangents(const double* X, int A, bool gradients, Grip& out) const {
+    const Eigen::Index k = stencils_[A].size();
+    const Normal normal = this->normal(X, A);
+    const Vector3& n = normal.n;
+    Eigen::MatrixXd N;  // dn/dx
+    if (gradients) {
+        N.resize(3, 3 * k);
+        const auto M = normal_gradient(X, A);
+        for (Eigen::Index v = 0; v < k; ++v) N.middleCols<3>(3 * v) = normal.derivative() * M[v];
+    }
+    out.tangent.setZero();
+    if (skin_.dim == 2) {
+        const Matrix3 turn = skew(Vector3::UnitZ());
+        out.tangent.col(0) = turn * n;
+        if (gradients) out.tangent_gradient[0] = turn * N, out.tangent_gradient[1].setZero(3, 3 * k);
+        return;
+    }
+    const int b = ring_[A][0];
+    const Vector3 edge = At(X + 3 * stencils_[A][b]) - At(X + 3 * stencils_[A][0]);
+    const Vector3 along = edge - n * n.dot(edge), t = along.normalized();
+    out.tangent.col(0) = t, out.tangent.col(1) = n.cross(t);
+    if (!gradients) return;
+    const Matrix3 onto = Matrix3::Identity() - n * n.transpose(),
+                  across = Matrix3::Identity() - t * t.transpose();
+    Eigen::MatrixXd& first = out.tangent_gradient[0];
+    first = -(n * (edge.transpose() * N) + n.dot(edge) * N);
+    first.middleCols<3>(3 * b) += onto, first.leftCols<3>() -= onto;
+    first = (across / along.norm() * first).eval();
+    out.tangent_gradient[1] = skew(n) * first - skew(t) * N;
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ struct Found {
     FacetShape facet;
     Foot foot;
     Vector3 normal;  // of the simplex, later gradient of the signed distance
-    double sign = 1;
+    double value = 0;
+    bool faces = true;
 };
 
 class NodeToSegment : public PointGaps {
@@ -45,7 +46,8 @@ class NodeToSegment : public PointGaps {
     bool is_other_side(int vertex, int facet) const;
     void make_stencil(int A, const std::vector<int>& facets);
     FacetShape shape(const double* X, int facet) const;
-    void pick(const double* X, int A, Found& found) const;
+    Found pick(const double* X, int A, bool only_facing) const;
+    Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
     Vector3 at_vertex(const double* X, int vertex) const;
@@ -184,8 +186,9 @@ FacetShape NodeToSegment::shape(const double* X, int f) const {
     return s;
 }
 
-// The closest simplex that faces the vertex.
-void NodeToSegment::pick(const double* X, int A, Found& found) const {
+// The closest simplex of all, or of those that face the vertex.
+Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
+    Found found;
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
     double least = options_.reach + options_.radius;
@@ -193,13 +196,15 @@ void NodeToSegment::pick(const double* X, int A, Found& found) const {
         const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
             const Vector3 n = facet.normal(s);
-            if (n.isZero() || (!own.isZero() && own.dot(n) > facing)) continue;
+            const bool faces = own.isZero() || own.dot(n) < facing;
+            if (n.isZero() || (only_facing && !faces)) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
             if (foot.distance >= least) continue;
             least = foot.distance;
-            found = {&c, facet, foot, n, 1};
+            found = {&c, facet, foot, n, 0, faces};
         }
     }
+    return found;
 }
 
 // Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
@@ -253,39 +258,43 @@ Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& borde
     return found.normal;
 }
 
+// The signed distance and its gradient.
+PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const {
+    if (!found.candidate) return Reach::far;
+    const At x(X + 3 * A);
+    const FacetShape& facet = found.facet;
+    const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)],
+                  b = facet.corner[facet.vertex(found.foot.simplex, 1)];
+    const double above = found.normal.dot(x - a), d = found.foot.distance;
+    found.value = above;
+    if (found.foot.n == facet.dim) return Reach::near;
+    bool border;
+    const Vector3 out = outwards(X, found, border);
+    if (std::sqrt(std::max(0.0, d * d - above * above)) <=
+        (border ? overhang : same_place) * (b - a).norm()) {
+        found.foot = whole(facet, found.foot.simplex, x);
+        return Reach::near;
+    }
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    found.value = w.dot(out) < 0 ? -d : d;
+    found.normal = w / found.value;
+    return border && found.value < 0 ? Reach::released : Reach::near;
+}
+
+// What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
+// a thin body.
 PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives, Distance& out) const {
     const int size = 3 * static_cast<int>(stencils_[A].size());
     if (derivatives > 0) out.gradient.setZero(size);
     if (derivatives > 1) out.hessian.setZero(size, size);
-    Found found;
-    pick(X, A, found);
-    if (!found.candidate) return Reach::far;
-    const At x(X + 3 * A);
+    Found found = pick(X, A, false);
+    Reach reach = sign(X, A, found);
+    if (!found.faces && (reach == Reach::released || found.value < 0))
+        found = pick(X, A, true), reach = sign(X, A, found);
+    if (reach != Reach::near) return reach;
+    out.value = found.value;
     const FacetShape& facet = found.facet;
-    if (found.foot.n < facet.dim) {
-        const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)],
-                      b = facet.corner[facet.vertex(found.foot.simplex, 1)];
-        const double above = found.normal.dot(x - a), d = found.foot.distance;
-        const double beside = std::sqrt(std::max(0.0, d * d - above * above));
-        bool border;
-        const Vector3 out_of = outwards(X, found, border);
-        if (beside <= (border ? overhang : same_place) * (b - a).norm()) {
-            found.foot = whole(facet, found.foot.simplex, x);
-        } else {
-            Vector3 y = Vector3::Zero();
-            for (int i = 0; i < found.foot.n; ++i)
-                y += found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
-            found.sign = (x - y).dot(out_of) < 0 ? -1 : 1;
-            found.normal = found.sign / d * (x - y);
-            if (border && found.sign < 0) return Reach::released;
-        }
-    }
-    if (found.foot.n == facet.dim) {
-        const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)];
-        out.value = found.normal.dot(x - a);
-    } else {
-        out.value = found.sign * found.foot.distance;
-    }
     if (derivatives == 0) return Reach::near;
     Eigen::VectorXd g;
     Eigen::MatrixXd H;

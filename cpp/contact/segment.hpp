@@ -35,9 +35,16 @@ struct SegmentWeights {
     double area[facet_corners];
 };
 
+/// Derivatives of `first` and `second` by the corners' coordinates.
+struct SegmentWeightGradients {
+    double first[facet_corners][facet_corners][segment_size];
+    double second[facet_corners][facet_corners][segment_size];
+};
+
 struct SegmentKernels {
     void (*value)(const FacetPair&, Segment&);
     void (*weights)(const FacetPair&, SegmentWeights&);
+    void (*weight_gradients)(const FacetPair&, SegmentWeights&, SegmentWeightGradients&);
     void (*gradient)(const FacetPair&, Segment&);
     // V and J as well; `direction` null: HD is left out
     void (*second)(const FacetPair&, const double (*u)[3], const double (*n)[3], const double* direction,

@@ -1,4 +1,6 @@
 // The kernels of mortar segments, compiled once per instruction set.
+#include <algorithm>
+
 #include "segment_adjoint.hpp"
 
 namespace visviva::VISVIVA_ISA {
@@ -60,6 +62,42 @@ void weights(const FacetPair& p, SegmentWeights& s) {
 
 using D = Dual<N>;
 
+// Numbers that carry derivatives by all coordinates of the corners.
+Corners<D> varied(const FacetPair& p) {
+    Corners<D> c;
+    for (int k = 0; k < segment_corners; ++k) {
+        D* const x[3] = {&c.x[k].x, &c.x[k].y, &c.x[k].z};
+        for (int i = 0; i < 3; ++i) x[i]->v = p.x[k][i], x[i]->d[3 * k + i] = 1;
+    }
+    return c;
+}
+
+struct VariedWeights {
+    D area[facet_corners], first[facet_corners][facet_corners], second[facet_corners][facet_corners];
+    void add(const FacetPair& p, const D& w, const D* N1, const D* N2) {
+        for (int a = 0; a < p.n_first; ++a) {
+            const D c = w * N1[a];
+            area[a].v += c.v;
+            for (int b = 0; b < p.n_first; ++b) add_to(first[a][b], c * N1[b]);
+            for (int b = 0; b < p.n_second; ++b) add_to(second[a][b], c * N2[b]);
+        }
+    }
+};
+
+void weight_gradients(const FacetPair& p, SegmentWeights& s, SegmentWeightGradients& g) {
+    VariedWeights sums;
+    s.any = integrate(varied(p).x, p,
+                      [&](const D& w, const D* N1, const D* N2, const Vec<D>&) { sums.add(p, w, N1, N2); });
+    for (int a = 0; a < facet_corners; ++a) {
+        s.area[a] = sums.area[a].v;
+        for (int b = 0; b < facet_corners; ++b) {
+            s.first[a][b] = sums.first[a][b].v, s.second[a][b] = sums.second[a][b].v;
+            std::copy_n(sums.first[a][b].d, N, g.first[a][b]);
+            std::copy_n(sums.second[a][b].d, N, g.second[a][b]);
+        }
+    }
+}
+
 struct Moments {
     Vec<D> V[facet_corners];
     void add(int n, const D& w, const D* N1, const Vec<D>& gap) {
@@ -89,13 +127,8 @@ struct Gradients {
 
 void gradient(const FacetPair& p, Segment& s) {
     clear(s);
-    Corners<D> c;
-    for (int k = 0; k < segment_corners; ++k) {
-        D* const x[3] = {&c.x[k].x, &c.x[k].y, &c.x[k].z};
-        for (int i = 0; i < 3; ++i) x[i]->v = p.x[k][i], x[i]->d[3 * k + i] = 1;
-    }
     Moments moments;
-    s.any = integrate(c.x, p, Gradients{p, moments});
+    s.any = integrate(varied(p).x, p, Gradients{p, moments});
     moments.write(p, s);
 }
 
@@ -233,6 +266,6 @@ void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], cons
 }  // namespace
 
 extern const SegmentKernels segment_table;
-const SegmentKernels segment_table = {value, weights, gradient, second};
+const SegmentKernels segment_table = {value, weights, weight_gradients, gradient, second};
 
 }  // namespace visviva::VISVIVA_ISA

@@ -7,6 +7,8 @@ from visviva.body.rigid import RigidBody
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from visviva.body.solid import Solid
 from visviva.contact.contact import Contact
+from visviva.contact.obstacle import Obstacle, Plane
+from visviva.contact.probe import ContactArea, ContactForce
 from visviva.contact.tying import Tie
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.formula import Formula
@@ -109,6 +111,8 @@ __all__ = [
     "Cone",
     "Constraint",
     "Contact",
+    "ContactArea",
+    "ContactForce",
     "Cylinder",
     "CylinderMesh",
     "Cylindrical",
@@ -155,9 +159,11 @@ __all__ = [
     "NeoHooke",
     "Newton",
     "NoEquilibrium",
+    "Obstacle",
     "Offset",
     "Ogden",
     "Planar",
+    "Plane",
     "PointMass",
     "PointOnLine",
     "PointOnPlane",

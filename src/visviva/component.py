@@ -15,9 +15,13 @@ from visviva.errors import InputError
 from visviva.form import Vector
 
 if TYPE_CHECKING:
+    from visviva.body.shape import Core
     from visviva.model import Model
+    from visviva.point import Frame
     from visviva.scheme import Scheme
     from visviva.system import System
+
+    Outline = tuple[Core, Frame]
 
 Array = NDArray[np.float64]
 Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
@@ -81,6 +85,10 @@ class Component(metaclass=Validated):
         """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None
 
+    def outline(self) -> Outline | None:
+        """Its exact shape and the frame of that, for contact; None if only triangles of it are known."""
+        return None
+
     def lines(self) -> list[tuple[Vector, Vector]]:
         """Lines that are drawn of it, from point to point (ropes, rods, springs)."""
         return []
@@ -131,6 +139,10 @@ class Attachable(Component):
         f, x = np.pad(by_unknown[index], beyond), np.pad(system.x[index], beyond)
         arms = x - np.where(is_position[:, None], about, 0.0)
         return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
+
+    def feelers(self) -> tuple[Array, float] | None:
+        """Where it touches others: points (n, 3) in own coordinates, and the radius of balls about them."""
+        return None
 
     def point(self, X: Any = (0.0, 0.0, 0.0)) -> Any:
         """The material point with own coordinates `X` (3,)."""

@@ -147,6 +147,7 @@ def _resistance(system: System, motions: Array) -> Array:
     """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
     import scipy.sparse as sp
 
+    system.core.search()  # bodies may rest on what they touch
     row, col, unknown = system.pattern
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     step = Static().step(system.time, 0.0)

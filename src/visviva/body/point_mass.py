@@ -49,6 +49,9 @@ class PointMass(Attachable):
     def local(self, x: Array) -> Array:
         return np.zeros(3)
 
+    def feelers(self) -> tuple[Array, float]:
+        return np.zeros((1, 3)), 0.0
+
     def weights(self) -> list[tuple[float, Vector]]:
         return [(self.mass, self._field.vector())]
 

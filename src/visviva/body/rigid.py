@@ -17,6 +17,7 @@ from visviva.point import handedness, orthonormality
 from visviva.values import Matrix, Number, Vector3
 
 if TYPE_CHECKING:
+    from visviva.component import Outline
     from visviva.model import Model
 
 Array = NDArray[np.float64]
@@ -157,6 +158,13 @@ class RigidBody(Attachable):
     def weights(self) -> list[tuple[float, Vector]]:
         m, centre, _ = self.mass_properties()
         return [(m, self.place(centre))]
+
+    def outline(self) -> Outline | None:
+        core = self.shape.core if self.shape is not None else None
+        return None if core is None else (core, self.frame())
+
+    def feelers(self) -> tuple[Array, float] | None:
+        return None if self.shape is None else self.shape.feelers
 
     def surface(self) -> Any:
         return self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())

@@ -6,7 +6,7 @@ Every shape lives in a frame of its own, lengths in the unit of the model; the a
 from abc import abstractmethod
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,8 +37,36 @@ TriangleRows = Annotated[ArrayLike, _rows_of(NonNegativeInt)]
 CONFIG = ConfigDict(extra="forbid", defer_build=True)
 
 
+class Core(NamedTuple):
+    """A shape as a core with a round layer about it: distances to it are known exactly.
+
+    Attributes
+    ----------
+    kind : int
+        0 half space below the plane of e1 and e2, 1 box, 2 cylinder.
+    half : three lengths
+        Half the size of the core along e1, e2, e3; zero for a ball.
+    radius : length
+        Of the layer.
+    """
+
+    kind: int
+    half: tuple[float, float, float]
+    radius: float
+
+
 class Shape(metaclass=Validated):
     """What a shape must give; the rest follows."""
+
+    @property
+    def core(self) -> Core | None:
+        """The shape in closed form; None if only its triangles are known."""
+        return None
+
+    @property
+    def feelers(self) -> tuple[Array, float]:
+        """Where the shape touches others: points (n, 3), and the radius of balls about them."""
+        return self.surface()[0], 0.0
 
     @property
     @abstractmethod
@@ -103,6 +131,11 @@ class Box(Shape):
     def second_moment(self) -> Array:
         return np.diag(self.volume * np.square(self.size) / 12)
 
+    @property
+    def core(self) -> Core:
+        a, b, c = self.size
+        return Core(1, (a / 2, b / 2, c / 2), 0.0)
+
     def surface(self, resolution: int = 32) -> Surface:
         corners = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
         faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -128,6 +161,14 @@ class Sphere(Shape):
     def second_moment(self) -> Array:
         return self.volume * self.radius**2 / 5 * np.eye(3)
 
+    @property
+    def core(self) -> Core:
+        return Core(1, (0.0, 0.0, 0.0), self.radius)
+
+    @property
+    def feelers(self) -> tuple[Array, float]:
+        return np.zeros((1, 3)), self.radius
+
     def surface(self, resolution: int = 32) -> Surface:
         return revolve(arc(self.radius, -90, 90, max(resolution // 2, 2)), resolution)
 
@@ -152,6 +193,10 @@ class Cylinder(Shape):
     def second_moment(self) -> Array:
         across, along = self.radius**2 / 4, self.length**2 / 12
         return self.volume * np.diag([across, across, along])
+
+    @property
+    def core(self) -> Core:
+        return Core(2, (self.radius, self.radius, self.length / 2), 0.0)
 
     def surface(self, resolution: int = 32) -> Surface:
         r, z = self.radius, self.length / 2
@@ -223,6 +268,14 @@ class Capsule(Shape):
         # A half ball, its centroid 3/8 r from its flat side, pushed outwards by half the length.
         outwards = ball.volume * (2 * half * 3 / 8 * r + half**2)
         return ball.second_moment + middle.second_moment + np.diag([0.0, 0.0, outwards])
+
+    @property
+    def core(self) -> Core:
+        return Core(1, (0.0, 0.0, self.length / 2), self.radius)
+
+    @property
+    def feelers(self) -> tuple[Array, float]:
+        return np.array([(0.0, 0.0, -self.length / 2), (0.0, 0.0, self.length / 2)]), self.radius
 
     def surface(self, resolution: int = 32) -> Surface:
         quarter, shift = max(resolution // 4, 1), (0, self.length / 2)

@@ -11,13 +11,18 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
-from visviva.contact.surface import skin, surface_of
+from visviva.contact.check import check_sides, check_stiffness, refuse_overlap
+from visviva.contact.obstacle import frame_surface
+from visviva.contact.surface import Surface, points_of, skin, surface_of
 from visviva.errors import InputError
 from visviva.mesh.faces import Faces
 from visviva.values import Number
 
 if TYPE_CHECKING:
+    from visviva.component import Outline
     from visviva.model import Model
+    from visviva.scheme import Scheme
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 
@@ -28,31 +33,48 @@ class Contact(Component):
 
     Parameters
     ----------
-    first, second : Solid, RigidBody or Ground with a shape
-        What touches. Gaps belong to the vertices of the first surface, which should be the finer one.
+    first : Solid, RigidBody or PointMass
+        Gaps belong to the vertices of this surface, which should be the finer one.
+    second : Solid, RigidBody, Plane or Obstacle, optional
+        What it touches; if left out the first surface touches itself, by vertices and with a penalty.
     first_faces, second_faces : str or Faces
         Which part of the surface, by the name of a set of faces; 'all' for the whole boundary.
     formulation : {'mortar', 'node-to-segment'}
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
         'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
-        facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly.
+        facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly. Then rigid
+        shapes are exact: balls touch by their centre, capsules by the centres of their ends, others by vertices; balls,
+        capsules, cylinders and boxes are touched where they are. Planes and obstacles are always touched like this.
     enforcement : {'multipliers', 'penalty'}
         'multipliers': gaps are not negative, pressures are unknowns, with an active set. 'penalty': pressures are
         `stiffness` times penetration, a potential.
     stiffness : float
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
-        By default that of a layer of elements, ten times that for a penalty.
+        By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
+        of rigid bodies.
     impact : {'dissipative', 'conserving'}
         With multipliers in dynamics: 'dissipative' closes gaps exactly, which takes the energy of impact of the
         surface's nodes; 'conserving' lets a gap close freely within the step in which it does and only then holds
         it, so that energy is exact.
+    friction : float
+        Coulomb's coefficient: tractions are at most this times the pressure.
+    tangential : {'multipliers', 'penalty'}
+        Below Coulomb's limit, 'multipliers': nothing slips, tractions are unknowns; 'penalty': tractions are
+        `tangential_stiffness` times an elastic slip, which is kept from step to step.
+    tangential_stiffness : float
+        Traction per slip; of the penalty, or of the augmentation of multipliers, where it changes no result. By
+        default that of a layer of elements, ten times that for a penalty.
+    initial : {'touch', 'press'}
+        'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
+        pushes out; in dynamics that adds energy, in the ledger's share of contact.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet.
 
     Notes
     -----
     Linear and angular momentum are exact with every scheme; with `EnergyMomentum` the work of contact is that of the
-    change of the gaps: nothing while contact persists, never a gain. See :doc:`/theory/contact`.
+    change of the gaps: nothing while contact persists, never a gain. Friction takes energy and never gives any, booked
+    as its own work. See :doc:`/theory/contact`.
 
     Examples
     --------
@@ -69,62 +91,160 @@ class Contact(Component):
     """
 
     first: Attachable
-    second: Attachable
+    second: Component | None = None
     first_faces: str | Faces = "all"
     second_faces: str | Faces = "all"
     formulation: Literal["mortar", "node-to-segment"] = "mortar"
     enforcement: Literal["multipliers", "penalty"] = "multipliers"
     stiffness: Number | None = None
     impact: Literal["dissipative", "conserving"] = "dissipative"
+    friction: Number = 0.0
+    tangential: Literal["multipliers", "penalty"] = "multipliers"
+    tangential_stiffness: Number | None = None
+    initial: Literal["touch", "press"] = "touch"
     reach: Number | None = None
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "reach"):
+        if not self.friction >= 0:
+            raise InputError(
+                f"{self.label}: friction = {self.friction:g} is negative; give a coefficient >= 0"
+            )
+        if self.second is None and (self.enforcement, self.formulation) != ("penalty", "node-to-segment"):
+            raise InputError(
+                f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
+                "formulation='node-to-segment'"
+            )
+        for name in ("stiffness", "tangential_stiffness", "reach"):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise InputError(f"{self.label}: {name} = {value:g} is not positive")
 
     def declare(self, model: Model) -> None:
-        model.index(self.first), model.index(self.second)
-        self._surface = surface_of(self.first, self.first_faces, self.label)
-        self._opposite = surface_of(self.second, self.second_faces, self.label)
-        if self._surface.dimension != self._opposite.dimension:
-            raise InputError(f"{self.label}: {self.first.label} and {self.second.label} differ in dimension")
+        model.index(self.first)
+        if self.second is not None:
+            model.index(self.second)
+        check_sides(self)
+        self._started = False
+        if self._by_vertices and self.friction > 0:
+            raise InputError(
+                f"{self.label}: friction needs formulation='mortar' between surfaces of facets, not vertices against "
+                f"{'an exact shape' if self._outline else 'facets'}"
+            )
+        if self._by_vertices:
+            self._surface, self._radius = points_of(self.first, self.first_faces, self.label)
+        else:
+            self._surface, self._radius = surface_of(self.first, self.first_faces, self.label), 0.0
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":
             self.pressure = model.field(self, "pressure", np.zeros(n), order=0, stage=1, definite=False)
+        if self.friction > 0 and self.tangential == "multipliers":
+            zeros = np.zeros((n, self._surface.dimension - 1))
+            self.traction = model.field(self, "traction", zeros, order=0, stage=1, definite=False)
+
+    @property
+    def _outline(self) -> Outline | None:
+        """The second one's exact shape, if that is what counts."""
+        if self.second is None or (self.formulation == "mortar" and self.second.surface() is not None):
+            return None
+        return self.second.outline()
+
+    @property
+    def _by_vertices(self) -> bool:
+        return self.formulation != "mortar" or self._outline is not None
 
     def contribute(self, model: Model) -> None:
-        multipliers = self.enforcement == "multipliers"
-        unknowns = np.array(self.pressure.unknowns if multipliers else [], dtype=np.int32)
-        reach = self.reach or max(self._surface.size, self._opposite.size)
-        stiffness = (self.stiffness or self._default_stiffness(reach)) / self._surface.areas
-        conserving = self.impact == "conserving"
-        gaps = self._gaps(reach)
-        self.term = _core.ContactTerm(gaps, reach, unknowns, stiffness, conserving)
+        multipliers, sticks = self.enforcement == "multipliers", self.tangential == "multipliers"
+        rubs = self.friction > 0
+        gaps, self.size, reach = self._gaps(model.length)
+        normal = self._stiffness(self.size)
+        tangential = self.tangential_stiffness or self._default_stiffness(self.size, sticks) if rubs else 0.0
+        along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []
+        self.term = _core.ContactTerm(
+            gaps,
+            reach,
+            np.array(self.pressure.unknowns if multipliers else [], dtype=np.int32),
+            normal / self._surface.areas,
+            self.impact == "conserving",
+            self.friction,
+            np.array(along, dtype=np.int32),
+            tangential / self._surface.areas,
+        )
         self.term.name = self.label
         work = model.account(self, "contact", "dissipation")
         energy = -1 if multipliers else model.account(self, "contact", "potential")
         self.term.book_contact(work, energy)
+        if rubs:
+            work = model.account(self, "friction", "dissipation")
+            energy = -1 if sticks else model.account(self, "friction", "potential")
+            self.term.book_friction(work, energy)
         model.batch(self.term)
 
-    def _gaps(self, reach: float) -> _core.Gaps:
-        pair = skin(self._surface, self._opposite)
+    def _gaps(self, length: float) -> tuple[_core.Gaps, float, float]:
+        """The gap functions, the size of facets, and how far they see."""
+        first, areas, outline = self._surface, self._surface.areas, self._outline
+        if outline is not None:
+            core, frame = outline
+            pair = self._paired(frame_surface(frame, length))
+            half = np.array(core.half)
+            gaps = _core.obstacle(pair, areas, self._radius, core.kind, half, core.radius, length)
+            return gaps, first.size, length
+        if self.second is None:
+            reach = self.reach or first.size
+            return _core.self_contact(skin(first, None), areas, reach, first.places), first.size, reach
+        if not isinstance(self.second, Attachable):
+            raise InputError(f"{self.label}: {self.second.label} has no surface")
+        opposite = surface_of(self.second, self.second_faces, self.label)
+        size = max(first.size, opposite.size)
+        reach = self.reach or size
+        pair = self._paired(opposite)
         if self.formulation == "mortar":
-            return _core.mortar(pair, reach)
-        return _core.node_to_segment(pair, self._surface.areas, 0.0, reach)
+            return _core.mortar(pair, reach), size, reach
+        return _core.node_to_segment(pair, areas, self._radius, reach), size, reach
 
-    def _default_stiffness(self, size: float) -> float:
+    def _paired(self, opposite: Surface) -> _core.Skin:
+        first = self._surface
+        other = self.second.label if self.second else ""
+        if first.dimension != opposite.dimension and any(opposite.forms):
+            raise InputError(f"{self.label}: {self.first.label} and {other} differ in dimension")
+        if not any(form for part in (first, opposite) for form in part.forms):
+            raise InputError(f"{self.label}: neither {self.first.label} nor {other} can move")
+        pair: _core.Skin = skin(first, opposite)
+        return pair
+
+    def start(self, system: System, scheme: Scheme) -> None:
+        if self._started or self.initial == "press" or system.time > 0:
+            return
+        self._started = True
+        system.core.search()
+        system.take_stock()
+        refuse_overlap(self, self._surface.places)
+
+    def _stiffness(self, size: float) -> float:
+        """Stiffness of the normal contact."""
+        multipliers = self.enforcement == "multipliers"
+        if self.stiffness is None:
+            return self._default_stiffness(size, multipliers)
+        if not multipliers and self._moduli:
+            own = min(self._moduli) / size
+            check_stiffness(self.label, self.stiffness, own, 10 * own)
+        return float(self.stiffness)
+
+    @property
+    def _moduli(self) -> list[float]:
         moduli = []
         for body in (self.first, self.second):
             if isinstance(body, Solid):
                 lam, mu = body.material.lame
                 moduli.append(3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu))
+        return moduli
+
+    def _default_stiffness(self, size: float, multipliers: bool) -> float:
+        moduli = self._moduli
         if not moduli:
             raise InputError(
                 f"{self.label}: between rigid bodies nothing says how stiff contact should be; give its stiffness"
             )
-        return min(moduli) / size * (1.0 if self.enforcement == "multipliers" else 10.0)
+        return min(moduli) / size * (1.0 if multipliers else 10.0)
 
     # --- results -------------------------------------------------------------------------------------------
     @property
@@ -134,8 +254,27 @@ class Contact(Component):
         return values
 
     @property
+    def tractions(self) -> Array:
+        """Tractions of friction (n, 3) on the first surface at its vertices in the last step."""
+        values: Array = self.term.tractions.reshape(-1, 3)
+        return values
+
+    @property
+    def slipping(self) -> NDArray[np.bool_]:
+        """Whether each vertex (n,) of the first surface slipped in the last step."""
+        slips: NDArray[np.bool_] = np.array(self.term.slips, dtype=bool)
+        return slips
+
+    @property
     def gaps(self) -> Array:
         """Mean gaps (n,) near the vertices of the first surface at the end of the last step; nan where none."""
         areas = self.term.areas
         gaps: Array = np.where(areas > 0, self.term.gaps / np.where(areas > 0, areas, 1.0), np.nan)
         return gaps
+
+    @property
+    def forces(self) -> Array:
+        """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
+        n = len(self._surface.forms)
+        forces: Array = self.term.forces.reshape(-1, 3)[:n] if len(self.term.forces) else np.zeros((n, 3))
+        return forces

@@ -12,6 +12,7 @@ from visviva import _core
 from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.errors import InputError
+from visviva.form import Vector
 from visviva.mesh.faces import Faces
 
 Array = NDArray[np.float64]
@@ -27,6 +28,9 @@ SUBFACETS: dict[str, tuple[tuple[int, ...], ...]] = {
     "quad9": ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
 }
 """Quadratic faces are cut into facets of their nodes (Puso, Laursen & Solberg 2008)."""
+
+
+NO_FACETS = np.zeros((0, 4), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,9 @@ class Surface:
 
     @property
     def areas(self) -> Array:
-        """Area (n,) that belongs to each vertex; length in the plane."""
+        """Area (n,) that belongs to each vertex; length in the plane, 1 for points without facets."""
+        if len(self.facets) == 0:
+            return np.ones(len(self.places))
         total = np.zeros(len(self.places))
         for facet in self.facets:
             corners = facet[facet >= 0]
@@ -67,9 +73,9 @@ class Surface:
 
     @property
     def size(self) -> float:
-        """Largest diameter of a facet."""
+        """Largest diameter of a facet; 0 for points without facets."""
         spans = [self.places[f[f >= 0]] for f in self.facets]
-        return max(float(np.linalg.norm(np.ptp(p, axis=0))) for p in spans)
+        return max((float(np.linalg.norm(p[:, None] - p, axis=-1).max()) for p in spans), default=0.0)
 
 
 def _area(corners: Array) -> float:
@@ -113,11 +119,26 @@ def _of_shape(component: Attachable, label: str) -> Surface:
     if shape is None:
         raise InputError(f"{label}: {component.label} has no surface; give it a shape, or take a solid")
     points, triangles = (np.asarray(part) for part in shape)
-    vectors = [component.place(X) for X in points]
+    facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
+    return of_vectors([component.place(X) for X in points], facets, points)
+
+
+def of_vectors(vectors: list[Vector], facets: Ints, places: Array) -> Surface:
+    """A surface whose vertices are vector forms."""
     forms = [list(v[0].weights) for v in vectors]
     constant = np.array([[c.constant for c in v] for v in vectors])
-    facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
-    return Surface(forms, False, constant, facets, points, 3)
+    return Surface(forms, False, constant, facets, places, 3)
+
+
+def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Surface, float]:
+    """Where a component touches exact shapes and facets, and the radius of balls about these points."""
+    if isinstance(component, Solid):
+        return _of_solid(component, component.faces(faces)), 0.0
+    feelers = component.feelers()
+    if feelers is None:
+        raise InputError(f"{label}: nothing says where {component.label} touches; give it a shape")
+    points, radius = feelers
+    return of_vectors([component.place(X) for X in points], NO_FACETS, points), radius
 
 
 def skin(first: Surface, second: Surface | None) -> Any:

@@ -1,0 +1,97 @@
+"""What is wrong with surfaces before they touch: found with component, place and cure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.rigid import RigidBody
+from visviva.body.solid import Solid
+from visviva.errors import InputError
+from visviva.mesh.cells import CELLS
+from visviva.mesh.faces import Faces
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+
+Array = NDArray[np.float64]
+
+SOFTEST, STIFFEST = 1e-4, 1e6
+"""Penalties outside this range of the bodies' own stiffness are mistakes of unit."""
+DEEP = 1e-6
+"""Surfaces may overlap by this part of a facet at the start: rounding of meshes."""
+
+
+def check_sides(contact: Contact) -> None:
+    """Refuse sides that cannot touch each other as they are given."""
+    first, second = contact.first, contact.second
+    sides = ((first, contact.first_faces, "first"), (second, contact.second_faces, "second"))
+    for body, faces, side in sides:
+        if body is None:
+            continue
+        if isinstance(body, Solid):
+            check_faces(body, body.faces(faces), contact.label)
+        elif isinstance(body, RigidBody) and body.shape is None:
+            raise InputError(f"{contact.label}: {body.label} has no surface; give it a shape")
+        elif faces != "all":
+            raise InputError(
+                f"{contact.label}: {body.label} touches with its whole shape; leave out {side}_faces = {faces!r}"
+            )
+    if first is not second:
+        return
+    if not isinstance(first, Solid):
+        raise InputError(f"{contact.label}: {first.label} cannot touch itself")
+    shared = np.intersect1d(first.faces(contact.first_faces).nodes, first.faces(contact.second_faces).nodes)
+    if len(shared):
+        raise InputError(
+            f"{contact.label}: both surfaces are of {first.label} and share node {shared[0]}; give parts of it that "
+            "lie apart, or leave out second for self-contact"
+        )
+
+
+def check_faces(solid: Solid, faces: Faces, label: str) -> None:
+    """Refuse faces that look into the cells they belong to."""
+    for kind, cells in faces.cells.items():
+        centres = solid.points[cells].mean(axis=1)
+        inner = np.pad(solid.grid.centres[faces.owners[kind]], ((0, 0), (0, 3 - solid.dimension)))
+        outwards = np.einsum(
+            "ij,ij->i", _normals(solid.points[cells[:, : CELLS[kind].n_corners]]), centres - inner
+        )
+        if np.any(outwards < 0):
+            place = ", ".join(f"{c:.4g}" for c in centres[np.argmin(outwards)])
+            raise InputError(
+                f"{label}: the face of {solid.label} near ({place}) looks into the solid; reverse its nodes"
+            )
+
+
+def _normals(corners: Array) -> Array:
+    """Normals (m, 3) of faces with given corners (m, k, 3), or of edges in the plane."""
+    if corners.shape[1] == 2:
+        return np.asarray(np.cross(corners[:, 1] - corners[:, 0], (0.0, 0.0, 1.0)))
+    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, -1] - corners[:, 0]))
+
+
+def check_stiffness(label: str, given: float, own: float, right: float) -> None:
+    """Refuse a penalty that has nothing to do with the bodies' `own` stiffness; `right` is one that does."""
+    if not SOFTEST * own <= given <= STIFFEST * own:
+        what = "bodies would pass through each other" if given < own else "it swamps the bodies' stiffness"
+        raise InputError(
+            f"{label}: stiffness = {given:.3g} of the penalty is {given / own:.1g} times that of a layer of elements: "
+            f"{what}; about {right:.2g} is right, which is the default"
+        )
+
+
+def refuse_overlap(contact: Contact, places: Array) -> None:
+    """Refuse surfaces that overlap: `places` (n, 3) are the vertices of the first one."""
+    depth = -np.nan_to_num(contact.gaps)
+    worst = int(np.argmax(depth))
+    if depth[worst] > DEEP * contact.size:
+        place = ", ".join(f"{c:.4g}" for c in places[worst])
+        other = "itself" if contact.second is None else contact.second.label
+        raise InputError(
+            f"{contact.label}: {contact.first.label} and {other} overlap by {depth[worst]:.3g} near "
+            f"({place}) at the start; move one of them, or give initial='press' to start under the pressure that this "
+            "overlap makes"
+        )

@@ -1,0 +1,72 @@
+"""Pairs of bodies that touch, for the tests of contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import visviva as vv
+from visviva.component import Component
+
+Array = NDArray[np.float64]
+Components = list[Component]
+
+RUBBER = vv.NeoHooke(young=100.0, poisson=0.3)
+
+
+def bricks(cell: str = "hex8", scale: float = 4.0, gap: float = 0.0, **options: Any) -> Components:
+    """A brick thrown onto a larger one with another mesh, both free; lengths are multiplied by `scale`."""
+    one = vv.BoxMesh(size=(1, 1, 0.5), counts=(1, 1, 1), cell=cell).build()
+    two = (
+        vv.BoxMesh(size=(1.2, 1.1, 0.5), counts=(2, 2, 1), cell=cell).build().moved((-0.1, -0.07, -0.5 - gap))
+    )
+    return _thrown(one, two, ("z0", "z1"), scale, (0.3, 0.1, -2.0), **options)
+
+
+def plates(cell: str = "quad4", gap: float = 0.0, scale: float = 4.0, **options: Any) -> Components:
+    """The same in the plane."""
+    one = vv.RectangleMesh(size=(1, 0.5), counts=(2, 1), cell=cell).build()
+    two = vv.RectangleMesh(size=(1.3, 0.5), counts=(3, 1), cell=cell).build().moved((-0.13, -0.5 - gap))
+    return _thrown(one, two, ("y0", "y1"), scale, (0.3, -2.0, 0.0), **options)
+
+
+def _thrown(
+    one: vv.Mesh, two: vv.Mesh, faces: tuple[str, str], scale: float, velocity: Any, **options: Any
+) -> Components:
+    parts = [
+        vv.Solid(
+            mesh=scaled(mesh, scale), material=RUBBER, density=1.0 / scale**2, velocity=scale * np.array(v)
+        )
+        for mesh, v in ((one, velocity), (two, (0.0, 0.0, 0.0)))
+    ]
+    first, second = faces
+    contact = vv.Contact(first=parts[0], second=parts[1], first_faces=first, second_faces=second, **options)
+    return [*parts, contact]
+
+
+def scaled(mesh: vv.Mesh, factor: float) -> vv.Mesh:
+    """The mesh in another unit of length."""
+    return vv.Mesh(factor * mesh.points, mesh.cells, face_sets=mesh.face_sets, node_sets=mesh.node_sets)
+
+
+PYRAMID: dict[str, Any] = {
+    "points": [(-0.5, -0.4, 0.0), (0.5, -0.4, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0), (0.05, 0.0, 0.7)],
+    "triangles": [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+}
+
+
+def rigid_on_brick(shape: Any, height: float, **options: Any) -> Components:
+    """A rigid body with a shape thrown onto a brick, both free."""
+    mesh = vv.BoxMesh(size=(1.4, 1.3, 0.5), counts=(2, 2, 1)).build().moved((-0.7, -0.65, -0.5))
+    brick = vv.Solid(mesh=mesh, material=RUBBER, density=1.0)
+    body = vv.RigidBody(shape=shape, mass=0.5, position=(0.03, 0.02, height), velocity=(0.1, 0.2, -1.5))
+    contact = vv.Contact(first=brick, second=body, first_faces="z1", **options)
+    return [brick, body, contact]
+
+
+def contact_of(components: Components) -> vv.Contact:
+    """The contact among components."""
+    (contact,) = (c for c in components if isinstance(c, vv.Contact))
+    return contact

@@ -1,0 +1,249 @@
+"""Contact: what it refuses, what it reports, and that nothing depends on units, threads and restarts."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from contact_parts import PYRAMID, RUBBER, bricks, contact_of, plates, rigid_on_brick
+from numpy.typing import NDArray
+
+import visviva as vv
+from visviva.component import Component
+from visviva.errors import InputError
+from visviva.mesh.faces import Faces
+from visviva.output import load_state
+from visviva.run import run
+from visviva.scene import read_scene, write_scene
+
+Array = NDArray[np.float64]
+
+KINDS: list[dict[str, Any]] = [{}, {"impact": "conserving"}, {"enforcement": "penalty"}]
+
+
+def ran(components: list[Component], steps: int = 5, h: float = 0.01) -> vv.Result:
+    return vv.simulate(vv.System(components), until=steps * h, step=h)
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+def side(**options: Any) -> vv.Solid:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    return vv.Solid(mesh=mesh, material=RUBBER, density=1.0, **options)
+
+
+def pair(**options: Any) -> list[Component]:
+    a, b = side(), side()
+    more = {"first_faces": "z0", "second_faces": "z1"} | options
+    return [a, b, vv.Contact(first=a, second=b, **more)]
+
+
+def inward() -> list[Component]:
+    a = side()
+    faces = a.grid.faces("z0")
+    turned = Faces({"quad4": faces.cells["quad4"][:, ::-1]}, faces.owners)
+    b = side()
+    return [a, b, vv.Contact(first=a, second=b, first_faces=turned, second_faces="z1")]
+
+
+def with_itself() -> list[Component]:
+    a = side()
+    return [a, vv.Contact(first=a, second=a, first_faces="z0", second_faces="x1")]
+
+
+def two_bodies(**options: Any) -> list[Component]:
+    a, b = (vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, position=(0, 0, z)) for z in (0, 1.1))
+    return [a, b, vv.Contact(first=a, second=b, **options)]
+
+
+def against(second: Component, **options: Any) -> list[Component]:
+    a = side()
+    return [a, second, vv.Contact(first=a, second=second, **options)]  # type: ignore[arg-type]
+
+
+BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
+    "unknown faces": (partial(pair, first_faces="z00"), "no set of faces 'z00'.*z0"),
+    "empty faces": (partial(pair, first_faces=Faces({}, {})), "the set of faces .* is empty"),
+    "faces that look inwards": (inward, r"near \(0.5, 0.5, 0\) looks into the solid; reverse its nodes"),
+    "a surface with itself": (with_itself, "both surfaces are of Solid .* and share node"),
+    "rigid bodies without stiffness": (two_bodies, "nothing says how stiff contact should be"),
+    "faces of a rigid body": (
+        partial(two_bodies, stiffness=1.0, first_faces="top"),
+        "leave out first_faces = 'top'",
+    ),
+    "a body without shape": (
+        lambda: against(vv.RigidBody(mass=1.0, inertia=(1, 1, 1))),
+        "has no surface; give it a shape",
+    ),
+    "a penalty too soft": (
+        partial(pair, enforcement="penalty", stiffness=1e-5),
+        r"stiffness = 1e-05 of the penalty is 1e-07 times.*; about 7.1e\+02 is right",
+    ),
+    "a penalty too stiff": (
+        partial(pair, enforcement="penalty", stiffness=1e12),
+        "swamps the bodies' stiffness",
+    ),
+    "negative stiffness": (partial(pair, stiffness=-1.0), "stiffness = -1 is not positive"),
+    "another dimension": (
+        lambda: against(vv.Solid(mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)), material=RUBBER)),
+        "differ in dimension",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_refused_with_its_cure(name: str) -> None:
+    build, message = BAD[name]
+    with pytest.raises(InputError, match=message):
+        vv.System(build())
+
+
+@pytest.mark.parametrize("build", [bricks, plates])
+@pytest.mark.parametrize("options", KINDS, ids=str)
+def test_overlap_at_the_start_is_refused_with_depth_and_place(
+    build: Callable[..., list[Component]], options: dict[str, Any]
+) -> None:
+    with pytest.raises(InputError, match=r"overlap by 0.1 near \(.*\) at the start; .*initial='press'"):
+        ran(build(gap=0.1 / -4, **options))
+
+
+def test_rounding_of_meshes_is_no_overlap() -> None:
+    ran(bricks(gap=-1e-9), steps=1)
+
+
+def test_press_fit_starts_with_overlap() -> None:
+    """Two confined layers that overlap by 0.1 in statics share it by their compliance: the pressure is uniaxial."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+    lower, upper = (
+        vv.Solid(mesh=m, material=vv.LinearElastic(young=100.0, poisson=0.0))
+        for m in (mesh, mesh.moved((0, 0, 0.9)))
+    )
+    contact = vv.Contact(first=upper, second=lower, first_faces="z0", second_faces="z1", initial="press")
+    holds = [vv.Fixed(solid=s, nodes="all", directions=(1, 1, 0)) for s in (lower, upper)]
+    holds += [vv.Fixed(solid=lower, nodes="z0"), vv.Fixed(solid=upper, nodes="z1")]
+    system = vv.System([lower, upper, contact, *holds])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    assert vv.ContactForce(contact=contact)(system) == pytest.approx([0, 0, 100.0 * 0.1 / 2], abs=1e-9)
+    assert vv.ContactArea(contact=contact)(system) == pytest.approx(1.0)
+
+
+# --- probes -------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options", KINDS, ids=str)
+def test_contact_force_is_the_change_of_momentum(options: dict[str, Any]) -> None:
+    """Over a step, of the only force on the body; and its area lies between none and that of the face."""
+    parts = bricks(**options)
+    body, contact = parts[0], contact_of(parts)
+    assert isinstance(body, vv.Solid)
+    system = vv.System(parts)
+    assert vv.ContactForce(contact=contact)(system).tolist() == [0, 0, 0]
+    largest = 0.0
+    for _ in range(4):
+        before = body.nodal_mass @ body.velocities(system.v)
+        vv.simulate(system, until=system.time + 0.01, step=0.01)
+        change = body.nodal_mass @ body.velocities(system.v) - before
+        force = vv.ContactForce(contact=contact)(system)
+        assert np.abs(change / 0.01 - force).max() < 1e-9 * max(1.0, np.abs(force).max())
+        assert 0 <= vv.ContactArea(contact=contact)(system) <= 16 * 1.1
+        largest = max(largest, float(force[2]))
+    assert largest > 1
+
+
+# --- nothing depends on --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options", KINDS, ids=str)
+def test_units_of_length_change_nothing(options: dict[str, Any]) -> None:
+    """The same impact in metres and in millimetres: also the search and the penalty are without scale."""
+    ends = []
+    for scale in (1.0, 1000.0):
+        parts = bricks(scale=scale, **options)
+        system = vv.System(parts)
+        result = vv.simulate(system, until=0.05, step=0.01)
+        ends.append((system.x[: system.n_coordinates] / scale, result.statistics.iterations))
+    assert np.abs(ends[0][0] - ends[1][0]).max() < 1e-12
+    assert ends[0][1] == ends[1][1]
+
+
+RUN = """
+import hashlib, sys
+sys.path.insert(0, {tests!r})
+import visviva as vv
+from contact_parts import bricks
+system = vv.System(bricks("tet4"))
+vv.simulate(system, until=0.04, step=0.01)
+print(hashlib.sha256(system.x.tobytes() + system.v.tobytes() + system.core.energy.tobytes()).hexdigest())
+"""
+
+
+def test_bits_do_not_depend_on_threads() -> None:
+    def bits(threads: int) -> str:
+        environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
+        command = [sys.executable, "-c", RUN.format(tests=str(Path(__file__).parent))]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+
+    assert bits(1) == bits(2)
+
+
+def study(build: Callable[..., list[Component]], until: float, **options: Any) -> vv.Study:
+    parts = build(**options)
+    contact = contact_of(parts)
+    probes = {"force": vv.ContactForce(contact=contact), "area": vv.ContactArea(contact=contact)}
+    return vv.Study(vv.System(parts), until, 0.01, probes=probes)
+
+
+RESTARTS: dict[str, Callable[[float], vv.Study]] = {
+    "bricks": partial(study, bricks),
+    "plates": partial(study, plates, impact="conserving"),
+    "rigid": partial(study, partial(rigid_on_brick, vv.SurfaceMesh(**PYRAMID), 0.02), enforcement="penalty"),
+}
+
+
+@pytest.mark.parametrize("name", RESTARTS)
+def test_resumed_during_contact_bit_by_bit(name: str, tmp_path: Path) -> None:
+    whole = RESTARTS[name](0.08)
+    run(whole, tmp_path / "whole", pictures=False)
+    part = RESTARTS[name](0.02 if name == "rigid" else 0.01)
+    run(part, tmp_path / "split", pictures=False)
+    assert contact_of(part.system.components).pressures.max() > 0
+    run(RESTARTS[name](0.08), tmp_path / "split", resume=True, pictures=False)
+    for table in ("ledger.csv", "probes.csv"):
+        assert (tmp_path / "whole" / table).read_bytes() == (tmp_path / "split" / table).read_bytes()
+    states = [load_state(tmp_path / part / "state.h5")[0] for part in ("whole", "split")]
+    assert states[0].keys() == states[1].keys()
+    assert all(states[0][k].tobytes() == states[1][k].tobytes() for k in states[0])
+
+
+def test_scene_file_round_trip(tmp_path: Path) -> None:
+    a, b = (
+        vv.Solid(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(n, 1), origin=(0, y)),
+            material=RUBBER,
+            density=1.0,
+            velocity=v,
+        )
+        for n, y, v in ((2, 1.0, (0, -1, 0)), (3, 0.0, (0, 0, 0)))
+    )
+    contact = vv.Contact(
+        first=a,
+        second=b,
+        first_faces="y0",
+        second_faces="y1",
+        impact="conserving",
+        initial="press",
+        reach=0.4,
+    )
+    probes: dict[str, Any] = {
+        "force": vv.ContactForce(contact=contact),
+        "area": vv.ContactArea(contact=contact),
+    }
+    here = vv.Study(vv.System([a, b, contact]), 0.05, 0.01, probes=probes)
+    write_scene(here, tmp_path / "scene.yaml")
+    there = read_scene(tmp_path / "scene.yaml")
+    for s in (here, there):
+        vv.simulate(s.system, until=0.05, step=0.01)
+    assert here.system.x.tobytes() == there.system.x.tobytes()
+    assert there.probes["force"](there.system).tolist() == here.probes["force"](here.system).tolist()
