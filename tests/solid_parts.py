@@ -121,7 +121,7 @@ def tied(cell: str, multipliers: Any) -> Components:
     for solid in (first, second):
         points = solid.grid.points.copy()
         points[:, 0] += 0.06 * np.sin(4.0 * points[:, 1]) * (1.0 - np.abs(points[:, 0] - 1.0))
-        solid.grid = replace(solid.grid, points=4.0 * points)
+        solid.mesh = solid.grid = replace(solid.grid, points=4.0 * points)
     return [
         first,
         second,

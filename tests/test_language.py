@@ -89,7 +89,31 @@ def touching() -> list[Component]:
     return [lower, upper, vv.Contact(first=lower, second=upper, first_faces="z1", second_faces="z0")]
 
 
-MORE = [Entry(f.__name__, f, frozenset()) for f in (driven, servo, moved, touching)]
+def fastened() -> list[Component]:
+    """Two bricks tied along faces whose meshes do not match."""
+    first, second = (
+        vv.Solid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, n, n), origin=(x, 0, 0)),
+            material=vv.NeoHooke(young=60.0, poisson=0.3),
+            density=1.0,
+            angular_velocity=(0.5, -0.6, 0.8),
+        )
+        for n, x in ((3, 0.0), (2, 1.0))
+    )
+    return [first, second, vv.Tie(first=first, second=second, first_faces="x1", second_faces="x0")]
+
+
+def bouncing() -> list[Component]:
+    """A ball above a plane and beside a fixed ball."""
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=0.1), density=1000.0, position=(0, 0, 0.15), velocity=(1, 0, -3)
+    )
+    plane, post = vv.Plane(), vv.Obstacle(shape=vv.Sphere(radius=0.2), at=(0.5, 0, 0.2))
+    contacts = [vv.Contact(first=ball, second=b, enforcement="penalty", stiffness=1e5) for b in (plane, post)]
+    return [ball, plane, post, *contacts]
+
+
+MORE = [Entry(f.__name__, f, frozenset()) for f in (driven, servo, moved, touching, fastened, bouncing)]
 TOLD = r"an object of Python, which no file can hold|is not part of visviva"
 
 

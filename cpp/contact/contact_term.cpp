@@ -405,12 +405,12 @@ void ContactTerm::scatter(int A, const Border& b, double* values) const {
 
 // --- books
 // --------------------------------------------------------------------------------------------------
-// The same along a step taken backwards, as statics books its work, leaves the results of the step itself.
+// A step taken backwards, as statics books its work, leaves the forces of the step itself.
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     if (c.step.h >= 0) return book(c, sums);
-    const auto S = S_, gap = gap1_, area = area1_, forces = forces_;
+    const auto forces = forces_;
     book(c, sums);
-    S_ = S, gap1_ = gap, area1_ = area, forces_ = forces;
+    forces_ = forces;
 }
 
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
@@ -432,6 +432,7 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
 }
 
 void ContactTerm::accept(const Context& c) {
+    if (c.step.motion[0][0] == 0) evaluate(c, true);  // the books of statics have gone back along the path
     if (has_history()) keep(c);
     begin(c.vectors.x1);
 }

@@ -109,6 +109,8 @@ class Contact(Component):
             raise InputError(
                 f"{self.label}: friction = {self.friction:g} is negative; give a coefficient >= 0"
             )
+        if self.friction > 0 and self.formulation != "mortar":
+            raise InputError(f"{self.label}: friction needs formulation='mortar', not {self.formulation!r}")
         if self.second is None and (self.enforcement, self.formulation) != ("penalty", "node-to-segment"):
             raise InputError(
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
@@ -125,11 +127,8 @@ class Contact(Component):
             model.index(self.second)
         check_sides(self)
         self._started = False
-        if self._by_vertices and self.friction > 0:
-            raise InputError(
-                f"{self.label}: friction needs formulation='mortar' between surfaces of facets, not vertices against "
-                f"{'an exact shape' if self._outline else 'facets'}"
-            )
+        if self._outline is not None and self.friction > 0:
+            raise InputError(f"{self.label}: friction needs surfaces of facets, not an exact shape")
         if self._by_vertices:
             self._surface, self._radius = points_of(self.first, self.first_faces, self.label)
         else:
