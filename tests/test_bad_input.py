@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from catalogue import CATALOGUE
+from solid_parts import block
 from test_language import MORE, NEEDS_CODE
 
 import visviva as vv
@@ -116,6 +117,7 @@ MORE_VALUES: list[Any] = [
     vv.Distance(a=BALL.point(), b=arm().point(), length=1.0),
     vv.Contact(first=arm(shape=vv.Box(size=(1, 1, 1))), second=arm(shape=vv.Box(size=(1, 1, 1))), stiffness=1.0),
     vv.Position(of=BALL, at=(0, 0, 0), direction=AXIS), vv.Direction(of=arm(), axis=AXIS),
+    vv.Tie(first=block(), second=block(at=1.0), first_faces="x1", second_faces="x0", reach=0.1),
 ]  # fmt: skip
 
 
