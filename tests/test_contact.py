@@ -247,3 +247,17 @@ def test_scene_file_round_trip(tmp_path: Path) -> None:
         vv.simulate(s.system, until=0.05, step=0.01)
     assert here.system.x.tobytes() == there.system.x.tobytes()
     assert there.probes["force"](there.system).tolist() == here.probes["force"](here.system).tolist()
+
+
+def test_axisymmetric_solids_are_refused() -> None:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1))
+    low, high = (
+        vv.Solid(
+            mesh=mesh.build().moved((0, y)),
+            material=vv.NeoHooke(young=1.0, poisson=0.3),
+            plane="axisymmetric",
+        )
+        for y in (0, 1)
+    )
+    with pytest.raises(InputError, match="does not know its circumference"):
+        vv.System([low, high, vv.Contact(first=high, second=low, first_faces="y0", second_faces="y1")])

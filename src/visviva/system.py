@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+STATIC = 100.0
+"""By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
+
 
 @dataclass(frozen=True)
 class Newton:
@@ -298,7 +301,7 @@ class System:
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
             n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
             has_inertia=inertia,
-            regularization=self.newton.regularization,
+            regularization=self.newton.regularization * (1.0 if inertia else STATIC),
         )
 
     def _modes(self) -> Array:

@@ -12,6 +12,7 @@ from reference import crane as reference
 import visviva as vv
 from verification.measure import Array, errors, extrapolated, orders, resolved, sampled
 from visviva.examples import crane
+from visviva.study import measure
 
 
 @cache
@@ -24,7 +25,7 @@ def run(step: float, winch: str = "free", null_space: bool | None = None) -> tup
     times = np.arange(0.0, 2.0001, 0.25 if winch == "locked" else 0.05 if step < 0.02 else 0.1)
 
     def look(s: vv.System) -> Array:
-        return np.concatenate([[s.value(f) for f in forms], s.value(p["load"])])
+        return np.concatenate([[measure(s, f) for f in forms], measure(s, p["load"])])
 
     return sampled(system, look, times, step)
 

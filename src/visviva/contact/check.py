@@ -31,6 +31,11 @@ def check_sides(contact: Contact) -> None:
     for body, faces, side in sides:
         if body is None:
             continue
+        if isinstance(body, Solid) and body.axisymmetric:
+            raise InputError(
+                f"{contact.label}: {body.label} is axisymmetric, and contact does not know its circumference yet; take "
+                "a sector of a three-dimensional mesh"
+            )
         if isinstance(body, Solid):
             check_faces(body, body.faces(faces), contact.label)
         elif isinstance(body, RigidBody) and body.shape is None:
