@@ -1,17 +1,13 @@
 #include "complement.hpp"
 
+#include "skew.hpp"
+
 namespace visviva {
 
 namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
-
-Matrix3 skew(const Vector3& w) {
-    Matrix3 m;
-    m << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
-    return m;
-}
 
 Eigen::VectorXd about_mean(const Eigen::VectorXd& x, int k) {
     Vector3 mean = Vector3::Zero();
@@ -24,7 +20,7 @@ Eigen::VectorXd about_mean(const Eigen::VectorXd& x, int k) {
 }  // namespace
 
 Complement::Complement(const Eigen::VectorXd& x, const Eigen::VectorXd& D, int dim)
-    : k_(static_cast<int>(x.size() / 3)), dim_(dim), r_(about_mean(x, k_)), a_(about_mean(D, k_)) {
+    : k_(static_cast<int>(x.size() / 3)), r_(about_mean(x, k_)), a_(about_mean(D, k_)) {
     Matrix3 inertia = Matrix3::Zero();
     Vector3 spin = Vector3::Zero();
     for (int i = 0; i < k_; ++i) {

@@ -16,7 +16,7 @@ class Complement {
     Eigen::MatrixXd derivative(double theta) const;
 
   private:
-    int k_, dim_;
+    int k_;
     Eigen::VectorXd r_, a_, p_;  // arms, increments about their mean, the result
     Eigen::Vector3d w_;          // rotation
     Eigen::Matrix3d inverse_;    // of the inertia of unit masses

@@ -7,6 +7,7 @@
 #include "core/parallel.hpp"
 #include "gaps.hpp"
 #include "search.hpp"
+#include "skew.hpp"
 
 namespace visviva {
 
@@ -15,12 +16,6 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using At = Eigen::Map<const Vector3>;
-
-Matrix3 skew(const Vector3& w) {
-    Matrix3 m;
-    m << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
-    return m;
-}
 
 // V . n with n = m / |m|, and its derivatives by m.
 struct Normal {

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "reduced.hpp"
+
 namespace visviva {
 
 namespace {
@@ -80,20 +82,6 @@ std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
     if (at == end || *at != col)
         throw std::invalid_argument("an element does not couple all that it touches");
     return at - csr.col.begin();
-}
-
-Blocks Condensation::left(const Blocks& blocks) const {
-    Blocks b = blocks;
-    b.node.clear(), b.modes.clear(), b.algebraic.clear();
-    for (int first : blocks.node)  // first equations of nodes, and at last the number of equations
-        if (first == full_->n || !local_[first]) b.node.push_back(first == full_->n ? left_.n : kept_[first]);
-    for (int i = 0; i < full_->n; ++i)
-        if (!local_[i]) {
-            b.modes.insert(b.modes.end(), blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes,
-                           blocks.modes.begin() + static_cast<std::ptrdiff_t>(i + 1) * b.n_modes);
-            b.algebraic.push_back(blocks.algebraic[i]);
-        }
-    return b;
 }
 
 void Condensation::copy(const double* values) {
@@ -175,65 +163,9 @@ void Condensation::recover(const double* r, double* d) const {
         }
 }
 
-namespace {
-
-class Condensed : public LinearSolver {
-  public:
-    Condensed(std::shared_ptr<Condensation> condensation, std::unique_ptr<LinearSolver> solver)
-        : condensation_(std::move(condensation)), solver_(std::move(solver)) {}
-
-    void analyze(const Csr&, const Blocks& blocks) override {
-        blocks_ = condensation_->left(blocks);
-        solver_->analyze(condensation_->left(), blocks_);
-    }
-    bool factor(const double* values, const Place& place) override {
-        regular_ = condensation_->eliminate(values);
-        return regular_ && solver_->factor(condensation_->values().data(), place);
-    }
-    bool solve(const double* r, const Place& place, double* d) override {
-        right_.assign(r, r + condensation_->n_unknowns());
-        right_.push_back(0.0);  // element slots of nothing may point there
-        condensation_->condense(right_);
-        if (!solver_->solve(right_.data(), place, d)) return false;
-        condensation_->recover(r, d);
-        return true;
-    }
-
-    void project(const double* x0, double* dx) override { solver_->project(x0, dx); }
-    void balance(const double* r, const Place& place, double* dx, double* x1) override {
-        solver_->balance(r, place, dx, x1);
-    }
-    std::string message() const override {
-        return regular_ ? solver_->message()
-                        : "an element does not resist its own enhanced strains or pressures";
-    }
-    int n_iterations() const override { return solver_->n_iterations(); }
-    int n_negative() const override { return solver_->n_negative(); }  // of what is left
-    double memory() const override { return solver_->memory(); }
-    void forget() override { solver_->forget(); }
-    std::vector<double> state() const override { return solver_->state(); }
-    void set_state(const std::vector<double>& s) override { solver_->set_state(s); }
-    int singular_unknown() const override {
-        return regular_ ? solver_->singular_unknown() : condensation_->singular_unknown();
-    }
-    void find_redundant(bool on) override { solver_->find_redundant(on); }
-    int n_redundant() const override { return solver_->n_redundant(); }
-    bool keeps_rigidity() const override { return solver_->keeps_rigidity(); }
-    std::string name() const override { return solver_->name() + ", unknowns of elements condensed"; }
-
-  private:
-    std::shared_ptr<Condensation> condensation_;
-    std::unique_ptr<LinearSolver> solver_;
-    Blocks blocks_;
-    std::vector<double> right_;
-    bool regular_ = true;
-};
-
-}  // namespace
-
 std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation> condensation,
                                              std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Condensed>(std::move(condensation), std::move(solver));
+    return std::make_unique<Reduced<Condensation>>(std::move(condensation), std::move(solver));
 }
 
 }  // namespace visviva

@@ -14,7 +14,12 @@ class Condensation {
 
     /// The pattern of what is left, in which local unknowns have no equation.
     const Csr& left() const { return left_; }
-    Blocks left(const Blocks& blocks) const;
+    const std::vector<int>& kept() const {
+        return kept_;
+    }  // full equation -> equation of what is left, or -1
+    static constexpr const char* name = ", unknowns of elements condensed";
+    static constexpr const char* singular =
+        "an element does not resist its own enhanced strains or pressures";
     /// False where the equations of an element's own unknowns are singular; see `singular_unknown`.
     bool eliminate(const double* values);
     const std::vector<double>& values() const { return values_; }

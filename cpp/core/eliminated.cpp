@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "reduced.hpp"
+
 namespace visviva {
 
 Elimination::Elimination(const Csr& full, const std::vector<Dependence>& dependences,
@@ -88,24 +90,7 @@ void Elimination::find_pattern() {
     values_.resize(left_.col.size()), place_.assign(left_.n, -1);
 }
 
-Blocks Elimination::left(const Blocks& blocks) const {
-    Blocks b = blocks;
-    b.node.clear(), b.modes.clear();
-    for (std::size_t k = 0; k + 1 < blocks.node.size(); ++k)
-        for (int i = blocks.node[k]; i < blocks.node[k + 1]; ++i)
-            if (kept_[i] >= 0) {
-                b.node.push_back(kept_[i]);
-                break;
-            }
-    if (!blocks.node.empty()) b.node.push_back(left_.n);
-    for (int i = 0; i < full_->n; ++i)
-        if (kept_[i] >= 0)
-            b.modes.insert(b.modes.end(), blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes,
-                           blocks.modes.begin() + static_cast<std::ptrdiff_t>(i + 1) * b.n_modes);
-    return b;
-}
-
-void Elimination::eliminate(const double* values) {
+bool Elimination::eliminate(const double* values) {
     const Csr& f = *full_;
     full_values_ = values;
     double* to = values_.data();
@@ -123,6 +108,7 @@ void Elimination::eliminate(const double* values) {
                 for (const Part& p : parts_[f.col[e]])
                     values_[place_[p.equation]] += feed.factor * p.factor * values[e];
     }
+    return true;
 }
 
 double Elimination::along(int row, const std::vector<double>& d) const {
@@ -158,59 +144,9 @@ void Elimination::recover(const double* r, double* d) const {
     for (std::size_t k = 0; k < given_.size(); ++k) d[f.unknown[given_[k].multiplier]] = lambda[k];
 }
 
-namespace {
-
-class Eliminated : public LinearSolver {
-  public:
-    Eliminated(std::shared_ptr<Elimination> elimination, std::unique_ptr<LinearSolver> solver)
-        : elimination_(std::move(elimination)), solver_(std::move(solver)) {}
-
-    void analyze(const Csr&, const Blocks& blocks) override {
-        blocks_ = elimination_->left(blocks);
-        solver_->analyze(elimination_->left(), blocks_);
-    }
-    bool factor(const double* values, const Place& place) override {
-        elimination_->eliminate(values);
-        return solver_->factor(elimination_->values().data(), place);
-    }
-    bool solve(const double* r, const Place& place, double* d) override {
-        right_.assign(r, r + elimination_->n_unknowns());
-        right_.push_back(0.0);  // element slots of nothing may point there
-        elimination_->condense(right_);
-        if (!solver_->solve(right_.data(), place, d)) return false;
-        elimination_->recover(r, d);
-        return true;
-    }
-
-    void project(const double* x0, double* dx) override { solver_->project(x0, dx); }
-    void balance(const double* r, const Place& place, double* dx, double* x1) override {
-        solver_->balance(r, place, dx, x1);
-    }
-    std::string message() const override { return solver_->message(); }
-    int n_iterations() const override { return solver_->n_iterations(); }
-    int n_negative() const override { return solver_->n_negative(); }  // of what is left
-    double memory() const override { return solver_->memory(); }
-    void forget() override { solver_->forget(); }
-    std::vector<double> state() const override { return solver_->state(); }
-    void set_state(const std::vector<double>& s) override { solver_->set_state(s); }
-    int singular_unknown() const override { return solver_->singular_unknown(); }
-    void find_redundant(bool on) override { solver_->find_redundant(on); }
-    int n_redundant() const override { return solver_->n_redundant(); }
-    bool keeps_rigidity() const override { return solver_->keeps_rigidity(); }
-    std::string name() const override { return solver_->name() + ", tied nodes eliminated"; }
-
-  private:
-    std::shared_ptr<Elimination> elimination_;
-    std::unique_ptr<LinearSolver> solver_;
-    Blocks blocks_;
-    std::vector<double> right_;
-};
-
-}  // namespace
-
 std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<Elimination> elimination,
                                               std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Eliminated>(std::move(elimination), std::move(solver));
+    return std::make_unique<Reduced<Elimination>>(std::move(elimination), std::move(solver));
 }
 
 }  // namespace visviva

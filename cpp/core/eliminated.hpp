@@ -20,12 +20,15 @@ class Elimination {
     Elimination(const Csr& full, const std::vector<Dependence>& dependences, const std::vector<char>& fixed);
 
     const Csr& left() const { return left_; }
-    Blocks left(const Blocks& blocks) const;
-    void eliminate(const double* values);  // which stay where they are until the last solution with them
+    const std::vector<int>& kept() const { return kept_; }
+    static constexpr const char* name = ", tied nodes eliminated";
+    static constexpr const char* singular = "";  // it always succeeds
+    bool eliminate(const double* values);  // which stay where they are until the last solution with them
     const std::vector<double>& values() const { return values_; }
     /// r by unknown becomes the residual of what is left; `recover` completes its solution d of K d = -r.
     void condense(std::vector<double>& r);
     void recover(const double* r, double* d) const;
+    int singular_unknown() const { return -1; }
     int n() const { return static_cast<int>(given_.size()); }
     std::size_t n_unknowns() const { return full_->equation.size(); }
 

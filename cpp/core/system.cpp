@@ -62,17 +62,20 @@ void System::finalize() {
     reduce();
 }
 
-// What leaves the equations before they are solved. The solver knows earlier ones already.
+// The solver may know the old one.
+template <class T>
+static void renew(std::shared_ptr<T>& kept, T&& value) {
+    if (kept)
+        *kept = std::move(value);
+    else
+        kept = std::make_shared<T>(std::move(value));
+}
+
+// What leaves the equations before they are solved.
 void System::reduce() {
     const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
-    if (local && condensation_)
-        *condensation_ = Condensation(csr_, element_);
-    else if (local)
-        condensation_ = std::make_shared<Condensation>(csr_, element_);
-    if (!dependences_.empty() && elimination_)
-        *elimination_ = Elimination(condensed(), dependences_, fixed_);
-    else if (!dependences_.empty())
-        elimination_ = std::make_shared<Elimination>(condensed(), dependences_, fixed_);
+    if (local) renew(condensation_, Condensation(csr_, element_));
+    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_));
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of

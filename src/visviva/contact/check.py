@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.body.face import face_points
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.errors import InputError
-from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
@@ -58,24 +58,15 @@ def check_sides(contact: Contact) -> None:
 
 def check_faces(solid: Solid, faces: Faces, label: str) -> None:
     """Refuse faces that look into the cells they belong to."""
-    for kind, cells in faces.cells.items():
-        centres = solid.points[cells].mean(axis=1)
+    for kind, points in zip(faces.cells, face_points(solid, faces), strict=True):
+        centres = solid.points[points.nodes].mean(axis=1)
         inner = np.pad(solid.grid.centres[faces.owners[kind]], ((0, 0), (0, 3 - solid.dimension)))
-        outwards = np.einsum(
-            "ij,ij->i", _normals(solid.points[cells[:, : CELLS[kind].n_corners]]), centres - inner
-        )
+        outwards = np.einsum("mc,mc->m", points.normal.mean(axis=1), centres - inner)
         if np.any(outwards < 0):
             place = ", ".join(f"{c:.4g}" for c in centres[np.argmin(outwards)])
             raise InputError(
                 f"{label}: the face of {solid.label} near ({place}) looks into the solid; reverse its nodes"
             )
-
-
-def _normals(corners: Array) -> Array:
-    """Normals (m, 3) of faces with given corners (m, k, 3), or of edges in the plane."""
-    if corners.shape[1] == 2:
-        return np.asarray(np.cross(corners[:, 1] - corners[:, 0], (0.0, 0.0, 1.0)))
-    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, -1] - corners[:, 0]))
 
 
 def check_stiffness(label: str, given: float, own: float, right: float) -> None:

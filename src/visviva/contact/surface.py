@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -60,31 +61,35 @@ class Surface:
     places: Array
     dimension: int
 
-    @property
+    @cached_property
     def areas(self) -> Array:
         """Area (n,) that belongs to each vertex; length in the plane, 1 for points without facets."""
         if len(self.facets) == 0:
             return np.ones(len(self.places))
-        total = np.zeros(len(self.places))
-        for facet in self.facets:
-            corners = facet[facet >= 0]
-            total[corners] += _area(self.places[corners]) / len(corners)
-        return total
+        there = self.facets >= 0
+        share = self._facet_areas() / there.sum(axis=1)
+        total = np.bincount(
+            self.facets[there], np.repeat(share, there.sum(axis=1)), minlength=len(self.places)
+        )
+        return np.asarray(total)
 
-    @property
+    def _facet_areas(self) -> Array:
+        corners = self._corners()
+        if self.dimension == 2:
+            return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
+        diagonals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        return np.asarray(0.5 * np.linalg.norm(diagonals, axis=1))
+
+    def _corners(self) -> Array:
+        """Corners (m, 4, 3) of the facets; those that a facet lacks are its first one."""
+        return self.places[np.where(self.facets >= 0, self.facets, self.facets[:, :1])]
+
+    @cached_property
     def size(self) -> float:
         """Largest diameter of a facet; 0 for points without facets."""
-        spans = [self.places[f[f >= 0]] for f in self.facets]
-        return max((float(np.linalg.norm(p[:, None] - p, axis=-1).max()) for p in spans), default=0.0)
-
-
-def _area(corners: Array) -> float:
-    if len(corners) == 2:
-        return float(np.linalg.norm(corners[1] - corners[0]))
-    a, b = (
-        (corners[1], corners[2]) if len(corners) == 3 else (corners[2], corners[3] - corners[1] + corners[0])
-    )
-    return 0.5 * float(np.linalg.norm(np.cross(a - corners[0], b - corners[0])))
+        corners = self._corners()
+        spans = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1)
+        return float(spans.max(initial=0.0))
 
 
 def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface:

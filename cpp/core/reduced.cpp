@@ -1,0 +1,26 @@
+#include "reduced.hpp"
+
+#include <algorithm>
+
+namespace visviva {
+
+Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left) {
+    Blocks b = blocks;
+    b.node.clear(), b.modes.clear(), b.algebraic.clear();
+    // first equations of nodes, and at last the number of equations
+    for (std::size_t k = 0; k + 1 < blocks.node.size(); ++k) {
+        const auto begin = kept.begin() + blocks.node[k], end = kept.begin() + blocks.node[k + 1];
+        const auto first = std::find_if(begin, end, [](int equation) { return equation >= 0; });
+        if (first != end) b.node.push_back(*first);
+    }
+    if (!blocks.node.empty()) b.node.push_back(n_left);
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        if (kept[i] < 0) continue;
+        const auto modes = blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes;
+        b.modes.insert(b.modes.end(), modes, modes + b.n_modes);
+        if (!blocks.algebraic.empty()) b.algebraic.push_back(blocks.algebraic[i]);
+    }
+    return b;
+}
+
+}  // namespace visviva
