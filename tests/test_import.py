@@ -9,8 +9,35 @@ HEAVY = {"scipy", "pyvista", "vtk", "vtkmodules", "matplotlib", "h5py", "meshio"
 OF_FILES_AND_COMMAND_LINE = {"yaml", "rich", "cyclopts"}
 
 
-def test_only_numpy_and_pydantic_are_loaded_at_once() -> None:
-    code = "import sys, visviva; print(*{name.split('.')[0] for name in sys.modules})"
+def test_nothing_is_loaded_before_it_is_used() -> None:
+    """`import visviva` stays far below half a second however much there is."""
+    code = "import sys, visviva; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert [name for name in loaded.split() if name.startswith("visviva")] == ["visviva"]
+    assert "numpy" not in loaded.split()
+
+
+EACH_FIRST = """
+import sys, visviva
+for name in visviva.__all__:
+    for module in [m for m in sys.modules if m.startswith("visviva") and m != "visviva._core"]:
+        del sys.modules[module]
+    import visviva
+    assert getattr(visviva, name).__module__.startswith("visviva."), name
+"""
+
+
+def test_every_public_name_can_be_the_first_one_used() -> None:
+    """No module counts on another one having been loaded before it."""
+    subprocess.run([sys.executable, "-c", EACH_FIRST], check=True)
+
+
+def test_all_of_it_loads_numpy_and_pydantic_only() -> None:
+    code = """
+import sys, visviva
+for name in visviva.__all__:
+    getattr(visviva, name)
+print(*{name.split(chr(46))[0] for name in sys.modules})"""
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert not (HEAVY | OF_FILES_AND_COMMAND_LINE) & set(loaded.split())
 

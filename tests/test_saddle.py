@@ -19,7 +19,6 @@ def check_against_direct(system: vv.System, scheme: vv.EnergyMomentum, h: float)
         vv.Direct(library="eigen"),
     ):
         system.newton = vv.Newton(linear=options)
-        system.choose_linear()
         residual, increment = np.zeros((2, len(system.x)))
         system.core.dx[:] = np.where(system.order == 2, h * system.v, 0.0)
         assert system.core.linearise(step, system.signals(step), residual)

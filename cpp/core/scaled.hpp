@@ -31,6 +31,8 @@ class ScaledMatrix {
     bool copy(const double* values);
     void scale_by_diagonal();
     void scale_by_largest();
+    double typical_size() const;
+    bool is_algebraic(int equation) const;
     void apply(const std::vector<double>& left, const std::vector<double>& right);
     template <class F>
     void for_each(F f) const;

@@ -131,7 +131,7 @@ class System:
 
     def __init__(self, components: Sequence[Component], newton: Newton | None = None) -> None:
         self.components = list(components)
-        self.newton = newton or Newton()
+        self._newton = newton or Newton()
         self.time = 0.0
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
@@ -213,6 +213,26 @@ class System:
         core.x[:] = np.concatenate([f.values for f in fields])
         core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
+
+    @property
+    def newton(self) -> Newton:
+        """Options of the solver; new ones hold from the next step on.
+
+        Raises
+        ------
+        InputError
+            If they change the elimination of rigid bodies, which the equations are numbered for.
+        """
+        return self._newton
+
+    @newton.setter
+    def newton(self, newton: Newton) -> None:
+        if newton.null_space != self._newton.null_space:
+            raise InputError(
+                "Newton(null_space=...) is chosen when a system is made: System(components, newton=...)"
+            )
+        self._newton = newton
+        self.choose_linear(inertia=self.has_inertia)
 
     def _set_dependences(self) -> None:
         """What constant constraints give leaves the equations, unless rigid bodies are eliminated block by block."""

@@ -115,11 +115,7 @@ def test_summary_takes_numpy_and_is_strict_json(tmp_path):
 
 
 def test_importing_output_is_cheap():
-    """It brings its own modules and those of JSON, nothing heavy."""
-    code = (
-        "import sys, numpy; from visviva import errors; before = set(sys.modules);"
-        "import visviva.output; print(*sorted(set(sys.modules) - before))"
-    )
+    """Files, pictures and plots load their libraries when they are used."""
+    code = "import sys, visviva.output; print(*{name.split('.')[0] for name in sys.modules})"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert {name.split(".")[0] for name in run.stdout.split()} <= {"visviva", "json", "_json"}
-    assert len(run.stdout.split()) < 20
+    assert not {"h5py", "matplotlib", "pyvista", "vtkmodules", "scipy", "yaml"} & set(run.stdout.split())

@@ -47,7 +47,7 @@ def public(base: type[T]) -> dict[str, type[T]]:
     >>> "RigidBody" in public(Component), "Component" in public(Component)
     (True, False)
     """
-    found = vars(visviva).items()
+    found = ((name, getattr(visviva, name)) for name in visviva.__all__)
     return {n: c for n, c in found if isinstance(c, type) and issubclass(c, base) and c is not base}
 
 

@@ -1,0 +1,230 @@
+# Public names, and where they are: each module is loaded when one of its names is first used.
+from .adaptive import Adaptive
+from .body.coupling import DistributedCoupling, RigidCoupling
+from .body.point_mass import Ground, PointMass
+from .body.rigid import RigidBody
+from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
+from .body.solid import Solid
+from .contact.contact import Contact
+from .contact.obstacle import Obstacle, Plane
+from .contact.probe import ContactArea, ContactForce
+from .contact.tying import Tie
+from .eigenmodes import Modes, modes
+from .errors import InputError, RunError, VisvivaError
+from .formula import Formula
+from .joint.higher import Gear, RackAndPinion, RopeOverWinch
+from .joint.lower_pairs import (
+    Cylindrical,
+    Distance,
+    Planar,
+    PointOnLine,
+    PointOnPlane,
+    Prismatic,
+    Revolute,
+    Rigid,
+    Screw,
+    Spherical,
+    Universal,
+)
+from .joint.servo import Servo
+from .linear import Automatic, Direct, Iterative
+from .load.bushing import Bushing
+from .load.distributed import BodyForce
+from .load.drive import JointDamper, JointForce, JointSpring, Motor
+from .load.force import FollowerForce, Force
+from .load.gravity import Gravity
+from .load.spring import Damper, Spring
+from .load.support import Fixed, Prescribed, SymmetryPlane
+from .load.surface import ElasticFoundation, Pressure, Traction
+from .load.torque import FollowerTorque, Torque, TorquePair
+from .loading import NoEquilibrium, arc_length, quasi_static
+from .material.base import Material
+from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
+from .material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
+from .material.tissue import HolzapfelGasserOgden
+from .material.user import UserMaterial
+from .measure import (
+    CentreOfMass,
+    Direction,
+    DirectorProduct,
+    JointCoordinate,
+    Offset,
+    Position,
+    Separation,
+    SquaredDistance,
+)
+from .mesh.faces import Faces
+from .mesh.generate import (
+    BoxMesh,
+    CylinderMesh,
+    HollowCylinderMesh,
+    HollowTorusMesh,
+    QuadrilateralMesh,
+    RectangleMesh,
+    SphereMesh,
+)
+from .mesh.mesh import Mesh
+from .mesh.read import MeshFile
+from .probe import (
+    Displacement,
+    Extreme,
+    FieldAt,
+    SectionForce,
+    SectionTorque,
+    SupportForce,
+    SupportTorque,
+    Velocity,
+)
+from .reactions import ReactionForce, ReactionTorque, ServoInputs, reaction
+from .result import Result
+from .scheme import (
+    ArcLength,
+    BackwardEuler,
+    EnergyMomentum,
+    GeneralizedAlpha,
+    Midpoint,
+    Scheme,
+    Static,
+    VariationalMidpoint,
+)
+from .solve import march, simulate
+from .statics import equilibrium
+from .study import Study
+from .system import Newton, StepFailure, System
+from .term import Term
+from .timefunction import TimeFunction
+from .user import Constraint, GeneralizedForce, Potential, UserTerm
+
+__all__ = [
+    "Adaptive",
+    "ArcLength",
+    "Automatic",
+    "BackwardEuler",
+    "BlatzKo",
+    "BodyForce",
+    "Box",
+    "BoxMesh",
+    "Bushing",
+    "Capsule",
+    "CentreOfMass",
+    "Cone",
+    "Constraint",
+    "Contact",
+    "ContactArea",
+    "ContactForce",
+    "Cylinder",
+    "CylinderMesh",
+    "Cylindrical",
+    "Damper",
+    "Direct",
+    "Direction",
+    "DirectorProduct",
+    "Displacement",
+    "Distance",
+    "DistributedCoupling",
+    "ElasticFoundation",
+    "EnergyMomentum",
+    "Extreme",
+    "Faces",
+    "FieldAt",
+    "Fixed",
+    "FollowerForce",
+    "FollowerTorque",
+    "Force",
+    "Formula",
+    "Gear",
+    "GeneralizedAlpha",
+    "GeneralizedForce",
+    "Gent",
+    "Gravity",
+    "Ground",
+    "HollowCylinderMesh",
+    "HollowTorusMesh",
+    "HolzapfelGasserOgden",
+    "InputError",
+    "Iterative",
+    "JointCoordinate",
+    "JointDamper",
+    "JointForce",
+    "JointSpring",
+    "LinearElastic",
+    "Material",
+    "Mesh",
+    "MeshFile",
+    "Midpoint",
+    "Modes",
+    "MooneyRivlin",
+    "Motor",
+    "NeoHooke",
+    "Newton",
+    "NoEquilibrium",
+    "Obstacle",
+    "Offset",
+    "Ogden",
+    "Planar",
+    "Plane",
+    "PointMass",
+    "PointOnLine",
+    "PointOnPlane",
+    "Position",
+    "Potential",
+    "Prescribed",
+    "Pressure",
+    "Prismatic",
+    "QuadrilateralMesh",
+    "RackAndPinion",
+    "ReactionForce",
+    "ReactionTorque",
+    "RectangleMesh",
+    "Result",
+    "Revolute",
+    "Rigid",
+    "RigidBody",
+    "RigidCoupling",
+    "RopeOverWinch",
+    "RunError",
+    "SaintVenantKirchhoff",
+    "Scheme",
+    "Screw",
+    "SectionForce",
+    "SectionTorque",
+    "Separation",
+    "Servo",
+    "ServoInputs",
+    "Solid",
+    "Sphere",
+    "SphereMesh",
+    "Spherical",
+    "Spring",
+    "SquaredDistance",
+    "Static",
+    "StepFailure",
+    "Study",
+    "SupportForce",
+    "SupportTorque",
+    "SurfaceMesh",
+    "SymmetryPlane",
+    "System",
+    "Term",
+    "Tie",
+    "TimeFunction",
+    "Torque",
+    "TorquePair",
+    "Traction",
+    "Universal",
+    "UserMaterial",
+    "UserTerm",
+    "VariationalMidpoint",
+    "Velocity",
+    "VisvivaError",
+    "Yeoh",
+    "arc_length",
+    "equilibrium",
+    "march",
+    "modes",
+    "quasi_static",
+    "reaction",
+    "simulate",
+]
+
+__version__: str
