@@ -386,10 +386,12 @@ static void bind_system(nb::module_& m) {
         .def("refuse", [](System& s, const Step& step,
                           const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
         .def_prop_ro("csr",
-                     [](const System& s) {
-                         const Csr& c = s.csr();
-                         std::vector<long> row(c.row.begin(), c.row.end());
-                         return nb::make_tuple(row, c.col, c.unknown);
+                     [](nb::handle self) {
+                         auto view = [self]<class T>(const std::vector<T>& a) {
+                             return nb::ndarray<nb::numpy, const T, nb::ndim<1>>(a.data(), {a.size()}, self);
+                         };
+                         const Csr& c = nb::cast<const System&>(self).csr();
+                         return nb::make_tuple(view(c.row), view(c.col), view(c.unknown));
                      }) VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
             VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect);
 }
