@@ -109,13 +109,15 @@ VISVIVA_INLINE void from_invariants(const V* c, const V* fibre, Energy&& energy_
 
 /// Kirchhoff stress and its moduli (upper triangle by rows): what C and its functions become when both sides
 /// are pushed to the current configuration. There C is b b, C^-1 is I, and I is b.
+/// Plain moduli are lambda and mu alone.
+template <bool plain>
 struct SpatialResponse {
-    V tau[6], c[21];
+    V tau[6], c[plain ? 2 : 21];
 };
 
 /// The same from b - I of isotropic energies.
-template <class Energy>
-VISVIVA_INLINE void from_left_invariants(const V* e, Energy&& energy_of, SpatialResponse& r) {
+template <bool plain, class Energy>
+VISVIVA_INLINE void from_left_invariants(const V* e, Energy&& energy_of, SpatialResponse<plain>& r) {
     using J = Jet<3, true>;
     const Invariants inv = invariants(e);
     const J i[3] = {J::variable(inv.i1, 0), J::variable(inv.i2, 1), J::variable(inv.j, 2)};
@@ -134,6 +136,10 @@ VISVIVA_INLINE void from_left_invariants(const V* e, Energy&& energy_of, Spatial
     VISVIVA_FLATTEN
     for (int k = 0; k < 6; ++k) r.tau[k] = 2.0 * (w.g[0] * b[k] + w.g[1] * g[k] + (k < 3 ? w3 : V{}));
     const V h02 = half * w.h[2], h12 = half * w.h[4], h22 = half * (half * w.h[5] + 0.5 * w.g[2]);
+    if constexpr (plain) {
+        r.c[0] = 4.0 * h22, r.c[1] = -2.0 * w3;
+        return;
+    }
     VISVIVA_FLATTEN
     for (int k = 0; k < 6; ++k) {
         const V of_b = w.h[0] * b[k] + w.h[1] * g[k] + (k < 3 ? h02 : V{});
@@ -237,8 +243,15 @@ constexpr bool isotropic(MaterialKind kind) {
            kind == MaterialKind::isochoric || kind == MaterialKind::gent || kind == MaterialKind::blatz_ko;
 }
 
-__attribute__((noinline)) inline void respond_in_space(MaterialKind kind, const V* e, const V* p,
-                                                       SpatialResponse& r) {
+/// Those whose energy is a multiple of I1 and a function of J: their moduli in space are
+/// lambda(J) 1 x 1 + 2 mu(J) I.
+constexpr bool plain(MaterialKind kind) {
+    return kind == MaterialKind::neo_hooke || kind == MaterialKind::blatz_ko;
+}
+
+template <bool plain>
+__attribute__((noinline)) void respond_in_space(MaterialKind kind, const V* e, const V* p,
+                                                SpatialResponse<plain>& r) {
     with_energy(kind, p, [&](auto energy) { from_left_invariants(e, energy, r); });
 }
 

@@ -6,7 +6,9 @@ namespace visviva {
 
 struct SolidKernels {
     void (*residual)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* r);
-    void (*tangent)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* values);
+    // r may be null: the residual comes almost free.
+    void (*tangent)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* r,
+                    double* values);
     void (*ledger)(const SolidView&, const Step&, const Vectors&, const double* v1, int begin, int end,
                    double* out);
     void (*strains)(const SolidView&, const Step&, const Vectors&, double* c0, double* ct, double* c1);

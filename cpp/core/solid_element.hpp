@@ -6,10 +6,6 @@
 namespace visviva::VISVIVA_ISA {
 
 constexpr int L8 = solid_lanes;
-// Points at a time: their moduli and factors stay in the first cache.
-constexpr int tangent_points = 4;
-// Blocks beside each other share the left factor; as many as the registers hold.
-constexpr int tangent_columns = W == 8 ? 2 : 1;
 
 /// What a point's stress needs and gives.
 struct SolidPoint {
@@ -31,12 +27,22 @@ struct SolidElement {
     const Vectors& x;
     const int block, lane;  // lane: first of the W lanes
     const int n_nodes;
+    const bool ends;  // the state at the end of the step alone decides: there is no x0
     alignas(64) V x0[solid_max_nodes * D], x1[solid_max_nodes * D];
 
     VISVIVA_INLINE SolidElement(const SolidView& view, const Step& s, const Vectors& vectors, int b, int l)
-        : v(view), step(s), x(vectors), block(b), lane(l), n_nodes(N > 0 ? N : view.n_nodes) {
+        : v(view),
+          step(s),
+          x(vectors),
+          block(b),
+          lane(l),
+          n_nodes(N > 0 ? N : view.n_nodes),
+          ends(s.theta == 1.0 && s.stress == Stress::at_theta && !view.damped &&
+               view.kind != MaterialKind::user) {
         for (int a = 0; a < nodes(); ++a)
-            for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c), x1[a * D + c] = at(x.x1, a, c);
+            for (int c = 0; c < D; ++c) x1[a * D + c] = at(x.x1, a, c);
+        for (int a = 0; !ends && a < nodes(); ++a)
+            for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c);
     }
     // How many of the W lanes hold elements; none or less in groups that fill the last block.
     VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
@@ -67,13 +73,17 @@ struct SolidElement {
 
     // sum_a u_a x G_a, with the stretch across the plane in two dimensions
     VISVIVA_INLINE void gradient(const V* u, int q, double across, V* F) const {
-        for (int k = 0; k < 9; ++k) F[k] = V{};
+        V sum[9] = {};
         const double* G = gradients(q);
-        for (int a = 0; a < nodes(); ++a)
+        for (int a = 0; a < nodes(); ++a) {
+            VISVIVA_FLATTEN
             for (int l = 0; l < D; ++l) {
                 const V g = vload(G + (a * D + l) * L8);
-                for (int i = 0; i < D; ++i) F[3 * i + l] += u[a * D + i] * g;
+                VISVIVA_FLATTEN
+                for (int i = 0; i < D; ++i) sum[3 * i + l] += u[a * D + i] * g;
             }
+        }
+        for (int k = 0; k < 9; ++k) F[k] = sum[k];
         if constexpr (D == 2) {
             F[8] = broadcast(v.H ? 0.0 : across);
             for (int a = 0; v.H && a < nodes(); ++a) F[8] += hoop(q, a) * u[a * D];
@@ -97,13 +107,15 @@ struct SolidElement {
         gradient(x1, q, 1.0, p.F1);
         strain(p.F1, p.c1);
         p.det = v.small ? broadcast(1.0) : determinant(p.F1);
-        const bool ends = step.theta == 1.0 && step.stress == Stress::at_theta;
         if (!ends) {
             gradient(x0, q, 1.0, F0);
             strain(F0, p.c0);
         }
         for (int k = 0; k < 9; ++k) p.Ft[k] = ends ? p.F1[k] : F0[k] + step.theta * (p.F1[k] - F0[k]);
-        if (step.stress == Stress::at_theta) strain(p.Ft, p.ct);
+        if (ends)
+            for (int k = 0; k < 6; ++k) p.ct[k] = p.c1[k];
+        else if (step.stress == Stress::at_theta)
+            strain(p.Ft, p.ct);
         if (v.damped) {
             V u[solid_max_nodes * D];
             for (int a = 0; a < nodes(); ++a)
@@ -245,25 +257,38 @@ struct SolidElement {
             }
     }
 
+    // Adds the forces of a point.
+    VISVIVA_INLINE void add_forces(int q, const SolidPoint& p, V* r, V& smallest) const {
+        V P[9];
+        smallest = select(p.det < smallest, p.det, smallest);
+        piola(p.Ft, p.S, volume(q), P);
+        const double* G = gradients(q);
+        for (int a = 0; a < nodes(); ++a) {
+            VISVIVA_FLATTEN
+            for (int i = 0; i < D; ++i) {
+                V sum = r[a * D + i];
+                VISVIVA_FLATTEN
+                for (int l = 0; l < D; ++l) sum += P[3 * i + l] * vload(G + (a * D + l) * L8);
+                r[a * D + i] = sum;
+            }
+            if (D == 2 && v.H) r[a * D] += P[8] * hoop(q, a);
+        }
+    }
+
     VISVIVA_INLINE void forces(V* r) const {
         V smallest = broadcast(1e300);
         for (int a = 0; a < nodes() * D; ++a) r[a] = V{};
         for (int q = 0; q < v.n_points; ++q) {
             SolidPoint p;
-            V P[9];
             strains(q, p);
             stress<false>(q, p);
-            smallest = select(p.det < smallest, p.det, smallest);
-            piola(p.Ft, p.S, volume(q), P);
-            const double* G = gradients(q);
-            for (int a = 0; a < nodes(); ++a) {
-                for (int l = 0; l < D; ++l) {
-                    const V g = vload(G + (a * D + l) * L8);
-                    for (int i = 0; i < D; ++i) r[a * D + i] += P[3 * i + l] * g;
-                }
-                if (D == 2 && v.H) r[a * D] += P[8] * hoop(q, a);
-            }
+            add_forces(q, p, r, smallest);
         }
+        finish(r, smallest);
+    }
+
+    // What the forces of the points lack
+    VISVIVA_INLINE void finish(V* r, V smallest) const {
         vstore(v.smallest + block * L8 + lane, smallest);
         if (v.mass) inertia(r);
     }

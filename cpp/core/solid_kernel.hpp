@@ -29,18 +29,21 @@ void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int 
     });
 }
 
-void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
+// Adds the residual as well unless r is null.
+void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                    double* values) {
     const bool symmetric = v.symmetric || (step.stress == Stress::at_theta && !v.damped);
     const bool spatial = symmetric && step.stress == Stress::at_theta && isotropic(v.kind) && !v.damped;
-    each_element(v, step, x, begin, end, [=]<int D, int N>(const SolidElement<D, N>& e) {
+    each_element(v, step, x, begin, end, [=, &v]<int D, int N>(const SolidElement<D, N>& e) {
         if constexpr (D == 3)
             if (spatial) {
-                const SpatialTangent<N> tangent(e);
-                return solid_scatter(e, tangent.K, true, values);
+                if (plain(v.kind))
+                    SpatialTangent<N, true>(e, r, values);
+                else
+                    SpatialTangent<N, false>(e, r, values);
+                return;
             }
-        SolidTangent<D, N> tangent(e, symmetric);
-        solid_scatter(e, tangent.K, symmetric, values);
+        SolidTangent<D, N>(e, symmetric, r, values);
     });
 }
 

@@ -96,16 +96,12 @@ VISVIVA_INLINE void solid_scatter_block(const SolidElement<D, N>& e, int a, int 
     }
 }
 
-/// Adds W element matrices, blocks K[a][b] of which a symmetric one holds a <= b.
+/// The blocks (a, b) and (b, a) of W symmetric element matrices.
 template <int D, int N>
-VISVIVA_INLINE void solid_scatter(const SolidElement<D, N>& e, const V* K, bool symmetric, double* values) {
-    const int n = e.nodes();
-    for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b)
-            if (symmetric && b < a)
-                solid_scatter_block<D, N, true>(e, a, b, K + (b * n + a) * D * D, values);
-            else
-                solid_scatter_block<D, N, false>(e, a, b, K + (a * n + b) * D * D, values);
+VISVIVA_INLINE void solid_scatter_symmetric(const SolidElement<D, N>& e, int a, int b, const V* K,
+                                            double* values) {
+    solid_scatter_block<D, N, false>(e, a, b, K, values);
+    if (a != b) solid_scatter_block<D, N, true>(e, b, a, K, values);
 }
 
 // The numbers of `rows` rows of W elements to where Python finds them, `size` to an element.

@@ -1,52 +1,71 @@
-// Symmetric tangents of isotropic solids in the current configuration:
-// K_ab = sum_q (g_a . tau g_b) I + g_a c g_b with the gradients g_a = F^-T G_a, two thirds of the work of
-// moduli between two configurations.
+// Symmetric tangents of isotropic solids in the current configuration, and their forces:
+// K_ab = sum_q (g_a . tau g_b) I + g_a c g_b and r_a = sum_q tau g_a with the gradients g_a = F^-T G_a.
+// Where the energy is plain, g_a c g_b = lambda g_a x g_b + mu g_b x g_a + mu (g_a . g_b) I.
 #pragma once
 #include <algorithm>
 
-#include "solid_element.hpp"
+#include "solid_scatter.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
-template <int N>
+template <int N, bool plain>
 struct SpatialTangent {
     const SolidElement<3, N>& e;
+    double *const forces, *const values;
     static constexpr int max_nodes = N > 0 ? N : solid_max_nodes;
-    alignas(64) V g[tangent_points * max_nodes * 3];  // gradients by position
-    alignas(64) V C[tangent_points * 27];             // moduli (21) and stress (6), times the volume
-    alignas(64) V T[tangent_points * 21];             // g_a c (three rows of six) and tau g_a of one node
+    // Points at a time: what their blocks read stays in the first cache. Those of a brick, all at once, leave
+    // the registers for where they belong.
+    static constexpr int points = plain ? 8 : 4;
+    static constexpr int n_moduli = plain ? 2 : 21;
+    static constexpr int n_left = plain ? 9 : 21;
+    alignas(64) V g[points * max_nodes * 3];   // gradients by position
+    alignas(64) V C[points * (n_moduli + 6)];  // moduli and stress, times the volume
+    alignas(64) V T[points * n_left];          // what g_a contracts them to, of one node
+    alignas(64) V r[max_nodes * 3];
     alignas(64) V K[max_nodes * max_nodes * 9];
+    V smallest = broadcast(1e300);
 
-    VISVIVA_INLINE explicit SpatialTangent(const SolidElement<3, N>& element) : e(element) {
-        for (int first = 0; first < e.v.n_points; first += tangent_points)
-            add_points(first, std::min(tangent_points, e.v.n_points - first));
+    VISVIVA_INLINE SpatialTangent(const SolidElement<3, N>& element, double* to_forces, double* to_values)
+        : e(element), forces(to_forces), values(to_values) {
+        for (int a = 0; a < e.nodes() * 3; ++a) r[a] = V{};
+        for (int first = 0; first < e.v.n_points; first += points)
+            add_points(first, std::min(points, e.v.n_points - first));
+        if (forces) add_forces();
     }
 
     // Points from `first` on
     VISVIVA_INLINE void add_points(int first, int n) {
-        for (int q = 0; q < n; ++q) point(first + q, g + q * e.nodes() * 3, C + q * 27);
+        for (int q = 0; q < n; ++q) point(first + q, g + q * e.nodes() * 3, C + q * (n_moduli + 6));
+        const bool last = first + n == e.v.n_points;
         for (int a = 0; a < e.nodes(); ++a) {
-            for (int q = 0; q < n; ++q) left(g + (q * e.nodes() + a) * 3, C + q * 27, T + q * 21);
-            int b = a;
-            for (; b + tangent_columns <= e.nodes(); b += tangent_columns)
-                blocks<tangent_columns>(first, n, a, b);
-            if (b < e.nodes()) blocks<1>(first, n, a, b);
+            for (int q = 0; q < n; ++q)
+                left(g + (q * e.nodes() + a) * 3, C + q * (n_moduli + 6), T + q * n_left, r + 3 * a);
+            for (int b = a; b < e.nodes(); ++b) block(first, n, a, b, last);
         }
     }
 
-    VISVIVA_INLINE void point(int q, V* gradients, V* moduli) const {
+    // The stress contracted with the gradients carries the share of the end.
+    VISVIVA_INLINE void add_forces() {
+        const double share = 1 / e.step.theta;
+        for (int k = 0; k < e.nodes() * 3; ++k) r[k] *= share;
+        e.finish(r, smallest);
+        solid_scatter_forces(e, r, e.active(), forces);
+    }
+
+    VISVIVA_INLINE void point(int q, V* gradients, V* moduli) {
         SolidPoint p;
         e.strains(q, p);
+        smallest = select(p.det < smallest, p.det, smallest);
         V left[6], inverse[9], par[material_max_parameters];
         left_strain(p.Ft, left);
         for (int k = 0; k < e.v.n_par; ++k) par[k] = e.parameter(k);
-        SpatialResponse r;
-        respond_in_space(e.v.kind, left, par, r);
+        SpatialResponse<plain> response;
+        respond_in_space(e.v.kind, left, par, response);
         const V factor = e.volume(q) * e.step.theta;
         VISVIVA_FLATTEN
-        for (int k = 0; k < 21; ++k) moduli[k] = factor * r.c[k];
+        for (int k = 0; k < n_moduli; ++k) moduli[k] = factor * response.c[k];
         VISVIVA_FLATTEN
-        for (int k = 0; k < 6; ++k) moduli[21 + k] = factor * r.tau[k];
+        for (int k = 0; k < 6; ++k) moduli[n_moduli + k] = factor * response.tau[k];
         invert(p.Ft, inverse);
         const double* G = e.gradients(q);
         for (int a = 0; a < e.nodes(); ++a) {
@@ -86,54 +105,58 @@ struct SpatialTangent {
         for (int j = 0; j < 3; ++j) to[3 * j + i] = scale * cofactor[3 * i + j];
     }
 
-    VISVIVA_INLINE static void left(const V* ga, const V* c, V* t) {
-        const V g0 = ga[0], g1 = ga[1], g2 = ga[2];
-        VISVIVA_FLATTEN
-        for (int m = 0; m < 6; ++m) {
-            V column[6];
+    VISVIVA_INLINE static void left(const V* ga, const V* c, V* t, V* force) {
+        const V g0 = ga[0], g1 = ga[1], g2 = ga[2], *tau = c + n_moduli;
+        if constexpr (plain) {
             VISVIVA_FLATTEN
-            for (int k = 0; k < 6; ++k) column[k] = c[k < m ? packed(6, k, m) : packed(6, m, k)];
-            VISVIVA_FLATTEN
-            for (int i = 0; i < 3; ++i)
-                t[3 * m + i] = g0 * column[voigt[i][0]] + g1 * column[voigt[i][1]] + g2 * column[voigt[i][2]];
-        }
-        VISVIVA_FLATTEN
-        for (int i = 0; i < 3; ++i)
-            t[18 + i] = g0 * c[21 + voigt[i][0]] + g1 * c[21 + voigt[i][1]] + g2 * c[21 + voigt[i][2]];
-    }
-
-    // Blocks (a, b) to (a, b + columns - 1): K[i][j] each
-    template <int columns>
-    VISVIVA_INLINE void blocks(int first, int n, int a, int b) {
-        V* to = K + (a * e.nodes() + b) * 9;
-        V sum[columns * 9], geometric[columns];
-        VISVIVA_FLATTEN
-        for (int k = 0; k < columns * 9; ++k) sum[k] = first == 0 ? V{} : to[k];
-        VISVIVA_FLATTEN
-        for (int c = 0; c < columns; ++c) geometric[c] = first == 0 ? e.mass_factor(a, b + c) : V{};
-        for (int q = 0; q < n; ++q) {
-            const V *t = T + q * 21, *gb = g + (q * e.nodes() + b) * 3;
-            V h[columns * 3];
-            VISVIVA_FLATTEN
-            for (int k = 0; k < columns * 3; ++k) h[k] = gb[k];
+            for (int i = 0; i < 3; ++i) t[i] = c[0] * ga[i], t[3 + i] = c[1] * ga[i];
+        } else {
             VISVIVA_FLATTEN
             for (int m = 0; m < 6; ++m) VISVIVA_FLATTEN
             for (int i = 0; i < 3; ++i) {
-                const V f = t[3 * m + i];
-                const int j = voigt_a[m], k = voigt_b[m];
-                VISVIVA_FLATTEN
-                for (int c = 0; c < columns; ++c) {
-                    sum[9 * c + 3 * i + j] += f * h[3 * c + k];
-                    if (m >= 3) sum[9 * c + 3 * i + k] += f * h[3 * c + j];
-                }
+                auto modulus = [c, m](int k) { return c[k < m ? packed(6, k, m) : packed(6, m, k)]; };
+                t[3 * m + i] =
+                    g0 * modulus(voigt[i][0]) + g1 * modulus(voigt[i][1]) + g2 * modulus(voigt[i][2]);
             }
-            VISVIVA_FLATTEN
-            for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
-            for (int c = 0; c < columns; ++c) geometric[c] += t[18 + i] * h[3 * c + i];
         }
         VISVIVA_FLATTEN
-        for (int c = 0; c < columns; ++c) VISVIVA_FLATTEN
-        for (int k = 0; k < 9; ++k) to[9 * c + k] = sum[9 * c + k] + (k % 4 == 0 ? geometric[c] : V{});
+        for (int i = 0; i < 3; ++i) {
+            const V f = g0 * tau[voigt[i][0]] + g1 * tau[voigt[i][1]] + g2 * tau[voigt[i][2]];
+            force[i] += f;
+            t[n_left - 3 + i] = plain ? f + t[3 + i] : f;
+        }
+    }
+
+    // Block (a, b): K[i][j]
+    VISVIVA_INLINE void block(int first, int n, int a, int b, bool last) {
+        V *to = K + (a * e.nodes() + b) * 9, sum[9], geometric = first == 0 ? e.mass_factor(a, b) : V{};
+        VISVIVA_FLATTEN
+        for (int k = 0; k < 9; ++k) sum[k] = first == 0 ? V{} : to[k];
+        for (int q = 0; q < n; ++q) {
+            const V *t = T + q * n_left, *h = g + (q * e.nodes() + b) * 3;
+            contract_right(t, h, sum);
+            VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) geometric += t[n_left - 3 + i] * h[i];
+        }
+        VISVIVA_FLATTEN
+        for (int k = 0; k < 9; ++k) to[k] = sum[k] + (k % 4 == 0 ? geometric : V{});
+        if (last) solid_scatter_symmetric(e, a, b, to, values);
+    }
+
+    VISVIVA_INLINE static void contract_right(const V* t, const V* h, V* sum) {
+        if constexpr (plain) {
+            VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
+            for (int j = 0; j < 3; ++j) sum[3 * i + j] += t[i] * h[j] + h[i] * t[3 + j];
+        } else {
+            VISVIVA_FLATTEN
+            for (int m = 0; m < 6; ++m) VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) {
+                const int j = voigt_a[m], k = voigt_b[m];
+                sum[3 * i + j] += t[3 * m + i] * h[k];
+                if (m >= 3) sum[3 * i + k] += t[3 * m + i] * h[j];
+            }
+        }
     }
 };
 

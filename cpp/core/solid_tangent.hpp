@@ -1,37 +1,58 @@
-// Tangents of solid elements, W at a time: K_ab = sum_q G_a A G_b + mass.
+// Tangents of solid elements and their forces, W at a time: K_ab = sum_q G_a A G_b + mass.
 #pragma once
 #include <algorithm>
 
-#include "solid_element.hpp"
+#include "solid_scatter.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
 template <int D, int N>
 struct SolidTangent {
+    // Points at a time: their moduli and factors stay in the first cache. Nodes at a time that share the
+    // moduli, and blocks beside each other that share the left factor; as many as the registers hold.
+    static constexpr int points = 4, rows = 2, columns = W == 8 ? 2 : 1;
+    static constexpr int factor = D * D * D;
     const SolidElement<D, N>& e;
-    alignas(64) V A[tangent_points * 81];         // dP/dF of the points as [jN][iL], times the volume
-    alignas(64) V T[tangent_points * D * D * D];  // G_a A of one node as [jN][i]
+    const bool symmetric;
+    double *const forces, *const values;
+    alignas(64) V A[points * 81];             // dP/dF of the points as [jN][iL], times the volume
+    alignas(64) V T[rows * points * factor];  // G_a A of some nodes as [jN][i]
     alignas(64) V K[(N > 0 ? N * N : solid_max_nodes * solid_max_nodes) * D * D];
+    alignas(64) V r[(N > 0 ? N : solid_max_nodes) * D];
+    V smallest = broadcast(1e300);
 
-    VISVIVA_INLINE SolidTangent(const SolidElement<D, N>& element, bool symmetric) : e(element) {
-        for (int first = 0; first < e.v.n_points; first += tangent_points)
-            add_points(first, std::min(first + tangent_points, e.v.n_points), symmetric);
+    VISVIVA_INLINE SolidTangent(const SolidElement<D, N>& element, bool half, double* to_forces,
+                                double* to_values)
+        : e(element), symmetric(half), forces(to_forces), values(to_values) {
+        for (int k = 0; k < e.nodes() * D; ++k) r[k] = V{};
+        for (int first = 0; first < e.v.n_points; first += points)
+            add_points(first, std::min(first + points, e.v.n_points));
+        if (!forces) return;
+        e.finish(r, smallest);
+        solid_scatter_forces(e, r, e.active(), forces);
     }
-    VISVIVA_INLINE V* block(int a, int b) { return K + (a * e.nodes() + b) * D * D; }
 
-    void add_points(int first, int end, bool symmetric) {
+    VISVIVA_INLINE void add_points(int first, int end) {
         for (int q = first; q < end; ++q) {
             SolidPoint p;
             e.strains(q, p);
             e.template stress<true>(q, p);
+            if (forces) e.add_forces(q, p, r, smallest);
             moduli(p, e.volume(q), A + 81 * (q - first));
         }
-        for (int a = 0; a < e.nodes(); ++a) {
-            left(first, end, a);
-            int b = symmetric ? a : 0;
-            for (; b + tangent_columns <= e.nodes(); b += tangent_columns)
-                blocks<tangent_columns>(first, end, a, b);
-            if (b < e.nodes()) blocks<1>(first, end, a, b);
+        int a = 0;
+        for (; a + rows <= e.nodes(); a += rows) add_rows<rows>(first, end, a);
+        if (a < e.nodes()) add_rows<1>(first, end, a);
+    }
+
+    template <int n>
+    VISVIVA_INLINE void add_rows(int first, int end, int a) {
+        left<n>(first, end, a);
+        for (int k = 0; k < n; ++k) {
+            int b = symmetric ? a + k : 0;
+            for (; b + columns <= e.nodes(); b += columns)
+                blocks<columns>(first, end, a + k, b, T + k * factor);
+            if (b < e.nodes()) blocks<1>(first, end, a + k, b, T + k * factor);
         }
     }
 
@@ -81,61 +102,65 @@ struct SolidTangent {
                     }
     }
 
+    template <int n>
     VISVIVA_INLINE void left(int first, int end, int a) {
         for (int q = first; q < end; ++q) {
             const double* G = e.gradients(q) + a * D * L8;
-            V g[D];
-            for (int l = 0; l < D; ++l) g[l] = vload(G + l * L8);
+            V g[n * D];
+            VISVIVA_FLATTEN
+            for (int l = 0; l < n * D; ++l) g[l] = vload(G + l * L8);
             const V* M = A + 81 * (q - first);
-            V* t = T + (q - first) * D * D * D;
+            V* t = T + (q - first) * rows * factor;
             VISVIVA_FLATTEN
             for (int j = 0; j < D; ++j) VISVIVA_FLATTEN
-            for (int n = 0; n < D; ++n) VISVIVA_FLATTEN
+            for (int m = 0; m < D; ++m) VISVIVA_FLATTEN
             for (int i = 0; i < D; ++i) {
-                const V* m = M + (3 * j + n) * 9 + 3 * i;
-                V sum = g[0] * m[0];
+                const V* row = M + (3 * j + m) * 9 + 3 * i;
+                V sum[n] = {};
                 VISVIVA_FLATTEN
-                for (int l = 1; l < D; ++l) sum += g[l] * m[l];
-                t[(j * D + n) * D + i] = sum;
+                for (int l = 0; l < D; ++l) {
+                    const V modulus = row[l];
+                    VISVIVA_FLATTEN
+                    for (int k = 0; k < n; ++k) sum[k] += g[k * D + l] * modulus;
+                }
+                VISVIVA_FLATTEN
+                for (int k = 0; k < n; ++k) t[k * factor + (j * D + m) * D + i] = sum[k];
             }
         }
     }
 
-    // Blocks (a, b) to (a, b + columns - 1): K[i][j] each
-    template <int columns>
-    VISVIVA_INLINE void blocks(int first, int end, int a, int b) {
-        V* to = block(a, b);
-        V sum[columns * D * D];
-        if (first == 0) {
+    // Blocks (a, b) to (a, b + n - 1): K[i][j] each
+    template <int n>
+    VISVIVA_INLINE void blocks(int first, int end, int a, int b, const V* t) {
+        V *to = K + (a * e.nodes() + b) * D * D, sum[n * D * D];
+        VISVIVA_FLATTEN
+        for (int c = 0; c < n; ++c) {
+            const V m = first == 0 ? e.mass_factor(a, b + c) : V{};
             VISVIVA_FLATTEN
-            for (int c = 0; c < columns; ++c) {
-                const V m = e.mass_factor(a, b + c);
-                VISVIVA_FLATTEN
-                for (int k = 0; k < D * D; ++k) sum[c * D * D + k] = k % (D + 1) == 0 ? m : V{};
-            }
-        } else {
-            VISVIVA_FLATTEN
-            for (int k = 0; k < columns * D * D; ++k) sum[k] = to[k];
+            for (int k = c * D * D; k < (c + 1) * D * D; ++k)
+                sum[k] = first > 0 ? to[k] : k % (D * D) % (D + 1) == 0 ? m : V{};
         }
-        for (int q = first; q < end; ++q) {
+        for (int q = first; q < end; ++q, t += rows * factor) {
             const double* G = e.gradients(q) + b * D * L8;
-            const V* t = T + (q - first) * D * D * D;
-            V g[columns * D];
+            V g[n * D];
             VISVIVA_FLATTEN
-            for (int k = 0; k < columns * D; ++k) g[k] = vload(G + k * L8);
+            for (int k = 0; k < n * D; ++k) g[k] = vload(G + k * L8);
             VISVIVA_FLATTEN
             for (int j = 0; j < D; ++j) VISVIVA_FLATTEN
-            for (int n = 0; n < D; ++n) VISVIVA_FLATTEN
+            for (int m = 0; m < D; ++m) VISVIVA_FLATTEN
             for (int i = 0; i < D; ++i) {
-                const V m = t[(j * D + n) * D + i];
+                const V f = t[(j * D + m) * D + i];
                 VISVIVA_FLATTEN
-                for (int c = 0; c < columns; ++c) sum[(c * D + i) * D + j] += g[c * D + n] * m;
+                for (int c = 0; c < n; ++c) sum[(c * D + i) * D + j] += g[c * D + m] * f;
             }
         }
         VISVIVA_FLATTEN
-        for (int k = 0; k < columns * D * D; ++k) to[k] = sum[k];
-        if (D == 2 && e.v.H)
-            for (int c = 0; c < columns; ++c) add_hoop(first, end, a, b + c, to + c * D * D);
+        for (int k = 0; k < n * D * D; ++k) to[k] = sum[k];
+        for (int c = 0; D == 2 && e.v.H && c < n; ++c) add_hoop(first, end, a, b + c, to + c * D * D);
+        if (end == e.v.n_points)
+            for (int c = 0; c < n; ++c)
+                symmetric ? solid_scatter_symmetric(e, a, b + c, to + c * D * D, values)
+                          : solid_scatter_block<D, N, false>(e, a, b + c, to + c * D * D, values);
     }
 
     VISVIVA_INLINE void add_hoop(int first, int end, int a, int b, V* K) const {

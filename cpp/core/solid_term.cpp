@@ -179,9 +179,14 @@ void SolidTerm::residual(const Context& c, double* r) {
 }
 
 void SolidTerm::tangent(const Context& c, double* values) {
+    if (!mixed_) return linearise(c, nullptr, values);
+    for_tasks([&](int begin, int end) { mixed_->tangent(view_, c.step, c.vectors, begin, end, values); });
+}
+
+void SolidTerm::linearise(const Context& c, double* r, double* values) {
     call_back(c, true);
-    const auto kernel = mixed_ ? mixed_->tangent : solid_kernels().tangent;
-    for_tasks([&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, values); });
+    const auto kernel = solid_kernels().tangent;
+    for_tasks([&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, r, values); });
 }
 
 void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {

@@ -40,6 +40,8 @@ class SolidTerm : public Term {
     bool wants_rates() const override { return view_.damped; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
+    bool is_fused() const override { return !mixed_; }
+    void linearise(const Context&, double* r, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     Refusal refuse(const Context&) override;
 

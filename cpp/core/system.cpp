@@ -180,10 +180,26 @@ double System::iterate(const Step& step) {
     return size;
 }
 
-void System::evaluate_residual(const Context& c, bool all) {
+void System::evaluate_residual(const Context& c, bool all, bool with_fused_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
+    if (with_fused_tangents) std::fill(values_.begin(), values_.end(), 0.0);
     for (const auto& term : terms_)
-        if (all || !term->is_rigidity) term->residual(c, r_.data());
+        if (with_fused_tangents && term->is_fused())
+            term->linearise(c, r_.data(), values_.data());
+        else if (all || !term->is_rigidity)
+            term->residual(c, r_.data());
+}
+
+void System::evaluate_tangent(const Context& c, bool inner, bool has_fused_tangents) {
+    if (!has_fused_tangents) {
+        std::fill(values_.begin(), values_.end(), 0.0);
+        for (const auto& term : terms_)
+            if (term->is_fused()) term->tangent(c, values_.data());
+    }
+    for (const auto& term : terms_)
+        if (!term->is_fused())
+            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
+                                       : term->tangent(c, values_.data());
 }
 
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative
@@ -229,12 +245,8 @@ int System::worst_constraint() const {
     return worst;
 }
 
-bool System::refactor(const Context& c, const Step& step) {
-    std::fill(values_.begin(), values_.end(), 0.0);
-    const bool inner = solver_->keeps_rigidity();
-    for (const auto& term : terms_)
-        inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
-                                   : term->tangent(c, values_.data());
+bool System::refactor(const Context& c, const Step& step, bool has_fused_tangents) {
+    evaluate_tangent(c, solver_->keeps_rigidity(), has_fused_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
@@ -342,7 +354,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
     for (int k = 0; k < options.max_iterations; ++k) {
-        evaluate_residual(context, !solver_->keeps_rigidity());
+        const bool fused = refresh;
+        evaluate_residual(context, !solver_->keeps_rigidity(), fused);
         const bool outdated =
             std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
         refresh = refresh || outdated;
@@ -351,7 +364,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             stale_factor_ = true;
             solver_->forget();  // a restart makes this factorisation again, without those before it
             solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
-            if (!refactor(context, step)) {
+            if (!refactor(context, step, fused)) {
                 const std::string why = solver_->message();
                 return fail(why.empty() ? "the tangent is singular" : why, solver_->singular_unknown());
             }
@@ -531,18 +544,21 @@ void System::forces(const Step& step, const Signals& signals, double* residual) 
     stale_begin_ = true;
 }
 
-void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
+void System::evaluate(const Step& step, const Signals& signals, bool with_fused_tangents) {
     for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
     set_base_rates(step);
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
-    const Context context{step, vectors, signals};
-    evaluate_residual(context, true);
+    evaluate_residual({step, vectors, signals}, true, with_fused_tangents);
+}
+
+void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
+    evaluate(step, signals, values != nullptr);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;
-    std::fill(values_.begin(), values_.end(), 0.0);
-    for (const auto& term : terms_) term->tangent(context, values_.data());
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    evaluate_tangent({step, vectors, signals}, false, true);
     std::copy(values_.begin(), values_.end() - 1, values);
     stale_factor_ = true;
 }

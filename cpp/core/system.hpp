@@ -133,8 +133,10 @@ class System {
     void update_rates(const Step&);
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
     void finish(const Step&, const Signals&, bool ledger);
-    void evaluate_residual(const Context&, bool all);
-    bool refactor(const Context&, const Step&);
+    void evaluate(const Step&, const Signals&, bool with_fused_tangents);
+    void evaluate_residual(const Context&, bool all, bool with_fused_tangents = false);
+    void evaluate_tangent(const Context&, bool inner, bool has_fused_tangents);
+    bool refactor(const Context&, const Step&, bool has_fused_tangents = false);
     int worst() const;
     double extent() const;
     double iterate(const Step&);

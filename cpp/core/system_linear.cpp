@@ -33,9 +33,10 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
     // What is kept from earlier tangents is kept within a load step only: a restart begins one.
     if (std::all_of(dx.begin(), dx.end(), [](double d) { return d == 0; })) solver_->forget();
     search();
-    assemble(step, signals, residual, nullptr);
+    evaluate(step, signals, true);
+    std::copy(r_.begin(), r_.begin() + n_, residual);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
-    const bool regular = refactor({step, vectors, signals}, step);
+    const bool regular = refactor({step, vectors, signals}, step, true);
     stale_factor_ = true;  // not a tangent that time steps may keep
     return regular;
 }

@@ -58,6 +58,12 @@ class Term {
     virtual bool wants_rates() const { return false; }
     virtual void residual(const Context&, double* r) = 0;
     virtual void tangent(const Context&, double* values) = 0;
+    // Terms of which both together cost less than one after the other. Their tangents are added before those
+    // of other terms, which makes no difference but to rounding.
+    virtual bool is_fused() const { return false; }
+    virtual void linearise(const Context& c, double* r, double* values) {
+        residual(c, r), tangent(c, values);
+    }
     // The tangent without rows and columns of multipliers.
     virtual void inner_tangent(const Context& c, double* values) { tangent(c, values); }
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
