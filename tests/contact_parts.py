@@ -70,3 +70,30 @@ def contact_of(components: Components) -> vv.Contact:
     """The contact among components."""
     (contact,) = (c for c in components if isinstance(c, vv.Contact))
     return contact
+
+
+def stacked(
+    dimension: int, cell: str, pressure: float = 10.0
+) -> tuple[vv.Solid, vv.Solid, vv.Contact, Components]:
+    """Two blocks of different meshes, the upper one held by nothing but the lower one along the last axis."""
+    material = vv.LinearElastic(young=1e3, poisson=0.3)
+    shape: Any = vv.BoxMesh if dimension == 3 else vv.RectangleMesh
+    up = (0,) * (dimension - 1) + (1,)
+    solids = []
+    for n, level in ((3, 1), (2, 0)):
+        mesh = shape(size=(1,) * dimension, counts=(n,) * (dimension - 1) + (1,), cell=cell).build()
+        solids.append(vv.Solid(mesh=mesh.moved(level * np.array(up)), material=material))
+    a, b = solids
+    axis = "xyz"[dimension - 1]
+    contact = vv.Contact(first=a, second=b, first_faces=f"{axis}0", second_faces=f"{axis}1")
+    normals = np.eye(3)[: dimension - 1]
+    parts: Components = [*solids, contact]
+    parts += [
+        vv.SymmetryPlane(solid=s, nodes=f"{name}0", normal=n)
+        for s in solids
+        for name, n in zip("xy", normals, strict=False)
+    ]
+    parts.append(vv.SymmetryPlane(solid=b, nodes=f"{axis}0", normal=np.eye(3)[dimension - 1]))
+    load = -pressure * np.eye(3)[dimension - 1]
+    parts.append(vv.Traction(solid=a, faces=f"{axis}1", traction=load, times="t"))
+    return a, b, contact, parts

@@ -100,6 +100,24 @@ std::vector<Dependence> dependences_of(const Ints& unknown, const Ints& multipli
     return all;
 }
 
+// Gaps at positions of all vertices, weighted by area, the areas, and the gradients: of which gap, by which
+// vertex, three numbers each.
+nb::tuple linearised(Gaps& gaps, const Doubles& X) {
+    std::vector<double> gap(gaps.n()), area(gaps.n()), row, vertex, gradient;
+    gaps.search(X.data(), X.data());
+    gaps.values(X.data(), gap.data(), area.data());
+    std::vector<char> seen(gaps.n());
+    for (int A = 0; A < gaps.n(); ++A) seen[A] = area[A] > 0;
+    std::vector<Gap> found(gaps.n());
+    gaps.gradients(X.data(), seen, found);
+    for (int A = 0; A < gaps.n(); ++A) {
+        if (!seen[A]) continue;
+        for (int v : gaps.stencil(A)) row.push_back(A), vertex.push_back(v);
+        gradient.insert(gradient.end(), found[A].gradient.begin(), found[A].gradient.end());
+    }
+    return nb::make_tuple(copy_of(gap), copy_of(area), copy_of(row), copy_of(vertex), copy_of(gradient));
+}
+
 void bind_tying(nb::module_& m) {
     m.def("near_facets", [](const Skin& skin, const Doubles& X, double margin) {
         const std::vector<int> pairs = near_facets(skin, X.data(), margin);
@@ -131,7 +149,7 @@ void bind_contact(nb::module_& m) {
         },
         nb::arg("dim"), nb::arg("first"), nb::arg("unknown"), nb::arg("weight"), nb::arg("mesh_node"),
         nb::arg("constant"), nb::arg("facets"), nb::arg("n_first"), nb::arg("second_begin"));
-    nb::class_<Gaps>(m, "Gaps");
+    nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
         "mortar", [](const Skin& skin, double reach) { return shared(make_mortar(skin, {reach})); },
         nb::arg("skin"), nb::arg("reach"));
@@ -190,6 +208,9 @@ void bind_contact(nb::module_& m) {
             nb::rv_policy::automatic)
         .def_prop_ro(
             "forces", [](const ContactTerm& t) { return copy_of(t.forces()); }, nb::rv_policy::automatic)
+        .def_prop_ro(
+            "friction_forces", [](const ContactTerm& t) { return copy_of(t.friction_forces()); },
+            nb::rv_policy::automatic)
         .def_prop_ro(
             "gaps", [](const ContactTerm& t) { return copy_of(t.gap_values()); }, nb::rv_policy::automatic)
         .def_prop_ro(

@@ -89,6 +89,7 @@ Refusal ContactTerm::refuse(const Context& c) {
 }
 
 void ContactTerm::write_memory(std::vector<double>& m) const {
+    m.insert(m.end(), active_at_tangent_.begin(), active_at_tangent_.end());
     m.push_back(from_.empty() ? 0 : 1);
     m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
     for (const Record* r : {&now_, &before_, &at_tangent_}) {
@@ -98,7 +99,9 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     }
 }
 
+// The kept tangent will be made again, which needs its active set.
 bool ContactTerm::read_memory(const double*& m) {
+    for (char& active : active_) active = *m++ != 0;
     const bool changed = read_search(m);
     for (Record* r : {&now_, &before_, &at_tangent_})
         for (std::vector<double>* part : {&r->X, &r->traction}) {
@@ -405,18 +408,24 @@ void ContactTerm::scatter(int A, const Border& b, double* values) const {
 
 // --- books
 // --------------------------------------------------------------------------------------------------
+void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const {
+    const auto& stencil = gaps_->stencil(A);
+    for (std::size_t v = 0; v < stencil.size(); ++v)
+        for (int i = 0; i < 3; ++i) sum[3 * stencil[v] + i] += f[3 * v + i];
+}
+
 // A step taken backwards, as statics books its work, leaves the forces of the step itself.
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     if (c.step.h >= 0) return book(c, sums);
-    const auto forces = forces_;
+    const auto forces = forces_, friction = friction_forces_;
     book(c, sums);
-    forces_ = forces;
+    forces_ = forces, friction_forces_ = friction;
 }
 
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
     evaluate(c, false);
     gaps_->gradients(Xt_.data(), active_, at_theta_);
-    forces_.assign(X1_.size(), 0.0);
+    forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         const double depth = std::min(gap1_[A], 0.0);
@@ -424,9 +433,8 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
         if (has_friction()) book_friction(A, c, sums);
         if (!active_[A]) continue;
         force(A, c, f);
-        const auto& stencil = gaps_->stencil(A);
-        for (std::size_t v = 0; v < stencil.size(); ++v)
-            for (int i = 0; i < 3; ++i) forces_[3 * stencil[v] + i] += S_[A] * f[3 * v + i];
+        add_to_vertices(A, S_[A] * f, forces_);
+        if (has_friction()) add_to_vertices(A, -sliding(A).force(traction_[A].value), friction_forces_);
         if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
     }
 }

@@ -55,8 +55,9 @@ class ContactTerm : public Term {
     std::vector<double> tractions() const;
     const std::vector<char>& slips() const { return slips_; }
     int n() const { return gaps_->n(); }
-    /// Forces on all vertices in the last step, three numbers each.
+    /// Forces on all vertices in the last step, three numbers each: of the pressures, and of friction.
     const std::vector<double>& forces() const { return forces_; }
+    const std::vector<double>& friction_forces() const { return friction_forces_; }
 
     int work_account = -1, energy_account = -1, friction_account = -1, slip_energy_account = -1;
 
@@ -96,6 +97,7 @@ class ContactTerm : public Term {
     void keep(const Context&);
     void rub(int A, const Context&);
     void book(const Context&, LedgerSums&);
+    void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A);
     void force(int A, const Context&, Eigen::VectorXd& f) const;
@@ -117,7 +119,7 @@ class ContactTerm : public Term {
     std::vector<double> X0_, X1_, Xt_, D_;
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
-    std::vector<double> forces_;
+    std::vector<double> forces_, friction_forces_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     int changes_ = -1;  // of the active set since the step began; -1: not chosen yet
     bool unsettled_ = false;

@@ -7,7 +7,7 @@ from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from .body.solid import Solid
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
-from .contact.probe import ContactArea, ContactForce
+from .contact.probe import ContactArea, ContactForce, ContactGap, ContactPressure
 from .contact.tying import Tie
 from .eigenmodes import Modes, modes
 from .errors import InputError, RunError, VisvivaError
@@ -112,6 +112,8 @@ __all__ = [
     "Contact",
     "ContactArea",
     "ContactForce",
+    "ContactGap",
+    "ContactPressure",
     "Cylinder",
     "CylinderMesh",
     "Cylindrical",

@@ -89,6 +89,10 @@ class Component(metaclass=Validated):
         """Its exact shape and the frame of that, for contact; None if only triangles of it are known."""
         return None
 
+    def record(self, x: Array) -> Array | None:
+        """What it shows of the last step, which ended at `x`, that does not follow from `x`; kept with every state."""
+        return None
+
     def lines(self) -> list[tuple[Vector, Vector]]:
         """Lines that are drawn of it, from point to point (ropes, rods, springs)."""
         return []

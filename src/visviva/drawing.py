@@ -12,6 +12,8 @@ from scipy import sparse
 from visviva.body.fields import quantity, smoothed
 from visviva.body.solid import Solid
 from visviva.component import Attachable
+from visviva.contact import fields as of_contact
+from visviva.contact.contact import Contact
 from visviva.form import Vector
 from visviva.measure import Position
 from visviva.mesh.cells import CELLS
@@ -35,7 +37,7 @@ class Drawing:
     spots : mapping
         Further single points by name.
     fields : sequence of str
-        Fields of solids to store, beside displacements and velocities; see `Solid.nodal`.
+        Fields of solids to store, beside displacements, velocities and what contacts show; see `Solid.nodal`.
 
     Attributes
     ----------
@@ -80,7 +82,12 @@ class Drawing:
         vectors += [end for _, line in named for end in line] + list(free.values())
         self._map, self._constant = stacked(vectors, len(system.x))
         self._start = self.points(system.model.initial[0])
-        self._fields = {name: quantity(name)[0] for name in fields}
+        self._contacts = [c for c in system.components if isinstance(c, Contact)]
+        self._starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
+        starts = dict(zip(self._solids, self._starts[self._n_bodies :].tolist(), strict=False))
+        self._painting = of_contact.Painting(self._contacts, starts, int(self._starts[-1]))
+        shown = [name for name in fields if self._painting.is_blank or name not in of_contact.FIELDS]
+        self._fields = {name: quantity(name)[0] for name in shown}
 
     @property
     def has_solids(self) -> bool:
@@ -95,22 +102,26 @@ class Drawing:
         """Velocities of the points of every surface at the rates `v`."""
         return self._placed(self._map @ v, [solid.velocities(v) for solid in self._solids])
 
-    def values(self, x: Array, v: Array) -> dict[str, Array]:
+    def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
         """Stored quantities over the points of all surfaces, (n,) or (n, components); none without solids.
 
-        Displacements count from the start. Where a component has no such field, there is NaN.
+        Displacements count from the start. Where a component has no such field, there is NaN. Contacts show their
+        last step, or what they recorded then (see `Result.records`).
         """
         if not self._solids:
             return {}
         moved = [now - then for now, then in zip(self.points(x), self._start, strict=True)]
         found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(v))}
         parts = [smoothed(solid, tuple(self._fields), x) for solid in self._solids]
-        starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
+        n = self._starts[-1]
         for name, width in self._fields.items():
-            everywhere = np.full((starts[-1], width) if width > 1 else starts[-1], np.nan)
-            for start, part in zip(starts[self._n_bodies :], parts, strict=False):
+            everywhere = np.full((n, width) if width > 1 else n, np.nan)
+            for start, part in zip(self._starts[self._n_bodies :], parts, strict=False):
                 everywhere[start : start + len(part[name])] = part[name]
             found[name] = everywhere
+        if not self._painting.is_blank:
+            shown = [c.record(x) for c in self._contacts] if records is None else records
+            found |= self._painting.values(shown)
         return found
 
     def _placed(self, mapped: Array, solids: list[Array]) -> list[Array]:

@@ -46,6 +46,8 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     arrays |= {"memory": system.core.memory(), "books/done": books.done}
     arrays |= {"kept/times": np.array(result.times), "kept/x": np.array(result.states)}
     arrays["kept/v"] = np.array(result.rates)
+    for k, records in enumerate(zip(*result.records, strict=True)):
+        arrays[f"kept/record{k}"] = np.array(records)
     arrays |= {f"pace/{name}": value for name, value in system.pace.items()}
     for k, (term, _) in enumerate(system.model.terms):
         for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
@@ -112,6 +114,8 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
     books.ledger.rows[:] = rows
     result.times[:] = arrays["kept/times"].tolist()
     result.states[:], result.rates[:] = list(arrays["kept/x"]), list(arrays["kept/v"])
+    records = [arrays[f"kept/record{k}"] for k in range(len(result.records[0]))]
+    result.records[:] = [[record[t] for record in records] for t in range(len(result.times))]
 
 
 def _load_memory(system: System, arrays: Arrays) -> None:

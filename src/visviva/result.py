@@ -43,6 +43,8 @@ class Result:
         Times of the kept states.
     states, rates : list of arrays
         Unknowns and rates at these times.
+    records : list of lists of arrays
+        What contacts showed at these times.
     ledger : Ledger
         One row per accepted step.
     """
@@ -53,6 +55,7 @@ class Result:
     times: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
     rates: list[Array] = field(default_factory=list)
+    records: list[list[Array]] = field(default_factory=list)
     statistics: Statistics = field(default_factory=Statistics)
 
     def history(self, what: Form | Vector | Strain | Measure) -> Array:
@@ -74,7 +77,7 @@ class Result:
         path
             File to write.
         fields
-            Fields of solids to store beside displacements and velocities; see `Solid.nodal`.
+            Fields of solids to store beside displacements, velocities and what contacts show; see `Solid.nodal`.
 
         Examples
         --------
@@ -95,8 +98,8 @@ class Result:
         grow = all(a < b for a, b in pairwise(self.times))
         times = self.times if grow else [float(k) for k in range(len(self.times))]
         with TrajectoryWriter(path, drawing.surfaces, len(times)) as writer:
-            for time, x, v in zip(times, self.states, self.rates, strict=True):
-                writer.append(time, drawing.points(x), drawing.values(x, v))
+            for time, x, v, records in zip(times, self.states, self.rates, self.records, strict=False):
+                writer.append(time, drawing.points(x), drawing.values(x, v, records))
 
     def conservation(self) -> dict[str, float]:
         """Relative errors: energy balance, each momentum, constraints at position and velocity level.

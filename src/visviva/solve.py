@@ -189,3 +189,5 @@ def keep(result: Result) -> None:
     result.times.append(result.system.time)
     result.states.append(result.system.x.copy())
     result.rates.append(result.system.v.copy())
+    records = [component.record(result.system.x) for component in result.system.components]
+    result.records.append([r for r in records if r is not None])

@@ -33,7 +33,8 @@ class Study:
     trails : tuple of str
         Probes of positions whose path is drawn.
     fields : sequence of str
-        Fields of solids that the trajectory holds beside displacements and velocities; pictures show the first.
+        Fields of solids that the trajectory holds beside displacements, velocities and what contacts show
+        (``contact_pressure``, ``contact_gap``, ``contact_state``, ``contact_traction``); pictures show the first.
     title : str
     notes : str
         Choices the source leaves open.

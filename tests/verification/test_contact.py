@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from contact_parts import stacked
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -21,33 +22,6 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 # --- patch test ---------------------------------------------------------------------------------------------
-def stacked(
-    dimension: int, cell: str, pressure: float = 10.0
-) -> tuple[vv.Solid, vv.Solid, vv.Contact, list[Any]]:
-    """Two blocks of different meshes, the upper one held by nothing but the lower one along the last axis."""
-    material = vv.LinearElastic(young=1e3, poisson=0.3)
-    shape: Any = vv.BoxMesh if dimension == 3 else vv.RectangleMesh
-    up = (0,) * (dimension - 1) + (1,)
-    solids = []
-    for n, level in ((3, 1), (2, 0)):
-        mesh = shape(size=(1,) * dimension, counts=(n,) * (dimension - 1) + (1,), cell=cell).build()
-        solids.append(vv.Solid(mesh=mesh.moved(level * np.array(up)), material=material))
-    a, b = solids
-    axis = "xyz"[dimension - 1]
-    contact = vv.Contact(first=a, second=b, first_faces=f"{axis}0", second_faces=f"{axis}1")
-    normals = np.eye(3)[: dimension - 1]
-    parts: list[Component] = [*solids, contact]
-    parts += [
-        vv.SymmetryPlane(solid=s, nodes=f"{name}0", normal=n)
-        for s in solids
-        for name, n in zip("xy", normals, strict=False)
-    ]
-    parts.append(vv.SymmetryPlane(solid=b, nodes=f"{axis}0", normal=np.eye(3)[dimension - 1]))
-    load = -pressure * np.eye(3)[dimension - 1]
-    parts.append(vv.Traction(solid=a, faces=f"{axis}1", traction=load, times="t"))
-    return a, b, contact, parts
-
-
 @pytest.mark.parametrize(("dimension", "cell"), [(2, "quad4"), (2, "tri3"), (3, "hex8"), (3, "tet4")])
 def test_patch(dimension: int, cell: str) -> None:
     """Uniform stress and the displacement of the bar or of plane strain, to round-off, in one load step."""

@@ -91,6 +91,24 @@ def test_free_bodies_keep_their_momenta_and_lose_energy(
 
 
 @pytest.mark.parametrize("law", LAWS, ids=named)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_force_of_contact_is_the_change_of_momentum(dimension: int, law: dict[str, Any]) -> None:
+    """Over a step, of the only force on the body, with its friction."""
+    parts = thrown(dimension, friction=0.4, **law)
+    body, contact = parts[0], contact_of(parts)
+    assert isinstance(body, vv.Solid)
+    system, sideways = vv.System(parts), 0.0
+    for _ in range(12):
+        before = body.nodal_mass @ body.velocities(system.v)
+        vv.simulate(system, until=system.time + 0.01, step=0.01)
+        change = body.nodal_mass @ body.velocities(system.v) - before
+        force = vv.ContactForce(contact=contact)(system)
+        assert np.abs(change / 0.01 - force).max() < 1e-9 * max(1.0, np.abs(force).max())
+        sideways = max(sideways, abs(force[0]))
+    assert sideways > 0.1
+
+
+@pytest.mark.parametrize("law", LAWS, ids=named)
 def test_all_observers_see_the_same_friction(law: dict[str, Any]) -> None:
     R = turned(3)
 

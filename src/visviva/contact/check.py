@@ -89,5 +89,5 @@ def refuse_overlap(contact: Contact, places: Array) -> None:
         raise InputError(
             f"{contact.label}: {contact.first.label} and {other} overlap by {depth[worst]:.3g} near "
             f"({place}) at the start; move one of them, or give initial='press' to start under the pressure that this "
-            "overlap makes"
+            "overlap makes, or 'resolve' to move nodes apart"
         )

@@ -12,7 +12,9 @@ from visviva import _core
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
 from visviva.contact.check import check_sides, check_stiffness, refuse_overlap
+from visviva.contact.fields import record
 from visviva.contact.obstacle import frame_surface
+from visviva.contact.resolve import resolve
 from visviva.contact.surface import Surface, points_of, skin, surface_of
 from visviva.errors import InputError
 from visviva.mesh.faces import Faces
@@ -64,9 +66,10 @@ class Contact(Component):
     tangential_stiffness : float
         Traction per slip; of the penalty, or of the augmentation of multipliers, where it changes no result. By
         default that of a layer of elements, ten times that for a penalty.
-    initial : {'touch', 'press'}
+    initial : {'touch', 'press', 'resolve'}
         'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
-        pushes out; in dynamics that adds energy, in the ledger's share of contact.
+        pushes out; in dynamics that adds energy, in the ledger's share of contact. 'resolve': nodes of solids are moved
+        apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet.
 
@@ -101,7 +104,7 @@ class Contact(Component):
     friction: Number = 0.0
     tangential: Literal["multipliers", "penalty"] = "multipliers"
     tangential_stiffness: Number | None = None
-    initial: Literal["touch", "press"] = "touch"
+    initial: Literal["touch", "press", "resolve"] = "touch"
     reach: Number | None = None
 
     def __post_init__(self) -> None:
@@ -129,16 +132,25 @@ class Contact(Component):
         self._started = False
         if self._outline is not None and self.friction > 0:
             raise InputError(f"{self.label}: friction needs surfaces of facets, not an exact shape")
-        if self._by_vertices:
-            self._surface, self._radius = points_of(self.first, self.first_faces, self.label)
-        else:
-            self._surface, self._radius = surface_of(self.first, self.first_faces, self.label), 0.0
+        self._facing: Surface | None = None
+        self._see()
+        self.moved = 0.0  # how far a node was moved at most so that nothing overlaps
+        if self.initial == "resolve":
+            self.moved = resolve(self, model, *self._gaps(model.length)[:2])
+            self._see()
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":
             self.pressure = model.field(self, "pressure", np.zeros(n), order=0, stage=1, definite=False)
         if self.friction > 0 and self.tangential == "multipliers":
             zeros = np.zeros((n, self._surface.dimension - 1))
             self.traction = model.field(self, "traction", zeros, order=0, stage=1, definite=False)
+
+    def _see(self) -> None:
+        """The first surface."""
+        if self._by_vertices:
+            self._surface, self._radius = points_of(self.first, self.first_faces, self.label)
+        else:
+            self._surface, self._radius = surface_of(self.first, self.first_faces, self.label), 0.0
 
     @property
     def _outline(self) -> Outline | None:
@@ -183,16 +195,18 @@ class Contact(Component):
         first, areas, outline = self._surface, self._surface.areas, self._outline
         if outline is not None:
             core, frame = outline
-            pair = self._paired(frame_surface(frame, length))
+            self._facing = frame_surface(frame, length)
+            pair = self._paired(self._facing)
             half = np.array(core.half)
             gaps = _core.obstacle(pair, areas, self._radius, core.kind, half, core.radius, length)
             return gaps, first.size, length
+        self._facing = None
         if self.second is None:
             reach = self.reach or first.size
             return _core.self_contact(skin(first, None), areas, reach, first.places), first.size, reach
         if not isinstance(self.second, Attachable):
             raise InputError(f"{self.label}: {self.second.label} has no surface")
-        opposite = surface_of(self.second, self.second_faces, self.label)
+        self._facing = opposite = surface_of(self.second, self.second_faces, self.label)
         size = max(first.size, opposite.size)
         reach = self.reach or size
         pair = self._paired(opposite)
@@ -216,7 +230,7 @@ class Contact(Component):
         self._started = True
         system.core.search()
         system.take_stock()
-        refuse_overlap(self, self._surface.places)
+        refuse_overlap(self, self.places)
 
     def _stiffness(self, size: float) -> float:
         """Stiffness of the normal contact."""
@@ -247,6 +261,16 @@ class Contact(Component):
 
     # --- results -------------------------------------------------------------------------------------------
     @property
+    def opposite(self) -> Surface | None:
+        """The second surface, if it is one of facets."""
+        return self._facing if self._facing is not None and len(self._facing.facets) else None
+
+    @property
+    def places(self) -> Array:
+        """Reference positions (n, 3) of the vertices of the first surface, in own coordinates of a rigid body."""
+        return self._surface.places
+
+    @property
     def pressures(self) -> Array:
         """Pressures (n,) at the vertices of the first surface in the last step."""
         values: Array = self.term.pressures
@@ -275,5 +299,9 @@ class Contact(Component):
     def forces(self) -> Array:
         """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
         n = len(self._surface.forms)
-        forces: Array = self.term.forces.reshape(-1, 3)[:n] if len(self.term.forces) else np.zeros((n, 3))
+        total = self.term.forces + self.term.friction_forces
+        forces: Array = total.reshape(-1, 3)[:n] if len(total) else np.zeros((n, 3))
         return forces
+
+    def record(self, x: Array) -> Array:
+        return record(self, x)

@@ -1,4 +1,4 @@
-"""Probes of contact: its force and its area."""
+"""Probes of contact: its force, its area, pressures and gaps."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.component import settings
 from visviva.contact.contact import Contact
 from visviva.measure import Reading
+from visviva.values import Vector3
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class ContactForce(Reading):
-    """Probe: force (3,) that a contact exerts on its first body; the second one feels the opposite.
+    """Probe: force (3,) that a contact exerts on its first body, friction included; the second one feels the opposite.
 
     It is that of the last step: of the midpoint schemes, what acted in its middle. Zero before the first step.
 
@@ -41,8 +42,8 @@ class ContactForce(Reading):
     >>> guide = vv.Fixed(solid=upper, nodes="z1", directions=(1, 1, 0))
     >>> system = vv.System([lower, upper, contact, vv.Fixed(solid=lower, nodes="z0"), guide, vv.Gravity()])
     >>> result = vv.quasi_static(system, until=1.0, step=1.0)
-    >>> vv.ContactForce(contact=contact)(system).round(9).tolist()
-    [0.0, 0.0, 9.81]
+    >>> float(vv.ContactForce(contact=contact)(system)[2].round(9))
+    9.81
     """
 
     contact: Contact
@@ -69,3 +70,68 @@ class ContactArea(Reading):
     def __call__(self, system: System) -> float:
         term = self.contact.term
         return float(term.areas[term.pressures > 0].sum())
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ContactPressure(Reading):
+    """Probe: the largest pressure in the last step, or that of the vertex of the first surface nearest to a place.
+
+    Force by length in plane problems, and force at the points of rigid bodies.
+
+    Parameters
+    ----------
+    contact : Contact
+    at : array (3,), optional
+        Place in the reference configuration; in own coordinates of a rigid body.
+
+    Examples
+    --------
+    A layer that is compressed by a hundredth, E = 100:
+
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    >>> layer = vv.Solid(mesh=mesh, material=vv.LinearElastic(young=100.0, poisson=0.0))
+    >>> floor = vv.Plane()
+    >>> contact = vv.Contact(first=layer, first_faces="z0", second=floor)
+    >>> press = vv.Prescribed(solid=layer, nodes="z1", motion=(0, 0, "-0.01*t"))
+    >>> side = vv.Fixed(solid=layer, nodes="all", directions=(1, 1, 0))
+    >>> system = vv.System([layer, floor, contact, press, side])
+    >>> result = vv.quasi_static(system, until=1.0, step=1.0)
+    >>> round(vv.ContactPressure(contact=contact)(system), 9)
+    1.0
+    """
+
+    contact: Contact
+    at: Vector3 | None = None
+
+    def __call__(self, system: System) -> float:
+        values = self.contact.pressures
+        return float(values.max(initial=0.0) if self.at is None else values[nearest(self.contact, self.at)])
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ContactGap(Reading):
+    """Probe: the smallest gap at the end of the last step, or that of the vertex nearest to a place.
+
+    A mean over what the vertex sees of the second surface; nan where it sees nothing.
+
+    Parameters
+    ----------
+    contact : Contact
+    at : array (3,), optional
+        Place in the reference configuration; in own coordinates of a rigid body.
+    """
+
+    contact: Contact
+    at: Vector3 | None = None
+
+    def __call__(self, system: System) -> float:
+        gaps = self.contact.gaps
+        if self.at is not None:
+            return float(gaps[nearest(self.contact, self.at)])
+        return float(np.nanmin(gaps)) if np.isfinite(gaps).any() else np.nan
+
+
+def nearest(contact: Contact, place: Array) -> int:
+    """The vertex of the first surface nearest to a place in the reference configuration."""
+    return int(np.argmin(np.linalg.norm(contact.places - place, axis=1)))

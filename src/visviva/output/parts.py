@@ -116,7 +116,7 @@ def _solid(plotter: Any, scene: Scene, k: int, whole: Any, fine: int) -> Iterato
     ids = np.asarray(smooth["ids"])
     actor = plotter.add_mesh(smooth, color=scene.color(k), smooth_shading=True, render=False, **GLOSS)
     if scene.coloring is not None:
-        actor.mapper.lookup_table = table(scene.coloring)
+        actor.mapper.lookup_table = table(scene.coloring, scene.color(k))
         actor.mapper.SetUseLookupTableScalarRange(True)
         actor.mapper.SetInterpolateScalarsBeforeMapping(True)
     yield Skin(k, smooth, ids, actor.mapper)
@@ -141,10 +141,11 @@ def _shade(plotter: Any, whole: Any, points: NDArray[np.float64], fine: int) -> 
         plotter.add_mesh(edges, color=INK, line_width=fine, opacity=0.45, lighting=False, render=False)
 
 
-def table(coloring: Coloring) -> Any:
+def table(coloring: Coloring, plain: str = INK) -> Any:
+    """Colours of a field, and a plain one where it has no value."""
     import pyvista
 
-    return pyvista.LookupTable(COLORS, scalar_range=(coloring.low, coloring.high))
+    return pyvista.LookupTable(COLORS, scalar_range=(coloring.low, coloring.high), nan_color=plain)
 
 
 def _thread(plotter: Any, scene: Scene, k: int, mesh: Any) -> Iterator[Part]:

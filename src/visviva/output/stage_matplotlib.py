@@ -122,10 +122,11 @@ class MatplotlibStage:
             for block in blocks:
                 corners = current[block]
                 faces += list(corners)
-                if value is None:
-                    colors += list(_shades(corners)[:, None] * self._colors[k])
-                else:
-                    colors += list(self._map.to_rgba(value[block].mean(axis=1))[:, :3])
+                plain = _shades(corners)[:, None] * self._colors[k]
+                mean = np.full(len(block), np.nan) if value is None else value[block].mean(axis=1)
+                known = np.isfinite(mean)
+                plain[known] = self._map.to_rgba(mean[known])[:, :3] if known.any() else 0.0
+                colors += list(plain)
         if not faces:
             return []
         collection = Poly3DCollection(

@@ -1,0 +1,103 @@
+"""What files and pictures show of contacts: pressures, gaps, states and tractions at the nodes of solids."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.solid import Solid
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FIELDS = {"contact_pressure": 1, "contact_gap": 1, "contact_state": 1, "contact_traction": 3}
+"""Numbers of components of what is shown, in the order of the columns of a record."""
+GAP, STATE = 1, 2
+
+
+def record(contact: Contact, x: Array) -> Array:
+    """Rows (n, 6) of the last step for the vertices of the first surface and those of the second, if it is a solid's.
+
+    Pressures and tractions are by present area at the unknowns `x` of the system; on the second surface they are its
+    vertices' forces by their areas. It has no gaps.
+    """
+    pressing = contact.pressures > 0
+    state = np.where(pressing, 1.0 + contact.slipping, 0.0)
+    first = np.column_stack([contact.pressures, contact.gaps, state, contact.tractions])
+    opposite, body = contact.opposite, contact.second
+    if opposite is None or not isinstance(body, Solid):
+        return first
+    second = np.zeros((len(opposite.forms), 6))
+    second[:, GAP] = np.nan
+    if len(contact.term.forces):
+        places = body.positions(x)[body.faces(contact.second_faces).nodes]
+        areas = replace(opposite, places=places).areas[:, None]
+        forces, friction = (
+            values.reshape(-1, 3)[len(first) :] / areas
+            for values in (contact.term.forces, contact.term.friction_forces)
+        )
+        second[:, 0] = np.linalg.norm(forces, axis=1)
+        second[:, STATE], second[:, 3:] = second[:, 0] > 0, friction
+    return np.vstack([first, second])
+
+
+class Painting:
+    """Where the records of contacts belong among the points of all surfaces that are drawn.
+
+    Parameters
+    ----------
+    contacts : sequence of Contact
+    starts : mapping
+        First point of each solid.
+    n_points : int
+        Points of all surfaces.
+    """
+
+    def __init__(self, contacts: Sequence[Contact], starts: Mapping[Solid, int], n_points: int) -> None:
+        self.parts = [list(sides(contact, starts)) for contact in contacts]
+        width = 6 if any(contact.friction > 0 for contact in contacts) else 3
+        self._blank = np.full((n_points, width), np.nan)
+        for solid in {body for c in contacts for body in (c.first, c.second) if isinstance(body, Solid)}:
+            points = starts[solid] + np.arange(solid.grid.n_nodes)
+            self._blank[points] = 0.0
+            self._blank[points, GAP] = np.nan
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether no contact touches a solid."""
+        return not any(self.parts)
+
+    def values(self, records: Sequence[Array]) -> dict[str, Array]:
+        """Fields over all points: no pressure where a solid does not touch, NaN where there is no solid in contact.
+
+        Pressures and tractions of several contacts add up, of gaps the smallest counts.
+        """
+        found = self._blank.copy()
+        width = found.shape[1]
+        for parts, rows in zip(self.parts, records, strict=True):
+            for points, chosen in parts:
+                old, new = found[points], rows[chosen, :width]
+                found[points] = old + new
+                found[points, GAP] = np.fmin(old[:, GAP], new[:, GAP])
+                found[points, STATE] = np.maximum(old[:, STATE], new[:, STATE])
+        columns: list[Any] = [0, GAP, STATE, slice(3, 6)]
+        named = list(zip(FIELDS, columns, strict=True))[: 4 if width == 6 else 3]
+        return {name: found[:, chosen].copy() for name, chosen in named}
+
+
+def sides(contact: Contact, starts: Mapping[Solid, int]) -> Iterator[tuple[Ints, slice]]:
+    """Points of the solids on either side, and the rows of the record that belong to them."""
+    n = len(contact.places)
+    chosen = [(contact.first, contact.first_faces, slice(n))]
+    if contact.opposite is not None and isinstance(contact.second, Solid):
+        chosen.append((contact.second, contact.second_faces, slice(n, None)))
+    for body, faces, rows in chosen:
+        if isinstance(body, Solid):
+            yield starts[body] + body.faces(faces).nodes, rows

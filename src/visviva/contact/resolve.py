@@ -1,0 +1,161 @@
+"""Surfaces that overlap at the start, moved apart without stress."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.body.coupling import RigidCoupling
+from visviva.body.solid import Solid
+from visviva.contact.surface import Surface
+from visviva.errors import InputError
+from visviva.load.support import Support
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.contact.contact import Contact
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+RESOLVED = 1e-9
+"""Overlaps smaller than this part of a facet are none."""
+ROUNDS = 20
+"""The gaps are linearised this often at most."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """A surface, and the solid with its nodes that move with it; None for what stays."""
+
+    surface: Surface
+    solid: Solid | None
+    nodes: Ints
+
+    def positions(self, x: Array) -> Array:
+        """Positions (n, 3) of the vertices at the unknowns `x`."""
+        d = self.surface.dimension
+        places = self.surface.constant.copy()
+        for place, form in zip(places, self.surface.forms, strict=True):
+            for unknown, weight in form:
+                place[:d] += weight * x[unknown : unknown + d]
+        return places
+
+    def ease(self, model: Model) -> Array:
+        """How easily the vertices (n, 3) move: the inverse of their mass, nothing for what is held."""
+        if self.solid is None:
+            return np.zeros_like(self.surface.constant)
+        solid, nodes = self.solid, self.nodes
+        weight = solid.nodal_mass if solid.density > 0 else np.ones(solid.grid.n_nodes)
+        ease = np.tile(1 / weight[nodes][:, None], (1, 3))
+        ease[:, solid.dimension :] = 0.0
+        for c in model.components:
+            if isinstance(c, Support) and c.solid is solid:
+                held = c.holds()
+                directions = np.ones(3, dtype=bool) if held is None else held
+                ease[np.ix_(np.isin(nodes, c._chosen), directions)] = 0.0
+            elif isinstance(c, RigidCoupling) and c.solid is solid:
+                ease[np.isin(nodes, c._nodes)] = 0.0
+        return ease
+
+    def move(self, by: Array, model: Model) -> None:
+        """Move the nodes in the reference configuration by (n, 3)."""
+        solid = self.solid
+        if solid is None or not np.any(by):
+            return
+        points = solid.grid.points.copy()
+        points[self.nodes] += by[:, : solid.dimension]
+        solid.grid = replace(solid.grid, points=points).check()
+        solid.__dict__.pop("nodal_mass", None)
+        motion = solid.motion
+        motion.values[:], motion.rates[:] = points.ravel(), solid.initial_velocities().ravel()
+        model.refresh(motion)
+
+
+def sides_of(contact: Contact) -> Iterator[Side]:
+    """Both surfaces, or the only one."""
+    chosen = (
+        (contact._surface, contact.first, contact.first_faces),
+        (contact._facing, contact.second, contact.second_faces),
+    )
+    for surface, body, faces in chosen:
+        solid = body if isinstance(body, Solid) else None
+        nodes = np.zeros(0, dtype=int) if solid is None else solid.faces(faces).nodes
+        if surface is not None:
+            yield Side(surface, solid, nodes)
+
+
+def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> float:
+    """Move nodes of solids until no gap is negative; returns the longest way of a node.
+
+    It is the smallest move in the mean square, weighted by mass (without mass all nodes count the same), that opens
+    the gaps: ``min D.M D`` with ``Phi(X + D) >= 0``, by a sequence of linearised gaps. Components that supports hold
+    stay, and so do rigid bodies.
+
+    Raises
+    ------
+    InputError
+        If nodes would have to move farther than a facet's `size`, or gaps cannot be opened.
+    """
+    (x, _), sides = model.initial, list(sides_of(contact))
+    X = np.concatenate([side.positions(x) for side in sides])
+    ease = np.concatenate([side.ease(model) for side in sides]).ravel()
+    way, change = np.zeros_like(X), 0.0
+    depth, G, gap = linearised(gaps, X)
+    for _ in range(ROUNDS):
+        if max(depth.max(initial=0.0), change) <= RESOLVED * size:
+            break
+        last, way = way, smallest(G, G @ way.ravel() - gap, ease).reshape(X.shape)
+        change = float(np.abs(way - last).max())
+        depth, G, gap = linearised(gaps, X + way)
+    moved = float(np.linalg.norm(way, axis=1).max(initial=0.0))
+    if depth.max(initial=0.0) > RESOLVED * size or moved > size:
+        place = ", ".join(f"{c:.4g}" for c in X[int(np.argmax(depth))])
+        raise InputError(
+            f"{contact.label}: the overlap near ({place}) cannot be resolved by moving nodes by less than a facet's "
+            f"size, {size:.3g}; move one of the bodies, or free the nodes that supports hold there"
+        )
+    starts = np.cumsum([0, *(len(side.surface.forms) for side in sides)])
+    for side, begin, end in zip(sides, starts, starts[1:], strict=False):
+        side.move(way[begin:end], model)
+    return moved
+
+
+def linearised(gaps: _core.Gaps, X: Array) -> tuple[Array, sp.csr_array, Array]:
+    """Depths (n,) of overlaps, gradients (n, 3 n_vertices) of the gaps, and the gaps, both weighted by area."""
+    import scipy.sparse as sp
+
+    gap, area, rows, vertices, gradient = gaps.linearised(np.ascontiguousarray(X).ravel())
+    columns = 3 * vertices.astype(int)[:, None] + np.arange(3)
+    entries = (gradient, (np.repeat(rows.astype(int), 3), columns.ravel()))
+    depth = np.where(area > 0, -gap / np.where(area > 0, area, 1.0), 0.0)
+    return depth, sp.csr_array(entries, shape=(len(gap), X.size)), gap
+
+
+def smallest(G: sp.csr_array, least: Array, ease: Array) -> Array:
+    """The move (n,) with ``G d >= least`` for which the sum of d^2 / ease is smallest, by an active set."""
+    import scipy.sparse as sp
+    from scipy.sparse.linalg import spsolve
+
+    A = (G @ sp.diags_array(ease) @ G.T).tocsr()
+    A = A + sp.diags_array(np.where(A.diagonal() > 0, 1e-13 * A.diagonal().max(), 1.0))
+    pushed, force = least > 0, np.zeros(len(least))
+    for _ in range(50):
+        chosen = np.flatnonzero(pushed)
+        force[:] = 0.0
+        if len(chosen):
+            force[chosen] = spsolve(A[chosen][:, chosen].tocsc(), least[chosen])
+        missing = least - A @ force
+        wanted = np.where(pushed, force > 0, missing > 0)
+        if np.array_equal(wanted, pushed):
+            break
+        pushed = wanted
+    move: Array = ease * (G.T @ force)
+    return move
