@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
+from flow_parts import enclosed, stream, torus
 from instances.heat import Bar
 from instances.immersed import ImmersedSolid
 from instances.solid import Brick
@@ -607,6 +608,19 @@ CATALOGUE = [
     Entry("friction, penalty", lambda: thrown(enforcement="penalty", stiffness=60.0), MOMENTA, steps=20),
     Entry("friction in the plane", lambda: thrown(2), PLANE_MOMENTA, steps=30),
     Entry("friction in the plane, elastic", lambda: thrown(2, tangential="penalty"), PLANE_MOMENTA, 0.01, 40),
+    # fluids
+    *[
+        Entry(f"stream, {cell}", partial(stream, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8", "tet4", "hex27", "tet10")
+    ],
+    *[
+        Entry(f"enclosed flow, {cell}", partial(enclosed, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
+    ],
+    *[
+        Entry(f"periodic flow, {cell}", partial(torus, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6")
+    ],
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

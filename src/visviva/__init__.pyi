@@ -11,6 +11,9 @@ from .contact.probe import ContactArea, ContactForce, ContactGap, ContactPressur
 from .contact.tying import Tie
 from .eigenmodes import Modes, modes
 from .errors import InputError, RunError, VisvivaError
+from .flow.boundary import FluidTraction, FreeSlip, NoSlip, Outlet, VelocityBoundary
+from .flow.fluid import Fluid
+from .flow.probe import Divergence, FlowField, FlowForce, FlowRate
 from .formula import Formula
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
 from .joint.lower_pairs import (
@@ -124,16 +127,23 @@ __all__ = [
     "Displacement",
     "Distance",
     "DistributedCoupling",
+    "Divergence",
     "ElasticFoundation",
     "EnergyMomentum",
     "Extreme",
     "Faces",
     "FieldAt",
     "Fixed",
+    "FlowField",
+    "FlowForce",
+    "FlowRate",
+    "Fluid",
+    "FluidTraction",
     "FollowerForce",
     "FollowerTorque",
     "Force",
     "Formula",
+    "FreeSlip",
     "Gear",
     "GeneralizedAlpha",
     "GeneralizedForce",
@@ -160,9 +170,11 @@ __all__ = [
     "NeoHooke",
     "Newton",
     "NoEquilibrium",
+    "NoSlip",
     "Obstacle",
     "Offset",
     "Ogden",
+    "Outlet",
     "Planar",
     "Plane",
     "PointMass",
@@ -218,6 +230,7 @@ __all__ = [
     "UserTerm",
     "VariationalMidpoint",
     "Velocity",
+    "VelocityBoundary",
     "VisvivaError",
     "Yeoh",
     "arc_length",

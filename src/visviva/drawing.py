@@ -9,14 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from visviva.body.fields import quantity, smoothed
+from visviva.body.fields import QUANTITIES
 from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.contact import fields as of_contact
 from visviva.contact.contact import Contact
+from visviva.errors import InputError, nearest
+from visviva.flow.fields import FIELDS
 from visviva.form import Vector
 from visviva.measure import Position
 from visviva.mesh.cells import CELLS
+from visviva.meshed import Meshed
 from visviva.output.surface import Surface
 
 if TYPE_CHECKING:
@@ -33,11 +36,12 @@ class Drawing:
     Parameters
     ----------
     system : System
-        Every component with a `surface` is drawn, the cells of solids, and the `lines` of ropes and springs.
+        Every component with a `surface` is drawn, the cells of solids and fluids, and the `lines` of ropes and springs.
     spots : mapping
         Further single points by name.
     fields : sequence of str
-        Fields of solids to store, beside displacements, velocities and what contacts show; see `Solid.nodal`.
+        Fields of solids and fluids to store, beside displacements, velocities and what contacts show; see
+        `Solid.nodal` and `FlowField`.
 
     Attributes
     ----------
@@ -67,13 +71,13 @@ class Drawing:
     ) -> None:
         drawn = [(c, c.surface()) for c in system.components if isinstance(c, Attachable)]
         bodies = [(c, surface) for c, surface in drawn if surface is not None]
-        self._solids = [c for c in system.components if isinstance(c, Solid)]
+        self._meshes = [c for c in system.components if isinstance(c, Meshed)]
         named = list(named_lines(system))
-        taken = {str(c.name) for c in (*(c for c, _ in bodies), *self._solids)} | {name for name, _ in named}
+        taken = {str(c.name) for c in (*(c for c, _ in bodies), *self._meshes)} | {name for name, _ in named}
         free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
         self.surfaces = (
             *(Surface(str(c.name), points, triangles) for c, (points, triangles) in bodies),
-            *(filled(solid) for solid in self._solids),
+            *(filled(component) for component in self._meshes),
             *(Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named),
             *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
@@ -84,61 +88,75 @@ class Drawing:
         self._start = self.points(system.model.initial[0])
         self._contacts = [c for c in system.components if isinstance(c, Contact)]
         self._starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
-        starts = dict(zip(self._solids, self._starts[self._n_bodies :].tolist(), strict=False))
+        places = zip(self._meshes, self._starts[self._n_bodies :].tolist(), strict=False)
+        starts = {component: start for component, start in places if isinstance(component, Solid)}
         self._painting = of_contact.Painting(self._contacts, starts, int(self._starts[-1]))
         shown = [name for name in fields if self._painting.is_blank or name not in of_contact.FIELDS]
-        self._fields = {name: quantity(name)[0] for name in shown}
+        self.fields = self._known(shown)
+
+    def _known(self, fields: Sequence[str]) -> dict[str, int]:
+        """Those of the fields that some component has, with their numbers of components."""
+        everything = {*QUANTITIES, *FIELDS}
+        for name in fields:
+            if name not in everything:
+                raise InputError(f"there is no field {name!r}{nearest(name, everything)}")
+        found = [(name, c.widths()[name]) for name in fields for c in self._meshes if name in c.widths()]
+        return {name: width for name, width in found if name != "velocity"}
 
     @property
-    def has_solids(self) -> bool:
-        """Whether there is something that deforms."""
-        return bool(self._solids)
+    def stored(self) -> set[str]:
+        """Names of all that is stored of meshes."""
+        of_contacts = () if self._painting.is_blank else of_contact.FIELDS
+        return {*self.fields, *of_contacts, *(("velocity", "displacement") if self._meshes else ())}
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
-        return self._placed(self._map @ x + self._constant, [solid.positions(x) for solid in self._solids])
+        return self._placed(self._map @ x + self._constant, [c.positions(x) for c in self._meshes])
 
-    def velocities(self, v: Array) -> list[Array]:
-        """Velocities of the points of every surface at the rates `v`."""
-        return self._placed(self._map @ v, [solid.velocities(v) for solid in self._solids])
+    def velocities(self, x: Array, v: Array) -> list[Array]:
+        """Velocities of the points of every surface at the unknowns `x` and rates `v`."""
+        return self._placed(self._map @ v, [c.moving(x, v) for c in self._meshes])
 
     def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
-        """Stored quantities over the points of all surfaces, (n,) or (n, components); none without solids.
+        """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
 
         Displacements count from the start. Where a component has no such field, there is NaN. Contacts show their
         last step, or what they recorded then (see `Result.records`).
         """
-        if not self._solids:
+        if not self._meshes:
             return {}
         moved = [now - then for now, then in zip(self.points(x), self._start, strict=True)]
-        found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(v))}
-        parts = [smoothed(solid, tuple(self._fields), x) for solid in self._solids]
+        found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(x, v))}
         n = self._starts[-1]
-        for name, width in self._fields.items():
-            everywhere = np.full((n, width) if width > 1 else n, np.nan)
-            for start, part in zip(self._starts[self._n_bodies :], parts, strict=False):
-                everywhere[start : start + len(part[name])] = part[name]
-            found[name] = everywhere
+        for name, width in self.fields.items():
+            found[name] = np.full((n, width) if width > 1 else n, np.nan)
+        for component, start in zip(self._meshes, self._starts[self._n_bodies :], strict=False):
+            wide = component.widths()
+            own = [name for name, width in self.fields.items() if wide.get(name) == width]
+            for name, part in component.smoothed(own, x).items():
+                found[name][start : start + len(part)] = part
         if not self._painting.is_blank:
             shown = [c.record(x) for c in self._contacts] if records is None else records
             found |= self._painting.values(shown)
         return found
 
-    def _placed(self, mapped: Array, solids: list[Array]) -> list[Array]:
-        """Vectors at the points of every surface, from the mapped ones and those of the solids."""
+    def _placed(self, mapped: Array, meshes: list[Array]) -> list[Array]:
+        """Vectors at the points of every surface, from the mapped ones and those of the meshes."""
         values = mapped.reshape(-1, 3)
         n, m = 4 * self._n_bodies, 4 * self._n_bodies + 2 * self._n_lines
         moved = [
             s.points @ frame[1:] + frame[0]
             for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
         ]
-        return [*moved, *solids, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
+        return [*moved, *meshes, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
 
 
-def filled(solid: Solid) -> Surface:
-    """The cells of a solid at their reference positions."""
-    cells = solid.grid.cells
-    return Surface(str(solid.name), solid.points, list(cells.values()), [CELLS[name].vtk for name in cells])
+def filled(component: Meshed) -> Surface:
+    """The cells of a solid or fluid at their reference positions."""
+    cells = component.grid.cells
+    return Surface(
+        str(component.name), component.points, list(cells.values()), [CELLS[name].vtk for name in cells]
+    )
 
 
 def named_lines(system: System) -> Iterator[tuple[str, Line]]:
@@ -185,5 +203,5 @@ def trail_names(study: Study, drawing: Drawing) -> list[str]:
 
 
 def shown_field(study: Study, drawing: Drawing) -> str:
-    """The field by which pictures are coloured: the first of the study, if there are solids."""
-    return study.fields[0] if drawing.has_solids and study.fields else ""
+    """The field by which pictures are coloured: the first of the study that there is."""
+    return next((name for name in study.fields if name in drawing.stored), "")

@@ -303,7 +303,7 @@ class Automatic(LinearOptions):
         direct = Direct(threads=self.threads).choose(problem)
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
         first = []
-        if problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
+        if problem.symmetric and problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
             first.append(
                 Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW_SADDLE)
             )

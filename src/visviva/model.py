@@ -50,6 +50,8 @@ class Field:
     amount : bool
         Of order 1: whether the ledger counts what they store by itself (heat), not by half its square as for
         velocities. It decides what flows in through those that are held.
+    symmetric : bool
+        Whether the tangent is so, in statics at least; not where something is carried along.
     """
 
     component: Component
@@ -66,6 +68,7 @@ class Field:
     node: int = 1
     definite: bool = True
     amount: bool = True
+    symmetric: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
@@ -205,6 +208,7 @@ class Model:
         definite: bool = True,
         element: ArrayLike = (),
         amount: bool = True,
+        symmetric: bool = True,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -231,6 +235,7 @@ class Model:
             node,
             definite,
             amount,
+            symmetric,
             local,
         )
         self.fields.append(new)

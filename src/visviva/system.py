@@ -288,6 +288,7 @@ class System:
             return self.newton.null_space
         small = int(self.block_sizes.max()) <= 20 and not any(f.is_local for f in self.model.fields)
         others = any(a.kind in ("servo", "contact") for a in self.model.accounts)
+        others = others or not all(f.symmetric for f in self.model.fields)
         return small and not self.model.terms and not others and not self.model.dependences
 
     def choose_linear(self, *, inertia: bool = True) -> None:
@@ -310,12 +311,12 @@ class System:
         self.linear_explanation = choice.explanation
 
     def _linear_problem(self, inertia: bool) -> Problem:
-        """Tangents are taken to be symmetric and definite until the solver finds that they are not."""
+        """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
         fields = [f for f in self.model.fields if not f.is_local]
         return Problem(
             n=self.core.n_equations,
             n_entries=self.core.n_entries,
-            symmetric=True,
+            symmetric=all(f.symmetric for f in fields),
             definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints - self.core.n_eliminated,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
@@ -327,7 +328,7 @@ class System:
     def _modes(self) -> Array:
         """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
         parts = [
-            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order > 0 else None
+            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order == 2 else None
             for f in self.model.fields
         ]
         modes = np.zeros(

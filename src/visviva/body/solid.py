@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,16 +13,17 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.body import formulation as forms
 from visviva.body.element import geometry, masses, solid_rule
-from visviva.body.fields import Fields, at_nodes, evaluated, of_cells, quantity
+from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.formulation import Formulation
 from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
 from visviva.material.base import Material
-from visviva.mesh.faces import Faces
+from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
+from visviva.meshed import Meshed
 from visviva.values import Number, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ Plane = Literal["strain", "stress", "axisymmetric"]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Solid(Attachable):
+class Solid(Attachable, Meshed):
     """A body of finite elements, in the total Lagrangian description of the paper's section 2.2.
 
     Parameters
@@ -150,17 +151,7 @@ class Solid(Attachable):
         InputError
             If there is no such set, or none in it.
         """
-        if isinstance(chosen, Faces):
-            found = chosen
-        elif chosen == "all" and chosen not in self.grid.face_sets:
-            found = self.grid.boundary()
-        elif chosen in self.grid.node_sets and chosen not in self.grid.face_sets:
-            raise InputError(f"{self.label}: {chosen!r} is a set of nodes, but a set of faces is needed")
-        else:
-            found = self.grid.faces(chosen)
-        if found.n_faces == 0:
-            raise InputError(f"{self.label}: the set of faces {chosen!r} is empty")
-        return found
+        return chosen_faces(self.grid, chosen, self.label)
 
     # --- geometry ------------------------------------------------------------------------------------------
     @property
@@ -383,6 +374,15 @@ class Solid(Attachable):
     def velocities(self, v: Array) -> Array:
         """Velocities (n, 3) of the nodes at the rates `v` of the system."""
         return self.by_node(v)
+
+    def moving(self, x: Array, v: Array) -> Array:
+        return self.velocities(v)
+
+    def widths(self) -> Mapping[str, int]:
+        return {name: width for name, (width, _) in QUANTITIES.items()}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        return smoothed(self, tuple(names), x)
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.

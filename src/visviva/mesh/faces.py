@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.geometry import centres, equal_rows, volumes
+
+if TYPE_CHECKING:
+    from visviva.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +74,27 @@ class Faces:
             {name: nodes[cells] for name, cells in self.cells.items()},
             {name: owners[cells] for name, cells in self.owners.items()},
         )
+
+
+def chosen_faces(mesh: Mesh, chosen: str | Faces, label: str) -> Faces:
+    """Faces of a mesh by the name of their set, 'all' for the whole boundary, or as given.
+
+    Raises
+    ------
+    InputError
+        If there is no such set, or none in it; `label` says whose mesh it is.
+    """
+    if isinstance(chosen, Faces):
+        found = chosen
+    elif chosen == "all" and chosen not in mesh.face_sets:
+        found = mesh.boundary()
+    elif chosen in mesh.node_sets and chosen not in mesh.face_sets:
+        raise InputError(f"{label}: {chosen!r} is a set of nodes, but a set of faces is needed")
+    else:
+        found = mesh.faces(chosen)
+    if found.n_faces == 0:
+        raise InputError(f"{label}: the set of faces {chosen!r} is empty")
+    return found
 
 
 def union(parts: Iterable[Faces]) -> Faces:

@@ -1,0 +1,70 @@
+// Binding of fluids.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "flow/flow_term.hpp"
+#include "flow/open_term.hpp"
+#include "linear.hpp"
+
+namespace nb = nanobind;
+using namespace visviva;
+
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
+using Values = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+
+// The function writes `size` values at a time t. It is Python that owns it.
+static FlowLoad load_of(nb::object function, std::size_t size) {
+    return [f = nb::weakref(function), size](double t, double* values) {
+        nb::gil_scoped_acquire gil;
+        nb::object call = f();
+        if (call.is_none())
+            throw std::runtime_error("a load of a fluid was called after its system was released");
+        call(t, Values(values, {size}, nb::none()));
+    };
+}
+
+static int extent(const Doubles& a, std::size_t k) { return static_cast<int>(a.shape(k)); }
+
+void bind_flow(nb::module_& m) {
+    nb::class_<FlowTerm, Term>(m, "FlowTerm")
+        .def(
+            "__init__",
+            [](FlowTerm* t, double density, double viscosity, const Ints& index, const Doubles& N,
+               const Doubles& M, const Doubles& gradients, const Doubles& volume, const Doubles& positions,
+               nb::object metric) {
+                FlowData d{};
+                d.n = extent(volume, 0), d.n_points = extent(volume, 1), d.n_nodes = extent(N, 1),
+                d.n_pressures = extent(M, 1), d.dim = extent(gradients, 3);
+                d.density = density, d.viscosity = viscosity, d.index = index.data();
+                d.N = N.data(), d.M = M.data(), d.gradients = gradients.data(), d.volume = volume.data(),
+                d.positions = positions.data();
+                d.metric = metric.is_none() ? nullptr : nb::cast<Doubles>(metric).data();
+                new (t) FlowTerm(d);
+            },
+            nb::arg("density"), nb::arg("viscosity"), nb::arg("index"), nb::arg("N"), nb::arg("M"),
+            nb::arg("gradients"), nb::arg("volume"), nb::arg("positions"), nb::arg("metric").none())
+        .def("set_force",
+             [](FlowTerm& t, nb::object f, std::size_t size) { t.set_force(load_of(std::move(f), size)); })
+        .def("book_flow", [](FlowTerm& t, int owner, int kinetic, int viscosity, int stabilisation, int force,
+                             int continuation) {
+            t.owner = owner, t.kinetic_account = kinetic;
+            const int accounts[] = {viscosity, stabilisation, force, continuation};
+            std::copy(accounts, accounts + 4, t.work_account);
+        });
+    nb::class_<OpenTerm, Term>(m, "OpenTerm")
+        .def("__init__",
+             [](OpenTerm* t, double density, double viscosity, const Ints& index, const Doubles& N,
+                const Doubles& G, const Doubles& normal) {
+                 OpenData d{};
+                 d.n = extent(N, 0), d.n_points = extent(N, 1), d.n_nodes = extent(N, 2),
+                 d.dim = extent(G, 3);
+                 d.density = density, d.viscosity = viscosity, d.index = index.data();
+                 d.N = N.data(), d.G = G.data(), d.normal = normal.data();
+                 new (t) OpenTerm(d);
+             })
+        .def("set_load",
+             [](OpenTerm& t, nb::object f, std::size_t size) { t.set_load(load_of(std::move(f), size)); })
+        .def("book_open",
+             [](OpenTerm& t, int load, int flow) { t.load_account = load, t.flow_account = flow; });
+}

@@ -1,0 +1,310 @@
+"""Fluids: a mesh that stands still, and the velocities and pressures on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.component import settings
+from visviva.errors import InputError, RunError
+from visviva.flow.conditions import Conditions
+from visviva.flow.elements import STABILISED, Batch, adapted, pressure_numbers
+from visviva.flow.location import Location, Place
+from visviva.flow.periodic import numbering
+from visviva.load.force import guarded
+from visviva.load.gravity import Gravity
+from visviva.mesh.faces import Faces, chosen_faces
+from visviva.mesh.generate import MeshSource
+from visviva.mesh.mesh import Mesh
+from visviva.meshed import Meshed
+from visviva.values import Number, VectorOrFunction
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Pairs = tuple[tuple[str, str], ...]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Fluid(Meshed):
+    """An incompressible Newtonian fluid that fills a mesh, paper (24) to (30) and (43).
+
+    Parameters
+    ----------
+    mesh : Mesh, or a generator or file that gives one
+        Plane or three-dimensional; it does not move. Every face of its boundary needs a condition: `NoSlip`,
+        `VelocityBoundary`, `FreeSlip`, `Outlet` or `FluidTraction`, or to be periodic.
+    density, viscosity : float
+        Mass per volume and dynamic viscosity.
+    elements : {'Q2Q1', 'P2P1', 'Q1Q1', 'P1P1'}, optional
+        Degrees of velocity and pressure, on quadrilaterals and hexahedra (Q) or triangles and tetrahedra (P); quadratic
+        ones make linear meshes quadratic. By default what the cells are. Pairs of equal order are stabilised (SUPG,
+        PSPG, LSIC), see :doc:`/theory/flow`.
+    velocity : (3,), or a function of positions (n, 3) with values (n, 3)
+        At the start.
+    body_force : (3,) or callable
+        Force per volume, or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
+    periodic : pairs of str
+        Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
+
+    Notes
+    -----
+    Where no outlet fixes the level of the pressure, one of its unknowns is held, and `pressures` have the mean zero.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.RectangleMesh(size=(2, 1), counts=(8, 4), cell="quad9")
+    >>> water = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    >>> profile = lambda t, X: X[:, 1:2] * (1 - X[:, 1:2]) * [4, 0, 0]
+    >>> inlet = vv.VelocityBoundary(fluid=water, faces="x0", velocity=profile)
+    >>> walls = [vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1")]
+    >>> system = vv.System([water, inlet, *walls, vv.Outlet(fluid=water, faces="x1")])
+    >>> _ = vv.quasi_static(system, until=1.0, step=1.0)
+    >>> water.at([(1.0, 0.5)]).velocities(system.x).round(9).tolist()
+    [[1.0, 0.0, 0.0]]
+    """
+
+    mesh: Mesh | MeshSource
+    density: Number
+    viscosity: Number
+    elements: str | None = None
+    velocity: VectorOrFunction = (0.0, 0.0, 0.0)
+    body_force: VectorOrFunction = (0.0, 0.0, 0.0)
+    periodic: Pairs = ()
+
+    def __post_init__(self) -> None:
+        for name in ("density", "viscosity"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
+        self.grid = self._checked_mesh()
+        self._number, self._n_numbers = numbering(self.grid, self.periodic, self.label)
+        self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self._number)
+        self._gravity = np.zeros(3)
+        self._force = (
+            guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
+        )
+        start = self.force_at(0.0, self.points)
+        if self.dimension == 2 and np.any(start[:, 2] != 0):
+            raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
+
+    def _checked_mesh(self) -> Mesh:
+        try:
+            grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        if grid.dimension != grid.points.shape[1] or grid.dimension < 2:
+            raise InputError(
+                f"{self.label}: its mesh has cells of dimension {grid.dimension} in {grid.points.shape[1]} dimensions; "
+                "a fluid needs cells of volume, or plane cells with points (n, 2)"
+            )
+        return adapted(grid, self.elements, self.label)
+
+    # --- geometry ------------------------------------------------------------------------------------------
+    @property
+    def dimension(self) -> int:
+        """Of the mesh: 2 or 3."""
+        return self.grid.dimension
+
+    @property
+    def points(self) -> Array:
+        """Positions (n, 3) of the nodes."""
+        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
+
+    @property
+    def extent(self) -> float:
+        """Size of the mesh."""
+        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
+
+    @property
+    def is_stabilised(self) -> bool:
+        """Whether velocities and pressures are of equal order."""
+        return next(iter(self.grid.cells)) in STABILISED
+
+    @cached_property
+    def batches(self) -> list[Batch]:
+        """Elements by cell type."""
+        return [Batch(cell, self.grid.points, nodes) for cell, nodes in self.grid.cells.items()]
+
+    @property
+    def total_mass(self) -> float:
+        return self.density * self.grid.volume
+
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given."""
+        return chosen_faces(self.grid, chosen, self.label)
+
+    # --- forces --------------------------------------------------------------------------------------------
+    def force_at(self, time: float, X: Array) -> Array:
+        """Body force (n, 3) per volume at a time and positions (n, 3), gravity included."""
+        weight = self.density * self._gravity
+        if self._force is None:
+            return np.broadcast_to(self.body_force + weight, X.shape)
+        found = np.asarray(self._force(time, X), dtype=float)
+        if found.shape != X.shape or not np.isfinite(found).all():
+            raise RunError(
+                f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "
+                f"t = {time:g}"
+            )
+        return found + weight
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        self._gravity = self._gravity + np.asarray(acceleration, dtype=float)
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        self._gravity = np.zeros(3)
+        self.conditions = Conditions(self, model)
+        v = np.zeros((self._n_numbers, self.dimension))
+        v[self._number] = self.initial_velocities()
+        speed = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed) or 1.0
+        self.flow = model.field(
+            self, "velocity", v, order=1, amount=False, scale=speed, node=self.dimension, symmetric=False
+        )
+        self.pressure = model.field(
+            self,
+            "pressure",
+            np.zeros(self._n_pressures),
+            order=0,
+            stage=1,
+            multiplier=not self.is_stabilised,
+            definite=False,
+            symmetric=False,
+        )
+        if self.conditions.closed:
+            model.hold(self.pressure, [0])
+
+    def initial_velocities(self) -> Array:
+        """Velocities (n, d) of the nodes at the start."""
+        X = self.points
+        if callable(self.velocity):
+            v = np.array(self.velocity(X), dtype=float)
+            if v.shape != X.shape or not np.isfinite(v).all():
+                raise InputError(
+                    f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
+                    f"positions {X.shape}"
+                )
+        else:
+            v = np.tile(np.asarray(self.velocity, dtype=float), (len(X), 1))
+        if self.dimension == 2 and np.any(v[:, 2] != 0):
+            raise InputError(f"{self.label}: a plane fluid cannot flow out of its plane")
+        return v[:, : self.dimension]
+
+    def contribute(self, model: Model) -> None:
+        self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
+        for batch in self.batches:
+            model.batch(self._term(model, batch))
+
+    def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
+        """First unknown of the velocity of each node."""
+        return np.asarray(self.flow.start + self.dimension * self._number[np.asarray(nodes)], dtype=np.int32)
+
+    def pressure_unknowns(self, cell: str) -> NDArray[np.int32]:
+        """Unknowns (m, p) of the pressures at the corners of the elements of a cell type."""
+        return np.asarray(self.pressure.start + self.pressure_number[cell], dtype=np.int32)
+
+    def _term(self, model: Model, batch: Batch) -> _core.Term:
+        gradients, volume = batch.geometry()
+        index = np.hstack([self.node_unknowns(batch.nodes), self.pressure_unknowns(batch.cell)])
+        term = _core.FlowTerm(
+            self.density,
+            self.viscosity,
+            np.ascontiguousarray(index),
+            batch.N,
+            batch.M,
+            np.ascontiguousarray(gradients),
+            np.ascontiguousarray(volume),
+            np.ascontiguousarray(self.grid.points[batch.nodes]),
+            batch.metric(),
+        )
+        term.name = self.label
+        force = -1
+        if self.is_loaded(model):
+            load = self._loader(batch.places)
+            self._loads.append(load)
+            term.set_force(load, batch.places.size)
+            force = model.account(self, "body force", "work")
+        term.book_flow(
+            model.index(self),
+            model.account(self, "kinetic", "kinetic"),
+            model.account(self, "viscosity", "dissipation"),
+            model.account(self, "stabilisation", "dissipation") if self.is_stabilised else -1,
+            force,
+            model.account(self, "continuation", "work"),
+        )
+        return term
+
+    def is_loaded(self, model: Model) -> bool:
+        """Whether a force may act on its volume."""
+        weighing = any(isinstance(c, Gravity) for c in model.components)
+        return weighing or self._force is not None or bool(np.any(self.body_force))
+
+    def _loader(self, places: Array) -> Any:
+        d = self.dimension
+        X = np.pad(places.reshape(-1, d), ((0, 0), (0, 3 - d)))
+
+        def load(time: float, values: Array) -> None:
+            values[:] = self.force_at(time, X)[:, :d].ravel()
+
+        return load
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def velocities(self, x: Array) -> Array:
+        """Velocities (n, 3) of the nodes at the unknowns `x` of the system."""
+        d = self.dimension
+        v = x[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self._number]
+        return np.pad(v, ((0, 0), (0, 3 - d)))
+
+    def pressures(self, x: Array) -> Array:
+        """Pressures (n,) at the nodes; where nothing fixes their level, their mean over the fluid is zero."""
+        from visviva.flow.fields import nodal_pressures
+
+        return nodal_pressures(self, x)
+
+    def positions(self, x: Array) -> Array:
+        return self.points
+
+    def moving(self, x: Array, v: Array) -> Array:
+        return self.velocities(x)
+
+    def widths(self) -> Mapping[str, int]:
+        from visviva.flow.fields import widths
+
+        return widths(self)
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        from visviva.flow.fields import flow_field
+
+        return {name: flow_field(name)(self, x) for name in names}
+
+    @cached_property
+    def location(self) -> Location:
+        """Finds cells by places."""
+        return Location(self.grid)
+
+    def at(self, places: Any) -> Place:
+        """Where places (n, d) or (n, 3) are: their cells, and unknowns with weights that interpolate there.
+
+        Raises
+        ------
+        InputError
+            If a place is outside.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+        >>> air = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0, velocity=lambda X: X * [1, -1, 0])
+        >>> system = vv.System([air, vv.FluidTraction(fluid=air, faces="all", traction=(0, 0, 0))])
+        >>> air.at([(0.25, 0.6)]).velocities(system.x).round(9).tolist()
+        [[0.25, -0.6, 0.0]]
+        """
+        return Place(self, np.atleast_2d(np.asarray(places, dtype=float))[:, : self.dimension])

@@ -1,0 +1,191 @@
+"""Finding the cells that many places lie in, and the unknowns of a fluid with weights that interpolate there."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.fields import linear
+from visviva.errors import InputError
+from visviva.mesh.cells import CELLS, TETRAHEDRON, TRIANGLE, WEDGE, Cell
+from visviva.mesh.convert import cell_numbers
+from visviva.mesh.mesh import Mesh
+
+if TYPE_CHECKING:
+    from visviva.flow.fluid import Fluid
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TOLERANCE = 1e-8
+"""How far outside a cell, in its reference coordinates, a place still counts as inside."""
+NEAREST = 12
+"""So many cells whose centres are nearest are tried before all whose boxes hold a place."""
+
+
+def inverse(cell: Cell, corners: Array, x: Array) -> Array:
+    """Reference coordinates (n, d) of places (n, d) in cells with nodes (n, k, d); NaN where Newton fails."""
+    xi = np.tile(cell.centre, (len(x), 1))
+    for _ in range(30):
+        gap = x - np.einsum("nk,nkd->nd", cell.N(xi), corners)
+        J = np.einsum("nkd,nkj->ndj", corners, cell.dN(xi))
+        bad = ~(np.abs(np.linalg.det(J)) > 0) | (np.abs(xi).max(axis=1) > 10)
+        J[bad] = np.eye(x.shape[1])
+        step = np.linalg.solve(J, gap[:, :, None])[:, :, 0]
+        xi = np.where(bad[:, None], np.nan, xi + step)
+        if not np.any(np.abs(step[~bad]) > 1e-13):
+            break
+    return xi
+
+
+def outside(cell: Cell, xi: Array) -> Array:
+    """How far reference coordinates (n, d) are outside a cell (n,); negative inside."""
+    corners = np.array(cell.family.corners, dtype=float)
+    excess = np.maximum(corners.min(axis=0) - xi, xi - corners.max(axis=0)).max(axis=1)
+    flat = {id(TRIANGLE): 2, id(WEDGE): 2, id(TETRAHEDRON): 3}.get(id(cell.family), 0)
+    found: Array = np.maximum(excess, xi[:, :flat].sum(axis=1) - 1) if flat else excess
+    return found
+
+
+class Location:
+    """Search for cells of a mesh by places.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> search = Location(vv.RectangleMesh(size=(2, 1), counts=(2, 1)).build())
+    >>> search.find(np.array([(0.5, 0.5), (1.5, 0.25)]))[0].tolist()
+    [0, 1]
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        from scipy.spatial import cKDTree
+
+        self.mesh = mesh
+        self._tree = cKDTree(mesh.centres)
+        self._first = {name: int(rows[0]) for name, rows in cell_numbers(mesh.cells).items() if len(rows)}
+
+    @cached_property
+    def _boxes(self) -> tuple[Array, Array]:
+        corners = [self.mesh.points[rows] for rows in self.mesh.cells.values()]
+        low = np.concatenate([c.min(axis=1) for c in corners])
+        high = np.concatenate([c.max(axis=1) for c in corners])
+        margin = 0.1 * (high - low).max(axis=1, keepdims=True)
+        return low - margin, high + margin
+
+    def find(self, places: Array) -> tuple[Ints, Array]:
+        """Cells (n,), -1 outside of all, and reference coordinates (n, d) of places (n, d)."""
+        cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
+        k = min(NEAREST, self.mesh.n_cells)
+        _, near = self._tree.query(places, k=k)
+        near = np.reshape(near, (len(places), k))
+        for j in range(k):
+            lost = np.flatnonzero(cells < 0)
+            if len(lost) == 0:
+                return cells, xi
+            self._try(places, lost, near[lost, j], cells, xi)
+        low, high = self._boxes
+        for row in np.flatnonzero(cells < 0):
+            inside = np.flatnonzero(np.all((low <= places[row]) & (places[row] <= high), axis=1))
+            for cell in inside:
+                if cells[row] < 0:
+                    self._try(places, np.array([row]), np.array([cell]), cells, xi)
+        return cells, xi
+
+    def _try(self, places: Array, rows: Ints, candidates: Ints, cells: Ints, xi: Array) -> None:
+        """Enter the places `rows` that lie in their candidate."""
+        for name, first in self._first.items():
+            mine = (candidates >= first) & (candidates < first + len(self.mesh.cells[name]))
+            chosen, cell = rows[mine], CELLS[name]
+            if len(chosen) == 0:
+                continue
+            corners = self.mesh.points[self.mesh.cells[name][candidates[mine] - first]]
+            found = inverse(cell, corners, places[chosen])
+            hit = outside(cell, found) <= TOLERANCE
+            cells[chosen[hit]], xi[chosen[hit]] = candidates[mine][hit], found[hit]
+
+    def parts(self, cells: Ints) -> list[tuple[str, Ints, Ints]]:
+        """For each cell type: its name, which of the places lie in it, and the rows of their cells."""
+        found = []
+        for name, first in self._first.items():
+            mine = np.flatnonzero((cells >= first) & (cells < first + len(self.mesh.cells[name])))
+            found.append((name, mine, cells[mine] - first))
+        return found
+
+
+class Place:
+    """Places in a fluid.
+
+    Attributes
+    ----------
+    cells : int array (n,)
+        Cells they lie in, numbered through all types.
+    nodes, weights : arrays (n, k)
+        Nodes of these and the velocities' shape functions; what a type has less than another weighs nothing.
+    gradients : array (n, k, d)
+        Gradients of the same shape functions in space.
+    unknowns : int array (n, k)
+        First unknown of the velocity of each node.
+    pressure_unknowns, pressure_weights : arrays (n, p)
+        The same of the pressure.
+
+    Raises
+    ------
+    InputError
+        If a place is outside of the fluid.
+    """
+
+    def __init__(self, fluid: Fluid, places: Array) -> None:
+        self.fluid, self.places = fluid, places
+        self.cells, xi = fluid.location.find(places)
+        if np.any(self.cells < 0):
+            k = int(np.argmin(self.cells))
+            raise InputError(f"{fluid.label}: the place {places[k].tolist()} lies outside of its mesh")
+        n, d = places.shape
+        kinds = [CELLS[name] for name in fluid.grid.cells]
+        k, p = max(c.n_nodes for c in kinds), max(c.n_corners for c in kinds)
+        self.nodes, self.weights, self.gradients = (
+            np.zeros((n, k), int),
+            np.zeros((n, k)),
+            np.zeros((n, k, d)),
+        )
+        self.pressure_weights, self._pressures = np.zeros((n, p)), np.zeros((n, p), int)
+        for name, mine, rows in fluid.location.parts(self.cells):
+            self._fill(name, mine, rows, xi[mine])
+
+    def _fill(self, name: str, mine: Ints, rows: Ints, xi: Array) -> None:
+        cell, nodes = CELLS[name], self.fluid.grid.cells[name][rows]
+        k, p = nodes.shape[1], cell.n_corners
+        J = np.einsum("nkd,nkj->ndj", self.fluid.grid.points[nodes], cell.dN(xi))
+        self.nodes[mine, :k], self.weights[mine, :k] = nodes, cell.N(xi)
+        self.gradients[mine, :k] = cell.dN(xi) @ np.linalg.inv(J)
+        self.pressure_weights[mine, :p] = linear(cell).N(xi)
+        self._pressures[mine, :p] = self.fluid.pressure_number[name][rows]
+
+    @property
+    def unknowns(self) -> NDArray[np.int32]:
+        """First unknown (n, k) of the velocity of each node."""
+        return self.fluid.node_unknowns(self.nodes)
+
+    @property
+    def pressure_unknowns(self) -> NDArray[np.int32]:
+        """Unknowns (n, p) of the pressures."""
+        return np.asarray(self.fluid.pressure.start + self._pressures, dtype=np.int32)
+
+    def of_nodes(self, values: Array) -> Array:
+        """Values (n, ...) of nodal ones (n_nodes, ...)."""
+        return np.asarray(np.einsum("nk,nk...->n...", self.weights, values[self.nodes]))
+
+    def velocities(self, x: Array) -> Array:
+        """Velocities (n, 3) at the unknowns `x` of the system."""
+        return self.of_nodes(self.fluid.velocities(x))
+
+    def pressures(self, x: Array) -> Array:
+        """Pressures (n,) at the unknowns `x` of the system."""
+        from visviva.flow.fields import level
+
+        p = np.einsum("np,np->n", self.pressure_weights, x[self.pressure_unknowns])
+        return np.asarray(p - level(self.fluid, x))

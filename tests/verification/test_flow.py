@@ -1,0 +1,186 @@
+"""Flows with exact solutions: profiles to round-off, orders of convergence in space and time, decay of energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+
+def errors(fluid: vv.Fluid, x: Array, exact: Any) -> tuple[float, float]:
+    """L2 errors of velocity and pressure (less its mean), against a function of positions (n, 3)."""
+    v, total, size, parts = fluid.velocities(x), 0.0, 0.0, []
+    for batch in fluid.batches:
+        volume = batch.geometry()[1].ravel()
+        d = fluid.dimension
+        X = np.pad(batch.places.reshape(-1, d), ((0, 0), (0, 3 - d)))
+        u, p = exact(X)
+        found = np.einsum("qk,mki->mqi", batch.N, v[batch.nodes]).reshape(-1, 3)
+        total += volume @ np.sum((found - u) ** 2, axis=1)
+        unknown = x[fluid.pressure_unknowns(batch.cell)] @ batch.M.T
+        parts.append((volume, unknown.ravel() - p))
+        size += volume.sum()
+    mean = sum(w @ e for w, e in parts) / size
+    return float(np.sqrt(total)), float(np.sqrt(sum(w @ (e - mean) ** 2 for w, e in parts)))
+
+
+# --- Poiseuille ---------------------------------------------------------------------------------------------
+def channel(cell: str, **options: Any) -> tuple[vv.System, vv.Fluid]:
+    """A plane channel with a parabolic inflow and an outlet."""
+    mesh = vv.RectangleMesh(size=(3.0, 1.0), counts=(6, 3), cell=cell)
+    fluid = vv.Fluid(mesh=mesh, density=2.0, viscosity=0.05, **options)
+    inlet = vv.VelocityBoundary(fluid=fluid, faces="x0", velocity=parabola)
+    walls = [vv.NoSlip(fluid=fluid, faces=side) for side in ("y0", "y1")]
+    return vv.System([fluid, inlet, *walls, vv.Outlet(fluid=fluid, faces="x1", pressure=0.3)]), fluid
+
+
+def walls_of(fluid: vv.Fluid) -> Array:
+    return np.union1d(fluid.grid.nodes("y0"), fluid.grid.nodes("y1"))
+
+
+def parabola(t: float, X: Array) -> Array:
+    return 4 * X[:, 1:2] * (1 - X[:, 1:2]) * np.array([1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("cell", ["quad9", "tri6"])
+def test_poiseuille_is_exact(cell: str) -> None:
+    """Velocity quadratic, pressure linear: both are in the space of the elements, and the outlet does not disturb."""
+    system, fluid = channel(cell)
+    vv.quasi_static(system, until=1.0, step=1.0)
+    exact = parabola(0.0, fluid.points)
+    assert np.abs(fluid.velocities(system.x) - exact).max() < 1e-12
+    pressure = 0.3 + 8 * 0.05 * (3.0 - fluid.points[:, 0])
+    assert np.abs(fluid.pressures(system.x) - pressure).max() < 1e-11
+    # pressure and drag of the walls, and half the inlet's momentum flux, which the skew-symmetric form puts there
+    held = sum(vv.FlowForce(fluid=fluid, faces=side)(system)[0] for side in ("x0", "y0", "y1"))
+    corners = fluid.node_unknowns(np.intersect1d(fluid.grid.nodes("x0"), walls_of(fluid)))
+    held += system.holding_forces()[corners].sum()  # counted twice
+    assert held == pytest.approx(-0.3 - 2.0 * 4 / 15, rel=1e-12)
+    assert vv.FlowRate(fluid=fluid, faces="x1")(system) == pytest.approx(2 / 3, rel=1e-12)
+
+
+@pytest.mark.parametrize("cell", ["hex27", "tet10"])
+def test_flow_between_plates_in_space_is_exact(cell: str) -> None:
+    mesh = vv.BoxMesh(size=(2.0, 1.0, 1.0), counts=(2, 2, 1), cell=cell)
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    conditions = [
+        vv.VelocityBoundary(fluid=fluid, faces="x0", velocity=parabola),
+        *[vv.NoSlip(fluid=fluid, faces=side) for side in ("y0", "y1")],
+        *[vv.FreeSlip(fluid=fluid, faces=side) for side in ("z0", "z1")],
+        vv.Outlet(fluid=fluid, faces="x1"),
+    ]
+    system = vv.System([fluid, *conditions])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    assert np.abs(fluid.velocities(system.x) - parabola(0.0, fluid.points)).max() < 1e-12
+    assert np.abs(fluid.pressures(system.x) - 0.8 * (2.0 - fluid.points[:, 0])).max() < 1e-11
+
+
+def test_a_column_at_rest_carries_its_weight() -> None:
+    """Hydrostatics: no velocity, linear pressure; stabilised elements see the weight in their residual."""
+    for cell in ("quad4", "tri3", "quad9"):
+        fluid = vv.Fluid(
+            mesh=vv.RectangleMesh(size=(1, 2), counts=(3, 4), cell=cell), density=3.0, viscosity=0.1
+        )
+        system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -5, 0))])
+        vv.quasi_static(system, until=1.0, step=1.0)
+        assert np.abs(fluid.velocities(system.x)).max() < 1e-12
+        assert np.abs(fluid.pressures(system.x) - 15.0 * (1.0 - fluid.points[:, 1])).max() < 1e-11
+
+
+# --- Kovasznay 1948 -----------------------------------------------------------------------------------------
+RATE = 20 - np.sqrt(400 + 4 * np.pi**2)
+
+
+def kovasznay(X: Array) -> tuple[Array, Array]:
+    """Velocity (n, 3) and pressure (n,) behind a grid at the Reynolds number 40."""
+    x, y = X[:, 0], 2 * np.pi * X[:, 1]
+    u, v = 1 - np.exp(RATE * x) * np.cos(y), RATE / (2 * np.pi) * np.exp(RATE * x) * np.sin(y)
+    return np.stack([u, v, 0 * x], axis=1), 0.5 * (1 - np.exp(2 * RATE * x))
+
+
+def behind_a_grid(cell: str, n: int) -> tuple[float, float]:
+    """Errors of velocity and pressure on n rows of cells."""
+    mesh = vv.RectangleMesh(size=(1.5, 2.0), counts=(3 * n // 4, n), origin=(-0.5, -0.5), cell=cell)
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1 / 40)
+    around = vv.VelocityBoundary(fluid=fluid, faces="all", velocity=lambda t, X: kovasznay(X)[0])
+    system = vv.System([fluid, around])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    return errors(fluid, system.x, kovasznay)
+
+
+@pytest.mark.parametrize(
+    ("cell", "orders"), [("quad9", (3, 2)), ("tri6", (3, 2)), ("quad4", (1.6, 1.5)), ("tri3", (1.6, 1.5))]
+)
+def test_kovasznay_converges(cell: str, orders: tuple[float, float]) -> None:
+    """Quadratic velocities with h^3, linear pressures with h^2; stabilised pairs between 1.5 and 2."""
+    coarse, fine = behind_a_grid(cell, 16), behind_a_grid(cell, 32)
+    observed = np.log2(np.array(coarse) / fine)
+    assert np.all(observed > np.array(orders) - 0.1), f"orders {observed}"
+
+
+# --- Taylor & Green 1937 ------------------------------------------------------------------------------------
+TURN: Any = (("x0", "x1"), ("y0", "y1"))
+
+
+def eddies(t: float, nu: float) -> Any:
+    def exact(X: Array) -> tuple[Array, Array]:
+        x, y, f = X[:, 0], X[:, 1], np.exp(-2 * nu * t)
+        v = f * np.stack([np.cos(x) * np.sin(y), -np.sin(x) * np.cos(y), 0 * x], axis=1)
+        return v, -0.25 * f * f * (np.cos(2 * x) + np.cos(2 * y))
+
+    return exact
+
+
+def decaying(cell: str, n: int, nu: float) -> tuple[vv.System, vv.Fluid]:
+    mesh = vv.RectangleMesh(size=(2 * np.pi, 2 * np.pi), counts=(n, n), cell=cell)
+    start = eddies(0.0, nu)
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=nu, velocity=lambda X: start(X)[0], periodic=TURN)
+    return vv.System([fluid]), fluid
+
+
+@pytest.mark.parametrize("cell", ["quad9", "tri6"])
+def test_taylor_green_converges_in_space(cell: str) -> None:
+    found = []
+    for n in (6, 12):
+        system, fluid = decaying(cell, n, 0.1)
+        vv.simulate(system, until=0.5, step=0.025, scheme=vv.Midpoint())
+        found.append(errors(fluid, system.x, eddies(0.5, 0.1))[0])
+    assert np.log2(found[0] / found[1]) > 2.8
+
+
+@pytest.mark.parametrize(("scheme", "order"), [(vv.Midpoint(), 2), (vv.BackwardEuler(), 1)], ids=str)
+def test_taylor_green_converges_in_time(scheme: vv.Scheme, order: int) -> None:
+    """Against the same mesh with tiny steps; pressures of the midpoint rule belong to the middle of their step."""
+
+    def end(steps: int) -> Array:
+        system, fluid = decaying("quad9", 4, 0.4)
+        vv.simulate(system, until=1.0, step=1.0 / steps, scheme=scheme)
+        return fluid.velocities(system.x)
+
+    exact = end(160)
+    coarse, fine = (np.abs(end(n) - exact).max() for n in (5, 10))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize("cell", ["quad9", "tri6"])
+def test_without_viscosity_nearly_all_energy_stays(cell: str) -> None:
+    """On a coarse mesh at a Reynolds number of 1e8 energy neither grows nor decays but by viscosity."""
+    system, _ = decaying(cell, 4, 1e-8)
+    result = vv.simulate(system, until=5.0, step=0.25)
+    kinetic = result.ledger["kinetic"]
+    lost = kinetic[0] - kinetic
+    assert np.all(np.diff(lost) > 0)
+    assert lost[-1] < 1e-5
+    assert lost == pytest.approx(-result.ledger["work_viscosity"], abs=1e-12)
+
+
+def test_energy_of_eddies_decays_as_it_should() -> None:
+    system, _ = decaying("quad9", 24, 0.01)
+    result = vv.simulate(system, until=1.0, step=0.1)
+    assert result.ledger["kinetic"][-1] == pytest.approx(9.48261167717795, rel=2e-4)
