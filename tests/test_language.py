@@ -113,7 +113,26 @@ def bouncing() -> list[Component]:
     return [ball, plane, post, *contacts]
 
 
-MORE = [Entry(f.__name__, f, frozenset()) for f in (driven, servo, moved, touching, fastened, bouncing)]
+def flowing() -> list[Component]:
+    """A step in a channel: every condition of a fluid."""
+    water = vv.Fluid(
+        mesh=vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1), cell="hex27"),
+        density=1.0,
+        viscosity=0.1,
+        name="water",
+    )
+    return [
+        water,
+        vv.VelocityBoundary(fluid=water, faces="x0", velocity=("smoothstep(t)", 0, None)),
+        vv.Outlet(fluid=water, faces="x1", pressure="0.1*t"),
+        vv.FreeSlip(fluid=water, faces="y0"),
+        vv.NoSlip(fluid=water, faces="y1"),
+        *[vv.FluidTraction(fluid=water, faces=side, traction=(0, 0, 0.1)) for side in ("z0", "z1")],
+    ]
+
+
+ADDED = (driven, servo, moved, touching, fastened, bouncing, flowing)
+MORE = [Entry(f.__name__, f, frozenset()) for f in ADDED]
 TOLD = r"an object of Python, which no file can hold|is not part of visviva"
 
 
