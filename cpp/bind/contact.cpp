@@ -86,20 +86,6 @@ nb::tuple segment_points(const Skin& skin, const Doubles& X, const Ints& pairs, 
     return nb::make_tuple(copy_of(pair), copy_of(values));
 }
 
-std::vector<Dependence> dependences_of(const Ints& unknown, const Ints& multiplier, const Doubles& weight,
-                                       const Ints& first, const Ints& others, const Doubles& weights) {
-    std::vector<Dependence> all;
-    for (std::size_t k = 0; k < unknown.size(); ++k) {
-        const int begin = first.data()[k], end = first.data()[k + 1];
-        all.push_back({unknown.data()[k],
-                       multiplier.data()[k],
-                       weight.data()[k],
-                       {others.data() + begin, others.data() + end},
-                       {weights.data() + begin, weights.data() + end}});
-    }
-    return all;
-}
-
 // Gaps at positions of all vertices, weighted by area, the areas, and the gradients: of which gap, by which
 // vertex, three numbers each.
 nb::tuple linearised(Gaps& gaps, const Doubles& X) {
@@ -130,10 +116,6 @@ void bind_tying(nb::module_& m) {
             new (t) TieTerm({dim, vector_of<int>(first), vector_of<int>(unknown), vector_of<int>(multiplier),
                              vector_of<double>(weight)});
         });
-    m.def("set_dependences", [](System& s, const Ints& unknown, const Ints& multiplier, const Doubles& weight,
-                                const Ints& first, const Ints& others, const Doubles& weights) {
-        s.set_dependences(dependences_of(unknown, multiplier, weight, first, others, weights));
-    });
 }
 
 }  // namespace

@@ -347,6 +347,13 @@ static void bind_system(nb::module_& m) {
                      kinds.push_back(static_cast<Supply>(supply.data()[k]));
                  s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
+        .def("set_dependences",
+             [](System& s, const Ints& unknown, const Ints& multiplier) {
+                 std::vector<Dependence> all;
+                 for (std::size_t k = 0; k < unknown.size(); ++k)
+                     all.push_back({unknown.data()[k], multiplier.data()[k]});
+                 s.set_dependences(std::move(all));
+             })
         .def("memory",
              [](const System& s) {
                  auto* m = new std::vector<double>(s.memory());

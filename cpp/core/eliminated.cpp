@@ -15,23 +15,36 @@ Elimination::Elimination(const Csr& full, const std::vector<Dependence>& depende
     find_pattern();
 }
 
+std::int64_t Elimination::place(int row, int col) const {
+    const auto begin = full_->col.begin() + full_->row[row], end = full_->col.begin() + full_->row[row + 1];
+    const auto found = std::lower_bound(begin, end, col);
+    return found != end && *found == col ? found - full_->col.begin() : -1;
+}
+
 void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed) {
     enum : char { none, depends, supports };
-    std::vector<char> role(full_->n, none);
+    const Csr& f = *full_;
+    std::vector<char> role(f.n, none);
     for (const Dependence& d : dependences) {
-        Given g{full_->equation[d.unknown], full_->equation[d.multiplier], d.weight, {}, {}};
-        if (fixed[d.unknown] || g.equation < 0 || role[g.equation] != none) continue;
+        if (fixed[d.unknown]) continue;
+        const int unknown = f.equation[d.unknown], multiplier = f.equation[d.multiplier];
+        if (unknown < 0 || role[unknown] != none) continue;
+        const int begin = static_cast<int>(links_.size());
         bool chained = false;
-        for (std::size_t k = 0; k < d.others.size(); ++k) {
-            if (fixed[d.others[k]]) continue;
-            const int other = full_->equation[d.others[k]];
+        for (auto e = f.row[multiplier]; e < f.row[multiplier + 1]; ++e) {
+            const int other = f.col[e];
+            if (other == unknown || other == multiplier || fixed[f.unknown[other]]) continue;
             chained = chained || role[other] == depends;
-            g.others.push_back(other), g.factors.push_back(-d.weights[k] / d.weight);
+            links_.push_back({other, e, place(other, multiplier), 0, 0});
         }
-        if (chained) continue;
-        role[g.equation] = depends;
-        for (int other : g.others) role[other] = supports;
-        given_.push_back(std::move(g));
+        if (chained) {
+            links_.resize(begin);
+            continue;
+        }
+        role[unknown] = depends;
+        for (std::size_t k = begin; k < links_.size(); ++k) role[links_[k].other] = supports;
+        given_.push_back({unknown, multiplier, place(multiplier, unknown), place(unknown, multiplier), begin,
+                          static_cast<int>(links_.size())});
     }
 }
 
@@ -53,14 +66,14 @@ void Elimination::expand() {
     const Csr& f = *full_;
     parts_.resize(f.n), feeds_.resize(left_.n), plain_.assign(left_.n, 1);
     for (int i = 0; i < f.n; ++i)
-        if (kept_[i] >= 0) parts_[i] = {{kept_[i], 1.0}}, feeds_[kept_[i]] = {{i, 1.0}};
+        if (kept_[i] >= 0) parts_[i] = {{kept_[i], -1}}, feeds_[kept_[i]] = {{i, -1}};
     std::vector<char> is_given(f.n, 0);
     for (const Given& g : given_) {
         is_given[g.equation] = 1;
-        for (std::size_t k = 0; k < g.others.size(); ++k) {
-            const int other = kept_[g.others[k]];
-            parts_[g.equation].push_back({other, g.factors[k]});
-            feeds_[other].push_back({g.equation, g.factors[k]});
+        for (int k = g.begin; k < g.end; ++k) {
+            const int other = kept_[links_[k].other];
+            parts_[g.equation].push_back({other, k});
+            feeds_[other].push_back({g.equation, k});
             plain_[other] = 0;
         }
     }
@@ -90,9 +103,18 @@ void Elimination::find_pattern() {
     values_.resize(left_.col.size()), place_.assign(left_.n, -1);
 }
 
+void Elimination::read_factors() {
+    for (const Given& g : given_)
+        for (int k = g.begin; k < g.end; ++k) {
+            links_[k].moves = -full_values_[links_[k].row] / full_values_[g.row];
+            links_[k].loads = -full_values_[links_[k].col] / full_values_[g.col];
+        }
+}
+
 bool Elimination::eliminate(const double* values) {
     const Csr& f = *full_;
     full_values_ = values;
+    read_factors();
     double* to = values_.data();
     for (int k = 0; k < left_.n; ++k, to = values_.data() + left_.row[k]) {
         if (plain_[k]) {
@@ -106,7 +128,7 @@ bool Elimination::eliminate(const double* values) {
         for (const Part& feed : feeds_[k])
             for (auto e = f.row[feed.equation]; e < f.row[feed.equation + 1]; ++e)
                 for (const Part& p : parts_[f.col[e]])
-                    values_[place_[p.equation]] += feed.factor * p.factor * values[e];
+                    values_[place_[p.equation]] += loads(feed) * moves(p) * values[e];
     }
     return true;
 }
@@ -117,20 +139,21 @@ double Elimination::along(int row, const std::vector<double>& d) const {
     return sum;
 }
 
-// With dx = T dx_left + own: r_left = T^T (r + K own)
+// With dx = T dx_left + own: r_left = L^T (r + K own)
 void Elimination::condense(std::vector<double>& r) {
-    for (const Given& g : given_) own_[g.equation] = -r[full_->unknown[g.multiplier]] / g.weight;
-    for (int i : touched_) r[full_->unknown[i]] += along(i, own_);
+    const Csr& f = *full_;
+    for (const Given& g : given_) own_[g.equation] = -r[f.unknown[g.multiplier]] / full_values_[g.row];
+    for (int i : touched_) r[f.unknown[i]] += along(i, own_);
     for (const Given& g : given_)
-        for (std::size_t k = 0; k < g.others.size(); ++k)
-            r[full_->unknown[g.others[k]]] += g.factors[k] * r[full_->unknown[g.equation]];
+        for (int k = g.begin; k < g.end; ++k)
+            r[f.unknown[links_[k].other]] += links_[k].loads * r[f.unknown[g.equation]];
 }
 
 void Elimination::recover(const double* r, double* d) const {
     const Csr& f = *full_;
     for (const Given& g : given_) {
         double sum = own_[g.equation];
-        for (std::size_t k = 0; k < g.others.size(); ++k) sum += g.factors[k] * d[f.unknown[g.others[k]]];
+        for (int k = g.begin; k < g.end; ++k) sum += links_[k].moves * d[f.unknown[links_[k].other]];
         d[f.unknown[g.equation]] = sum;
         d[f.unknown[g.multiplier]] = 0;
     }
@@ -139,7 +162,7 @@ void Elimination::recover(const double* r, double* d) const {
         const int i = given_[k].equation;
         double sum = r[f.unknown[i]];
         for (auto e = f.row[i]; e < f.row[i + 1]; ++e) sum += full_values_[e] * d[f.unknown[f.col[e]]];
-        lambda[k] = -sum / given_[k].weight;
+        lambda[k] = -sum / full_values_[given_[k].col];
     }
     for (std::size_t k = 0; k < given_.size(); ++k) d[f.unknown[given_[k].multiplier]] = lambda[k];
 }

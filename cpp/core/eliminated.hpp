@@ -1,16 +1,15 @@
-// Unknowns that constant linear constraints give by others (the nodes of a tied surface) leave the equations
-// together with the constraints' multipliers: with dx = T dx_left what is left is T^T K T.
+// Unknowns that linear constraints give by others (the nodes of a tied surface, those of an immersed solid)
+// leave the equations together with the constraints' multipliers. The multiplier's row tells how they move,
+// dx = T dx_left, its column where the forces on them go; what is left is L^T K T, with L = T where the
+// column is the row.
 #pragma once
 #include "linear.hpp"
 
 namespace visviva {
 
-/// weight * x[unknown] + sum of weights * x[others] = 0, the multiplier's column being this row.
+/// An unknown that the constraint of a multiplier gives.
 struct Dependence {
     int unknown, multiplier;
-    double weight;
-    std::vector<int> others;
-    std::vector<double> weights;
 };
 
 class Elimination {
@@ -35,17 +34,26 @@ class Elimination {
   private:
     struct Part {
         int equation;  // of what is left
-        double factor;
+        int link;      // factors, or -1 for one
+    };
+    // From a given unknown to one of those it moves with.
+    struct Link {
+        int other;              // equation of the full system
+        std::int64_t row, col;  // places of the constraint's weights
+        double moves, loads;    // factors in T and L
     };
     struct Given {
         int equation, multiplier;  // of the full system
-        double weight;
-        std::vector<int> others;  // equations of the full system
-        std::vector<double> factors;
+        std::int64_t row, col;     // places of its own weights in the constraint
+        int begin, end;            // links
     };
     void choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed);
     void number();
     void expand();
+    void read_factors();
+    double moves(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].moves; }
+    double loads(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].loads; }
+    std::int64_t place(int row, int col) const;
     void find_pattern();
     double along(int row, const std::vector<double>& d) const;
 
@@ -53,8 +61,9 @@ class Elimination {
     Csr left_;
     std::vector<int> kept_;  // full equation -> equation of what is left, or -1
     std::vector<Given> given_;
+    std::vector<Link> links_;
     std::vector<std::vector<Part>> parts_;  // full equation -> what it moves with; empty: a multiplier
-    std::vector<std::vector<Part>> feeds_;  // equation of what is left <- full equations and factors
+    std::vector<std::vector<Part>> feeds_;  // equation of what is left <- full equations
     std::vector<char> plain_;               // ... whether its row is copied as it is
     std::vector<int> touched_;              // full equations that couple with given unknowns
     std::vector<double> values_, own_;      // own_: what given unknowns move by themselves, by equation

@@ -47,7 +47,7 @@ class System {
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
     // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
     void set_local(std::vector<int> element) { element_ = std::move(element); }
-    // Unknowns that constant linear constraints give by others; see Elimination.
+    // Unknowns that linear constraints give by others; see Elimination.
     void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();

@@ -171,7 +171,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
-    dependences: list[tuple[int, int, float, Array, Array]] = field(default_factory=list)
+    dependences: list[tuple[int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -396,12 +396,12 @@ class Model:
             account = self.account(component, "servo", "work")
         self._element(component, strains, law, numbers, signals, account, shift)
 
-    def depend(self, unknown: int, multiplier: int, weight: float, others: Array, weights: Array) -> None:
-        """Let an unknown leave the equations with the multiplier of ``weight x[unknown] + weights . x[others] = 0``.
+    def depend(self, unknown: int, multiplier: int) -> None:
+        """Let an unknown leave the equations with a multiplier whose constraint, linear in it, gives it by others.
 
-        The constraint must be that of a term of its own, with constant weights in rows and columns.
+        The constraint must be that of a term of its own, and linear in the multiplier too.
         """
-        self.dependences.append((unknown, multiplier, weight, others, weights))
+        self.dependences.append((unknown, multiplier))
 
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""

@@ -235,20 +235,11 @@ class System:
         self.choose_linear(inertia=self.has_inertia)
 
     def _set_dependences(self) -> None:
-        """What constant constraints give leaves the equations, unless rigid bodies are eliminated block by block."""
+        """What linear constraints give leaves the equations, unless rigid bodies are eliminated block by block."""
         listed = self.model.dependences
         if not listed or self.newton.null_space:
             return
-        unknown, multiplier, weight, others, weights = zip(*listed, strict=True)
-        _core.set_dependences(
-            self.core,
-            np.array(unknown, dtype=np.int32),
-            np.array(multiplier, dtype=np.int32),
-            np.array(weight),
-            np.cumsum([0, *map(len, others)], dtype=np.int32),
-            np.concatenate(others).astype(np.int32),
-            np.concatenate(weights),
-        )
+        self.core.set_dependences(*np.array(listed, dtype=np.int32).T.copy())
 
     def _blocks(self) -> tuple[NDArray[np.int32], ...]:
         numbers: dict[Any, int] = {}

@@ -228,16 +228,9 @@ class Tie(Component):
         book(term, [model.account(self, "constraint", "constraint")], [model.index(self)], 1)
         model.batch(term)
         if self.multipliers == "dual":
-            self._eliminate(model, rows, unknown, number)
-
-    def _eliminate(self, model: Model, rows: sp.csr_array, unknown: Ints, number: Ints) -> None:
-        own = np.flatnonzero(self._active.any(axis=1))
-        for k, (begin, end) in enumerate(zip(rows.indptr[:-1], rows.indptr[1:], strict=True)):
-            columns, weights = rows.indices[begin:end], rows.data[begin:end]
-            mine = columns == own[k]
-            others, factors, weight = unknown[columns[~mine]], weights[~mine], float(weights[mine][0])
-            for i in np.flatnonzero(number[k] >= 0):
-                model.depend(int(unknown[own[k]] + i), int(number[k, i]), weight, others + int(i), factors)
+            unknowns = self.first.node_unknowns(self._nodes)[:, None] + np.arange(self.first.dimension)
+            for pair in zip(unknowns[self._active], self._number[self._active], strict=True):
+                model.depend(*map(int, pair))
 
     # --- results --------------------------------------------------------------------------------------------
     def forces(self, x: Array) -> Array:
