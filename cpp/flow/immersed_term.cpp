@@ -1,0 +1,99 @@
+#include "immersed_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace visviva {
+
+ImmersedTerm::ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate)
+    : nodes_(std::move(nodes)), interpolate_(std::move(interpolate)) {
+    const std::size_t n = static_cast<std::size_t>(nodes_.n());
+    unknown_.assign(n * nodes_.width, -1), weight_.assign(unknown_.size(), 0.0);
+    start_.assign(n * nodes_.dim, 0.0), places_ = start_;
+}
+
+template <class F>
+void ImmersedTerm::each(F f) const {
+    for (int k = 0; k < nodes_.n(); ++k)
+        for (int i = 0; i < nodes_.dim; ++i)
+            f(k * nodes_.dim + i, nodes_.position[k] + i, nodes_.multiplier[k] + i, k * nodes_.width, i);
+}
+
+double ImmersedTerm::velocity(const double* v, int first, int i) const {
+    double sum = 0;
+    for (int e = first; e < first + nodes_.width; ++e) sum += weight_[e] * v[unknown_[e] + i];
+    return sum;
+}
+
+double ImmersedTerm::velocity_at(const Context& c, int first, int i) const {
+    const double v0 = velocity(c.vectors.x0, first, i), v1 = velocity(c.vectors.x1, first, i);
+    return v0 + c.step.theta * (v1 - v0);
+}
+
+// Interpolation in the middle of the predicted step keeps the second order, and makes the motion linear in the
+// velocities. It stays through all iterations and attempts of a step.
+bool ImmersedTerm::search(const double* x0, const double* x1) {
+    bool same = true, moves = false;
+    each([&](int k, int q, int, int, int) {
+        same = same && start_[k] == x0[q];
+        moves = moves || x1[q] != x0[q];
+    });
+    if (unknown_[0] >= 0 && same && (ahead_ || !moves)) return false;
+    ahead_ = moves;
+    each([&](int k, int q, int, int, int) { start_[k] = x0[q], places_[k] = 0.5 * (x0[q] + x1[q]); });
+    const std::vector<int> before = unknown_;
+    interpolate_(places_.data(), unknown_.data(), weight_.data());
+    return unknown_ != before;
+}
+
+void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+    if (unknown_[0] < 0) return;
+    each([&](int, int q, int m, int first, int i) {
+        entries.emplace_back(m, q), entries.emplace_back(q, m);
+        for (int e = first; e < first + nodes_.width; ++e)
+            entries.emplace_back(m, unknown_[e] + i), entries.emplace_back(unknown_[e] + i, m);
+    });
+}
+
+std::int64_t ImmersedTerm::n_entries() const {
+    return unknown_[0] < 0 ? 0 : 2L * nodes_.n() * nodes_.dim * (1 + nodes_.width);
+}
+
+void ImmersedTerm::set_positions(const std::int64_t* positions) {
+    position_.assign(positions, positions + n_entries());
+}
+
+void ImmersedTerm::residual(const Context& c, double* r) {
+    const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
+    each([&](int, int q, int m, int first, int i) {
+        r[m] += x1[q] - x0[q] - c.step.h * velocity_at(c, first, i);
+        r[q] += x1[m];
+        for (int e = first; e < first + nodes_.width; ++e) r[unknown_[e] + i] -= weight_[e] * x1[m];
+    });
+}
+
+void ImmersedTerm::tangent(const Context& c, double* values) {
+    std::size_t at = 0;
+    const double h = c.step.h * c.step.theta;
+    each([&](int, int, int, int first, int) {
+        values[position_[at++]] += 1, values[position_[at++]] += 1;
+        for (int e = first; e < first + nodes_.width; ++e) {
+            values[position_[at++]] -= h * weight_[e];
+            values[position_[at++]] -= weight_[e];
+        }
+    });
+}
+
+// What the fluid does on the solid and the solid on the fluid; the defect is how far nodes have moved otherwise.
+void ImmersedTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
+    double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
+    const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
+    each([&](int, int q, int m, int first, int i) {
+        const double apart = x1[q] - x0[q] - c.step.h * velocity_at(c, first, i);
+        sums.work[account[0]] -= x1[m] * apart;
+        defect[0] = std::max(defect[0], std::abs(apart));
+        defect[1] = std::max(defect[1], std::abs(v1[q] - velocity(x1, first, i)));
+    });
+}
+
+}  // namespace visviva

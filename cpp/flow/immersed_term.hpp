@@ -1,0 +1,49 @@
+// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I v_theta. The
+// multipliers are the forces that the fluid passes on to the solid.
+#pragma once
+#include <functional>
+
+#include "core/term.hpp"
+
+namespace visviva {
+
+/// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their weights.
+using Interpolation = std::function<void(const double* places, int* unknown, double* weight)>;
+
+/// Nodes: first unknowns of their positions and multipliers; each follows `width` velocities.
+struct ImmersedNodes {
+    int dim, width;
+    std::vector<int> position, multiplier;
+    int n() const { return static_cast<int>(position.size()); }
+};
+
+class ImmersedTerm : public Term {
+  public:
+    ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate);
+
+    bool search(const double* x0, const double* x1) override;
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override;
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+
+  private:
+    /// f(number of the component, unknown of its position, multiplier, first velocity, component)
+    template <class F>
+    void each(F f) const;
+    double velocity(const double* v, int first, int i) const;
+    double velocity_at(const Context&, int first, int i) const;
+    void place(const double* x0, const double* x1);
+
+    ImmersedNodes nodes_;
+    Interpolation interpolate_;
+    std::vector<int> unknown_;    // [node][width] first unknowns of velocities
+    std::vector<double> weight_;  // [node][width]
+    std::vector<double> start_, places_;
+    bool ahead_ = false;  // whether the places were those of a predicted motion
+    std::vector<std::int64_t> position_;
+};
+
+}  // namespace visviva

@@ -1,0 +1,190 @@
+"""Solids that are carried along by the fluid around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.batch import book
+from visviva.body.element import masses
+from visviva.body.solid import Solid
+from visviva.component import Component, settings
+from visviva.errors import InputError, RunError, VisvivaError
+from visviva.flow.fluid import Fluid
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Immersed(Component):
+    """A solid within a fluid: its nodes move with the interpolated velocity, paper (31) to (44).
+
+    Parameters
+    ----------
+    solid : Solid
+        Of any material, with its own density. It starts with the velocities of the fluid.
+    fluid : Fluid
+        It also fills the place of the solid.
+
+    Raises
+    ------
+    InputError
+        If a node of the solid lies outside of the fluid, or the dimensions differ.
+    RunError
+        If a node leaves the fluid later.
+
+    Notes
+    -----
+    The nodes follow ``q1 - q0 = h I v_m`` (34), with the interpolation ``I`` taken in the middle of the predicted
+    step: linear in the velocities and of second order. The forces of the solid go onto the fluid by the transpose,
+    so that the power is the same on both sides, and momenta and energy balance exactly.
+
+    The solid replaces the inertia and weight of the fluid it displaces, ``(rho_s - rho_f)`` of (39). Its stress is
+    added to that of the fluid: inside, the material is visco-elastic with the viscosity of the fluid, and the pressure
+    keeps its volume. Nodes that a support holds do not follow the fluid (35).
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> box = vv.RectangleMesh(size=(1, 1), counts=(8, 8), cell="quad4")
+    >>> flow = vv.Fluid(mesh=box, density=1.0, viscosity=0.1, velocity=lambda X: [1, -1, 0] * (X - [0.5, 0.5, 0]))
+    >>> patch = vv.RectangleMesh(size=(0.2, 0.2), counts=(2, 2), origin=(0.4, 0.4))
+    >>> soft = vv.Solid(mesh=patch, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
+    >>> around = vv.VelocityBoundary(fluid=flow, faces="all", velocity=lambda t, X: [1, -1, 0] * (X - [0.5, 0.5, 0]))
+    >>> system = vv.System([flow, around, soft, vv.Immersed(solid=soft, fluid=flow)])
+    >>> soft.velocities(system.v)[0].round(9).tolist()
+    [-0.1, 0.1, 0.0]
+    """
+
+    solid: Solid
+    fluid: Fluid
+
+    def __post_init__(self) -> None:
+        if self.solid.dimension != self.fluid.dimension:
+            raise InputError(
+                f"{self.label}: {self.solid.label} is of dimension {self.solid.dimension} and {self.fluid.label} of "
+                f"dimension {self.fluid.dimension}"
+            )
+        if self.solid.axisymmetric or self.solid.plane == "stress":
+            raise InputError(f"{self.label}: {self.solid.label} must be in plane strain, as the fluid is")
+        if np.any(self.solid.velocity) or np.any(self.solid.angular_velocity):
+            raise InputError(
+                f"{self.label}: {self.solid.label} starts with the velocity of {self.fluid.label}; leave out its own"
+            )
+        if self.solid.thickness != 1.0:
+            raise InputError(f"{self.label}: {self.solid.label} must have the thickness 1 of a plane fluid")
+
+    # --- part in the system ---------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        model.index(self.solid), model.index(self.fluid)
+        self.force = model.multipliers(self, "force", self.solid.dimension * self.solid.grid.n_nodes)
+
+    def contribute(self, model: Model) -> None:
+        d, motion = self.solid.dimension, self.solid.motion
+        places = self.fluid.at(self._inside(self.solid.grid.points, InputError))
+        motion.rates[:] = places.of_nodes(self.fluid.initial_velocities()).ravel()
+        model.refresh(motion)
+        follows = ~motion.fixed
+        model.hold(self.force, np.flatnonzero(~follows))
+        self._nodes = np.flatnonzero(follows.reshape(-1, d).any(axis=1))
+        self._find = self._finder()  # the core does not keep it alive
+        term = _core.ImmersedTerm(
+            d,
+            places.weights.shape[1],
+            self.solid.node_unknowns(self._nodes),
+            np.asarray(self.force.start + d * self._nodes, dtype=np.int32),
+            self._find,
+        )
+        term.name = self.label
+        book(term, [model.account(self, "constraint", "constraint")], [model.index(self)], 1)
+        model.batch(term)
+        for k in np.flatnonzero(follows):
+            model.depend(int(motion.start + k), int(self.force.start + k))
+        self._displace(model)
+
+    def _finder(self) -> Callable[[Array], tuple[Ints, Array]]:
+        def find(places: Array) -> tuple[Ints, Array]:
+            found = self.fluid.at(self._inside(places, RunError))
+            return np.ascontiguousarray(found.unknowns), found.weights
+
+        return find
+
+    def _inside(self, places: Array, error: type[VisvivaError]) -> Array:
+        cells, _ = self.fluid.location.find(places)
+        if np.any(cells < 0):
+            k = int(np.argmin(cells))
+            where = ", ".join(f"{c:.4g}" for c in places[k])
+            raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where})")
+        return places
+
+    # --- the fluid that is not there --------------------------------------------------------------------------
+    def _masses(self, cell: str) -> Array:
+        """Masses (m, pairs) of fluid in the elements of the solid, negative."""
+        return -masses(
+            self.solid.grid.points,
+            self.solid.grid.cells[cell],
+            cell,
+            self.fluid.density,
+            lumped=self.solid.lumped,
+        )
+
+    def _displace(self, model: Model) -> None:
+        d, account = self.solid.dimension, model.account(self, "displaced", "kinetic")
+        for cell, nodes in self.solid.grid.cells.items():
+            n, k = nodes.shape
+            a, b = np.triu_indices(k)
+            off = a != b
+            mass = self._masses(cell)
+            term = _core.InertiaTerm(
+                2,
+                k,
+                d,
+                np.concatenate([np.column_stack([a, b]), np.column_stack([b, a])[off]]).astype(np.int32),
+                np.ascontiguousarray(np.hstack([mass, mass[:, off]]).T),
+                np.ascontiguousarray(
+                    (self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)).reshape(n, -1).T, dtype=np.int32
+                ),
+                np.ones(k, dtype=np.int32),
+            )
+            book(term, [account] * n, [model.index(self)] * n, n)
+            model.batch(term)
+
+    @property
+    def total_mass(self) -> float:
+        return -self.fluid.density * self.solid.grid.volume
+
+    def mass_moment(self, x: Array) -> Array:
+        return np.asarray(self._nodal_mass @ self.solid.positions(x))
+
+    @cached_property
+    def _nodal_mass(self) -> Array:
+        total = np.zeros(self.solid.grid.n_nodes)
+        for cell, nodes in self.solid.grid.cells.items():
+            m = self._masses(cell)
+            for pair, (a, b) in enumerate(zip(*np.triu_indices(nodes.shape[1]), strict=True)):
+                np.add.at(total, nodes[:, a], m[:, pair])
+                if a != b:
+                    np.add.at(total, nodes[:, b], m[:, pair])
+        return total
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        force = self._nodal_mass[:, None] * np.asarray(acceleration)[None, : self.solid.dimension]
+        nodes = np.arange(len(force))
+        model.dead_forces(self, "gravity", self.solid.node_unknowns(nodes), force)
+
+    # --- results ----------------------------------------------------------------------------------------------
+    def forces(self, x: Array) -> Array:
+        """Forces (n, 3) of the fluid on the nodes of the solid at the unknowns `x` of the system."""
+        d = self.solid.dimension
+        force = -x[self.force.start : self.force.start + self.force.size].reshape(-1, d)
+        return np.pad(force, ((0, 0), (0, 3 - d)))
