@@ -18,15 +18,17 @@ std::vector<T> vector_of(const Array<T>& a) {
     return {a.data(), a.data() + a.size()};
 }
 
-// The function takes places (n, dim) and returns unknowns and weights (n, width). It is Python that owns it.
+// The function takes places (n, dim) and whether they must be inside, and returns unknowns and weights (n,
+// width). It is Python that owns it.
 Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t dim, std::size_t width) {
-    return [f = nb::weakref(function), n, dim, width](const double* places, int* unknown, double* weight) {
+    return [f = nb::weakref(function), n, dim, width](const double* places, bool must, int* unknown,
+                                                      double* weight) {
         nb::gil_scoped_acquire gil;
         nb::object call = f();
         if (call.is_none())
             throw std::runtime_error("an immersed solid was asked after its system was released");
         auto found = nb::cast<nb::tuple>(
-            call(nb::ndarray<nb::numpy, const double>(places, {n, dim}, nb::none())));
+            call(nb::ndarray<nb::numpy, const double>(places, {n, dim}, nb::none()), must));
         const auto unknowns = nb::cast<Array<int>>(found[0]);
         const auto weights = nb::cast<Array<double>>(found[1]);
         if (unknowns.size() != n * width || weights.size() != n * width)

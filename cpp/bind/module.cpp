@@ -211,6 +211,7 @@ static void bind_terms(nb::module_& m) {
     bind_solid(m);
     bind_contact(m);
     bind_flow(m);
+    bind_immersed(m);
     nb::class_<CallbackTerm, Term>(m, "CallbackTerm")
         .def("__init__", [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
                             nb::object ledger, nb::object accept) {

@@ -69,7 +69,7 @@ void Extrapolation::push(const double* x) {
         if (error[k] < least) least = error[k], order_ = k + 1, alternates_ = false;
         if (alternating[k] < least) least = alternating[k], order_ = k, alternates_ = true;
     }
-    if (known_ < 3) order_ = known_ + 1, alternates_ = false;  // too little to choose from
+    if (known_ < 3) order_ = 1, alternates_ = false;  // too little to choose from
     known_ = std::min(known_ + 1, most);
 }
 

@@ -30,33 +30,67 @@ double ImmersedTerm::velocity_at(const Context& c, int first, int i) const {
     return v0 + c.step.theta * (v1 - v0);
 }
 
-// Interpolation in the middle of the predicted step keeps the second order, and makes the motion linear in the
-// velocities. It stays through all iterations and attempts of a step.
+// Interpolation in the middle of the predicted step keeps the second order, and makes the motion linear in
+// the velocities. It stays through all iterations and attempts of a step.
 bool ImmersedTerm::search(const double* x0, const double* x1) {
     bool same = true, moves = false;
     each([&](int k, int q, int, int, int) {
         same = same && start_[k] == x0[q];
         moves = moves || x1[q] != x0[q];
     });
-    if (unknown_[0] >= 0 && same && (ahead_ || !moves)) return false;
+    if (!coupled_.empty() && same && (ahead_ || !moves)) return false;
     ahead_ = moves;
     each([&](int k, int q, int, int, int) { start_[k] = x0[q], places_[k] = 0.5 * (x0[q] + x1[q]); });
-    const std::vector<int> before = unknown_;
-    interpolate_(places_.data(), unknown_.data(), weight_.data());
-    return unknown_ != before;
+    interpolate_(places_.data(), true, unknown_.data(), weight_.data());
+    bool known = !coupled_.empty();
+    for (std::size_t e = 0; known && e < unknown_.size(); ++e)
+        known = is_coupled(static_cast<int>(e) / nodes_.width, unknown_[e]);
+    if (!known) couple_ahead(x0, x1);
+    return !known;
 }
 
-void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
-    if (unknown_[0] < 0) return;
-    each([&](int, int q, int m, int first, int i) {
-        entries.emplace_back(m, q), entries.emplace_back(q, m);
-        for (int e = first; e < first + nodes_.width; ++e)
-            entries.emplace_back(m, unknown_[e] + i), entries.emplace_back(unknown_[e] + i, m);
+bool ImmersedTerm::is_coupled(int node, int unknown) const {
+    return std::binary_search(coupled_[node].begin(), coupled_[node].end(), unknown);
+}
+
+// The pattern lasts for some steps if it holds what comes next.
+void ImmersedTerm::couple_ahead(const double* x0, const double* x1) {
+    constexpr int steps = 3;
+    coupled_.assign(nodes_.n(), {});
+    std::vector<int> unknown = unknown_;
+    std::vector<double> weight = weight_, places = places_;
+    for (int step = 0; step <= steps; ++step) {
+        if (step > 0) {
+            each([&](int k, int q, int, int, int) { places[k] += x1[q] - x0[q]; });
+            interpolate_(places.data(), false, unknown.data(), weight.data());
+        }
+        for (std::size_t e = 0; e < unknown.size(); ++e)
+            if (unknown[e] >= 0) coupled_[e / nodes_.width].push_back(unknown[e]);
+    }
+    for (auto& all : coupled_) {
+        std::sort(all.begin(), all.end());
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+    }
+}
+
+// f(row, column) of every entry, two by two those of a constraint and its transpose.
+template <class F>
+void ImmersedTerm::each_coupled(F f) const {
+    if (coupled_.empty()) return;
+    each([&](int k, int q, int m, int, int i) {
+        f(m, q), f(q, m);
+        for (int v : coupled_[k / nodes_.dim]) f(m, v + i), f(v + i, m);
     });
 }
 
+void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+    each_coupled([&](int row, int col) { entries.emplace_back(row, col); });
+}
+
 std::int64_t ImmersedTerm::n_entries() const {
-    return unknown_[0] < 0 ? 0 : 2L * nodes_.n() * nodes_.dim * (1 + nodes_.width);
+    std::int64_t n = 0;
+    each_coupled([&](int, int) { ++n; });
+    return n;
 }
 
 void ImmersedTerm::set_positions(const std::int64_t* positions) {
@@ -75,16 +109,21 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     std::size_t at = 0;
     const double h = c.step.h * c.step.theta;
-    each([&](int, int, int, int first, int) {
-        values[position_[at++]] += 1, values[position_[at++]] += 1;
+    each([&](int k, int, int, int first, int) {
+        const std::vector<int>& all = coupled_[k / nodes_.dim];
+        values[position_[at]] += 1, values[position_[at + 1]] += 1;
         for (int e = first; e < first + nodes_.width; ++e) {
-            values[position_[at++]] -= h * weight_[e];
-            values[position_[at++]] -= weight_[e];
+            const auto place = std::lower_bound(all.begin(), all.end(), unknown_[e]) - all.begin();
+            const std::size_t to = at + 2 + 2 * static_cast<std::size_t>(place);
+            values[position_[to]] -= h * weight_[e];
+            values[position_[to + 1]] -= weight_[e];
         }
+        at += 2 + 2 * all.size();
     });
 }
 
-// What the fluid does on the solid and the solid on the fluid; the defect is how far nodes have moved otherwise.
+// What the fluid does on the solid and the solid on the fluid; the defect is how far nodes have moved
+// otherwise.
 void ImmersedTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;

@@ -1,5 +1,5 @@
-// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I v_theta. The
-// multipliers are the forces that the fluid passes on to the solid.
+// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I v_theta.
+// The multipliers are the forces that the fluid passes on to the solid.
 #pragma once
 #include <functional>
 
@@ -7,8 +7,9 @@
 
 namespace visviva {
 
-/// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their weights.
-using Interpolation = std::function<void(const double* places, int* unknown, double* weight)>;
+/// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their
+/// weights. Outside of it unknowns are -1, or an exception is thrown if they `must` be inside.
+using Interpolation = std::function<void(const double* places, bool must, int* unknown, double* weight)>;
 
 /// Nodes: first unknowns of their positions and multipliers; each follows `width` velocities.
 struct ImmersedNodes {
@@ -33,14 +34,18 @@ class ImmersedTerm : public Term {
     /// f(number of the component, unknown of its position, multiplier, first velocity, component)
     template <class F>
     void each(F f) const;
+    template <class F>
+    void each_coupled(F f) const;
+    bool is_coupled(int node, int unknown) const;
+    void couple_ahead(const double* x0, const double* x1);
     double velocity(const double* v, int first, int i) const;
     double velocity_at(const Context&, int first, int i) const;
-    void place(const double* x0, const double* x1);
 
     ImmersedNodes nodes_;
     Interpolation interpolate_;
-    std::vector<int> unknown_;    // [node][width] first unknowns of velocities
-    std::vector<double> weight_;  // [node][width]
+    std::vector<int> unknown_;               // [node][width] first unknowns of velocities
+    std::vector<double> weight_;             // [node][width]
+    std::vector<std::vector<int>> coupled_;  // per node: all velocities in the pattern, sorted
     std::vector<double> start_, places_;
     bool ahead_ = false;  // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;

@@ -13,6 +13,7 @@ from .eigenmodes import Modes, modes
 from .errors import InputError, RunError, VisvivaError
 from .flow.boundary import FluidTraction, FreeSlip, NoSlip, Outlet, VelocityBoundary
 from .flow.fluid import Fluid
+from .flow.immersed import Immersed
 from .flow.probe import Divergence, FlowField, FlowForce, FlowRate
 from .formula import Formula
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
@@ -153,6 +154,7 @@ __all__ = [
     "HollowCylinderMesh",
     "HollowTorusMesh",
     "HolzapfelGasserOgden",
+    "Immersed",
     "InputError",
     "Iterative",
     "JointCoordinate",

@@ -112,10 +112,16 @@ class Immersed(Component):
             model.depend(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
 
-    def _finder(self) -> Callable[[Array], tuple[Ints, Array]]:
-        def find(places: Array) -> tuple[Ints, Array]:
-            found = self.fluid.at(self._inside(places, RunError))
-            return np.ascontiguousarray(found.unknowns), found.weights
+    def _finder(self) -> Callable[[Array, bool], tuple[Ints, Array]]:
+        def find(places: Array, must: bool) -> tuple[Ints, Array]:
+            inside = self.fluid.location.find(places)[0] >= 0
+            if must and not inside.all():
+                self._inside(places, RunError)
+            found = self.fluid.at(places[inside])
+            unknowns = np.full((len(places), found.weights.shape[1]), -1, dtype=np.int32)
+            weights = np.zeros(unknowns.shape)
+            unknowns[inside], weights[inside] = found.unknowns, found.weights
+            return unknowns, weights
 
         return find
 
