@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace visviva {
 
 ImmersedTerm::ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate)
     : nodes_(std::move(nodes)), interpolate_(std::move(interpolate)) {
     const std::size_t n = static_cast<std::size_t>(nodes_.n());
-    unknown_.assign(n * nodes_.width, -1), weight_.assign(unknown_.size(), 0.0);
+    now_.unknown.assign(n * nodes_.width, -1), now_.weight.assign(n * nodes_.width, 0.0);
+    at_tangent_ = now_;
     start_.assign(n * nodes_.dim, 0.0), places_ = start_;
 }
 
@@ -21,7 +23,7 @@ void ImmersedTerm::each(F f) const {
 
 double ImmersedTerm::velocity(const double* v, int first, int i) const {
     double sum = 0;
-    for (int e = first; e < first + nodes_.width; ++e) sum += weight_[e] * v[unknown_[e] + i];
+    for (int e = first; e < first + nodes_.width; ++e) sum += now_.weight[e] * v[now_.unknown[e] + i];
     return sum;
 }
 
@@ -41,12 +43,36 @@ bool ImmersedTerm::search(const double* x0, const double* x1) {
     if (!coupled_.empty() && same && (ahead_ || !moves)) return false;
     ahead_ = moves;
     each([&](int k, int q, int, int, int) { start_[k] = x0[q], places_[k] = 0.5 * (x0[q] + x1[q]); });
-    interpolate_(places_.data(), true, unknown_.data(), weight_.data());
+    interpolate_(places_.data(), true, now_.unknown.data(), now_.weight.data());
     bool known = !coupled_.empty();
-    for (std::size_t e = 0; known && e < unknown_.size(); ++e)
-        known = is_coupled(static_cast<int>(e) / nodes_.width, unknown_[e]);
+    for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
+        known = is_coupled(static_cast<int>(e) / nodes_.width, now_.unknown[e]);
     if (!known) couple_ahead(x0, x1);
     return !known;
+}
+
+// The pattern, and the weights of the kept tangent; those of the next step follow from its start.
+void ImmersedTerm::write_memory(std::vector<double>& m) const {
+    m.push_back(static_cast<double>(coupled_.size()));
+    for (const auto& all : coupled_) {
+        m.push_back(static_cast<double>(all.size()));
+        m.insert(m.end(), all.begin(), all.end());
+    }
+    m.insert(m.end(), at_tangent_.unknown.begin(), at_tangent_.unknown.end());
+    m.insert(m.end(), at_tangent_.weight.begin(), at_tangent_.weight.end());
+}
+
+bool ImmersedTerm::read_memory(const double*& m) {
+    coupled_.resize(static_cast<std::size_t>(*m++));
+    for (auto& all : coupled_) {
+        all.resize(static_cast<std::size_t>(*m++));
+        for (int& u : all) u = static_cast<int>(*m++);
+    }
+    for (int& u : at_tangent_.unknown) u = static_cast<int>(*m++);
+    for (double& w : at_tangent_.weight) w = *m++;
+    now_ = at_tangent_;
+    std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
+    return true;
 }
 
 bool ImmersedTerm::is_coupled(int node, int unknown) const {
@@ -57,8 +83,8 @@ bool ImmersedTerm::is_coupled(int node, int unknown) const {
 void ImmersedTerm::couple_ahead(const double* x0, const double* x1) {
     constexpr int steps = 3;
     coupled_.assign(nodes_.n(), {});
-    std::vector<int> unknown = unknown_;
-    std::vector<double> weight = weight_, places = places_;
+    std::vector<int> unknown = now_.unknown;
+    std::vector<double> weight = now_.weight, places = places_;
     for (int step = 0; step <= steps; ++step) {
         if (step > 0) {
             each([&](int k, int q, int, int, int) { places[k] += x1[q] - x0[q]; });
@@ -102,21 +128,22 @@ void ImmersedTerm::residual(const Context& c, double* r) {
     each([&](int, int q, int m, int first, int i) {
         r[m] += x1[q] - x0[q] - c.step.h * velocity_at(c, first, i);
         r[q] += x1[m];
-        for (int e = first; e < first + nodes_.width; ++e) r[unknown_[e] + i] -= weight_[e] * x1[m];
+        for (int e = first; e < first + nodes_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
     });
 }
 
 void ImmersedTerm::tangent(const Context& c, double* values) {
+    at_tangent_ = now_;
     std::size_t at = 0;
     const double h = c.step.h * c.step.theta;
     each([&](int k, int, int, int first, int) {
         const std::vector<int>& all = coupled_[k / nodes_.dim];
         values[position_[at]] += 1, values[position_[at + 1]] += 1;
         for (int e = first; e < first + nodes_.width; ++e) {
-            const auto place = std::lower_bound(all.begin(), all.end(), unknown_[e]) - all.begin();
+            const auto place = std::lower_bound(all.begin(), all.end(), now_.unknown[e]) - all.begin();
             const std::size_t to = at + 2 + 2 * static_cast<std::size_t>(place);
-            values[position_[to]] -= h * weight_[e];
-            values[position_[to + 1]] -= weight_[e];
+            values[position_[to]] -= h * now_.weight[e];
+            values[position_[to + 1]] -= now_.weight[e];
         }
         at += 2 + 2 * all.size();
     });

@@ -23,6 +23,8 @@ class ImmersedTerm : public Term {
     ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate);
 
     bool search(const double* x0, const double* x1) override;
+    void write_memory(std::vector<double>& memory) const override;
+    bool read_memory(const double*& memory) override;
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override;
@@ -43,8 +45,12 @@ class ImmersedTerm : public Term {
 
     ImmersedNodes nodes_;
     Interpolation interpolate_;
-    std::vector<int> unknown_;               // [node][width] first unknowns of velocities
-    std::vector<double> weight_;             // [node][width]
+    // [node][width] first unknowns of velocities, and their weights
+    struct Weights {
+        std::vector<int> unknown;
+        std::vector<double> weight;
+    };
+    Weights now_, at_tangent_;
     std::vector<std::vector<int>> coupled_;  // per node: all velocities in the pattern, sorted
     std::vector<double> start_, places_;
     bool ahead_ = false;  // whether the places were those of a predicted motion

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -374,6 +375,10 @@ class Solid(Attachable, Meshed):
     def velocities(self, v: Array) -> Array:
         """Velocities (n, 3) of the nodes at the rates `v` of the system."""
         return self.by_node(v)
+
+    def volume(self, x: Array) -> float:
+        """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
+        return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
 
     def moving(self, x: Array, v: Array) -> Array:
         return self.velocities(v)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,12 +18,16 @@ from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.flow.fluid import Fluid
+from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
     from visviva.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+LEAKY = 1.5
+"""Elements of solids that are larger than the cells around them by this factor let the fluid pass."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -87,6 +92,8 @@ class Immersed(Component):
     # --- part in the system ---------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         model.index(self.solid), model.index(self.fluid)
+        if any(isinstance(c, Immersed) and c is not self and c.solid is self.solid for c in model.components):
+            raise InputError(f"{self.label}: {self.solid.label} is immersed twice")
         self.force = model.multipliers(self, "force", self.solid.dimension * self.solid.grid.n_nodes)
 
     def contribute(self, model: Model) -> None:
@@ -97,10 +104,11 @@ class Immersed(Component):
         follows = ~motion.fixed
         model.hold(self.force, np.flatnonzero(~follows))
         self._nodes = np.flatnonzero(follows.reshape(-1, d).any(axis=1))
-        self._find = self._finder()  # the core does not keep it alive
+        transfer = Transfer(self.fluid)
+        self._find = self._finder(transfer)  # the core does not keep it alive
         term = _core.ImmersedTerm(
             d,
-            places.weights.shape[1],
+            transfer.width,
             self.solid.node_unknowns(self._nodes),
             np.asarray(self.force.start + d * self._nodes, dtype=np.int32),
             self._find,
@@ -111,16 +119,28 @@ class Immersed(Component):
         for k in np.flatnonzero(follows):
             model.depend(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
+        self._compare_sizes(places.cells)
 
-    def _finder(self) -> Callable[[Array, bool], tuple[Ints, Array]]:
+    def _compare_sizes(self, cells: Ints) -> None:
+        """Warn where the fluid could pass between the nodes of the solid."""
+        d = self.solid.dimension
+        solid, fluid = np.max(self.solid.grid.volumes) ** (1 / d), np.min(self.fluid.grid.volumes[cells]) ** (1 / d)
+        if solid > LEAKY * fluid:
+            warnings.warn(
+                f"{self.label}: the fluid leaks between the nodes of {self.solid.label}: its largest element has a "
+                f"size of {solid:.3g}, and the cells of {self.fluid.label} around have {fluid:.3g}; refine it "
+                f"{int(np.ceil(solid / fluid))} times in every direction",
+                stacklevel=2,
+            )
+
+    def _finder(self, transfer: Transfer) -> Callable[[Array, bool], tuple[Ints, Array]]:
         def find(places: Array, must: bool) -> tuple[Ints, Array]:
             inside = self.fluid.location.find(places)[0] >= 0
             if must and not inside.all():
                 self._inside(places, RunError)
-            found = self.fluid.at(places[inside])
-            unknowns = np.full((len(places), found.weights.shape[1]), -1, dtype=np.int32)
+            unknowns = np.full((len(places), transfer.width), -1, dtype=np.int32)
             weights = np.zeros(unknowns.shape)
-            unknowns[inside], weights[inside] = found.unknowns, found.weights
+            unknowns[inside], weights[inside] = transfer.at(places[inside])
             return unknowns, weights
 
         return find
@@ -130,7 +150,9 @@ class Immersed(Component):
         if np.any(cells < 0):
             k = int(np.argmin(cells))
             where = ", ".join(f"{c:.4g}" for c in places[k])
-            raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where})")
+            system = getattr(self, "_system", lambda: None)()
+            when = "" if system is None else f" in the step from t = {system.time:g}"
+            raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}")
         return places
 
     # --- the fluid that is not there --------------------------------------------------------------------------
@@ -158,7 +180,8 @@ class Immersed(Component):
                 np.concatenate([np.column_stack([a, b]), np.column_stack([b, a])[off]]).astype(np.int32),
                 np.ascontiguousarray(np.hstack([mass, mass[:, off]]).T),
                 np.ascontiguousarray(
-                    (self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)).reshape(n, -1).T, dtype=np.int32
+                    (self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)).reshape(n, -1).T,
+                    dtype=np.int32,
                 ),
                 np.ones(k, dtype=np.int32),
             )

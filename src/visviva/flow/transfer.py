@@ -1,0 +1,118 @@
+"""Velocities of a fluid at places within it, as weighted sums of nodal ones: how it carries immersed solids along."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.mesh.cells import CELLS
+from visviva.mesh.mesh import Mesh
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.flow.fluid import Fluid
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Transfer:
+    """Interpolation that is exact for quadratic velocities, on linear cells too.
+
+    On quadratic cells these are the shape functions. On linear ones gradients at the nodes, averaged over the cells
+    around, complete them: ``v(x) = sum_A N_A(x) (v_A + grad v_A . (x - x_A) / 2)``. Without that a solid thinner than
+    a cell can bend no more than the cell does, which shears instead. Rigid motions and linear fields stay exact, and
+    along walls where the fluid sticks velocities are zero.
+
+    Attributes
+    ----------
+    width : int
+        How many nodes a place refers to at most.
+    """
+
+    def __init__(self, fluid: Fluid) -> None:
+        self.fluid = fluid
+        self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in fluid.grid.cells)
+        self.width = self._width()
+
+    def at(self, places: Array) -> tuple[Ints, Array]:
+        """First unknowns (n, width) of velocities at places (n, d) inside, and their weights."""
+        if not self._linear:
+            found = self.fluid.at(places)
+            return np.ascontiguousarray(found.unknowns), found.weights
+        rows = self._rows(places)
+        nodes, weights = np.zeros((2, len(places), self.width))
+        nodes[:] = rows.indices[rows.indptr[:-1], None]  # what a place has less than others weighs nothing
+        count = np.diff(rows.indptr)
+        place, number = np.repeat(np.arange(len(places)), count), np.arange(rows.nnz)
+        number -= np.repeat(rows.indptr[:-1], count)
+        nodes[place, number], weights[place, number] = rows.indices, rows.data
+        return np.ascontiguousarray(self.fluid.node_unknowns(nodes.astype(int))), weights
+
+    def _rows(self, places: Array) -> sp.csr_array:
+        """Weights (n, n_nodes) of nodal velocities."""
+        import scipy.sparse as sp
+
+        found, X = self.fluid.at(places), self.fluid.grid.points
+        n, k = found.nodes.shape
+        place, shape = np.repeat(np.arange(n), k), (n, len(X))
+        away = 0.5 * (places[:, None, :] - X[found.nodes])
+
+        def spread(weights: Array) -> sp.csr_array:
+            return sp.coo_array((weights.ravel(), (place, found.nodes.ravel())), shape=shape).tocsr()
+
+        rows = spread(found.weights)
+        for i, gradient in enumerate(self._gradients):
+            rows = rows + spread(found.weights * away[:, :, i]) @ gradient
+        rows.sort_indices()
+        return rows
+
+    def _width(self) -> int:
+        mesh = self.fluid.grid
+        if not self._linear:
+            return max(int(nodes.shape[1]) for nodes in mesh.cells.values())
+        import scipy.sparse as sp
+
+        near = sum(abs(g) for g in self._gradients)
+        most = 0
+        for nodes in mesh.cells.values():
+            cell = np.repeat(np.arange(len(nodes)), nodes.shape[1])
+            of = sp.csr_array((np.ones(nodes.size), (cell, nodes.ravel())), shape=(len(nodes), mesh.n_nodes))
+            most = max(most, int(np.diff((of + of @ near).indptr).max()))
+        return most
+
+    @cached_property
+    def _gradients(self) -> list[Any]:
+        return nodal_gradients(self.fluid.grid)
+
+
+def nodal_gradients(mesh: Mesh) -> list[Any]:
+    """Matrices (n_nodes, n_nodes), one per direction, from nodal values to their gradients, averaged by volume.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.RectangleMesh(size=(2, 1), counts=(2, 2)).build()
+    >>> nodal_gradients(mesh)[0] @ (3 * mesh.points[:, 0])
+    array([3., 3., 3., 3., 3., 3., 3., 3., 3.])
+    """
+    import scipy.sparse as sp
+
+    n, d = mesh.points.shape
+    volume, total = np.zeros(n), [sp.csr_array((n, n)) for _ in range(d)]
+    for name, nodes in mesh.cells.items():
+        dN = CELLS[name].dN(CELLS[name].nodes)
+        J = np.einsum("mkc,qkj->mqcj", mesh.points[nodes], dN)
+        gradients = np.einsum("qkj,mqjc->mqkc", dN, np.linalg.inv(J))
+        weight = np.linalg.det(J)
+        np.add.at(volume, nodes, weight)
+        at = np.broadcast_to(nodes[:, :, None], gradients.shape[:3]).ravel()
+        by = np.broadcast_to(nodes[:, None, :], gradients.shape[:3]).ravel()
+        for c in range(d):
+            values = (weight[:, :, None] * gradients[..., c]).ravel()
+            total[c] = total[c] + sp.coo_array((values, (at, by)), shape=(n, n)).tocsr()
+    return [sp.diags_array(1 / volume) @ g for g in total]

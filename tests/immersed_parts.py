@@ -1,0 +1,45 @@
+"""Soft bodies in fluids, for the tests of immersed solids."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import visviva as vv
+from visviva.component import Component
+
+Array = NDArray[np.float64]
+Components = list[Component]
+
+
+def vortex(X: Array) -> Array:
+    """A swirl in the unit square or cube that sticks to its walls, without divergence."""
+    x, y = np.pi * X[:, 0], np.pi * X[:, 1]
+    v = np.stack([np.sin(x) ** 2 * np.sin(2 * y), -np.sin(2 * x) * np.sin(y) ** 2, 0 * x], axis=1)
+    return np.asarray(v * (np.sin(np.pi * X[:, 2:]) ** 2 if np.ptp(X[:, 2]) > 0 else 1.0))
+
+
+def box(cell: str = "quad4", n: int = 6, **options: Any) -> vv.Fluid:
+    """A fluid in the unit square or cube."""
+    flat = cell.startswith(("tri", "quad"))
+    shape: Any = vv.RectangleMesh if flat else vv.BoxMesh
+    d = 2 if flat else 3
+    mesh = shape(size=(1,) * d, counts=(n,) * d, cell=cell)
+    return vv.Fluid(mesh=mesh, **{"density": 1.0, "viscosity": 0.01, "velocity": vortex, **options})
+
+
+def patch(dimension: int = 2, counts: tuple[int, ...] = (4, 3, 2), **options: Any) -> vv.Solid:
+    """A soft block away from the middle."""
+    size, origin = (0.3, 0.2, 0.25)[:dimension], (0.5, 0.43, 0.4)[:dimension]
+    shape: Any = vv.RectangleMesh if dimension == 2 else vv.BoxMesh
+    mesh = shape(size=size, counts=counts[:dimension], origin=origin)
+    return vv.Solid(mesh=mesh, **{"material": vv.NeoHooke(young=20.0, poisson=0.3), "density": 1.5, **options})
+
+
+def carried(cell: str = "quad4", n: int = 6, **options: Any) -> Components:
+    """A block that swirls in a closed box."""
+    fluid = box(cell, n)
+    solid = patch(fluid.dimension, **options)
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]

@@ -1,0 +1,210 @@
+"""Immersed solids: motion, balance of energy and forces, order in time, restart, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from immersed_parts import box, carried, patch, vortex
+from numpy.typing import NDArray
+
+import visviva as vv
+from visviva.component import Component
+from visviva.errors import InputError, RunError
+from visviva.flow.transfer import Transfer
+from visviva.run import run
+
+Array = NDArray[np.float64]
+
+
+def part(components: list[Component], kind: type[Any]) -> Any:
+    (found,) = (c for c in components if isinstance(c, kind))
+    return found
+
+
+# --- interpolation ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("cell", ["quad4", "tri3", "quad9", "hex8", "tet4"])
+def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
+    fluid = box(cell, 3)
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
+    places = np.random.default_rng(1).uniform(0.0, 1.0, (40, fluid.dimension))
+    v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
+    unknowns, weights = Transfer(fluid).at(places)
+    nodes = (unknowns - fluid.flow.start) // fluid.dimension
+    expected = np.pad(places, ((0, 0), (0, 3 - fluid.dimension))) @ np.linalg.lstsq(
+        np.column_stack([fluid.points, np.ones(len(v))]), v, rcond=None
+    )[0][:3]
+    found = np.einsum("nk,nkc->nc", weights, v[nodes])
+    assert np.allclose(found - expected, (found - expected)[0], rtol=0, atol=1e-13)
+    assert np.allclose(weights.sum(axis=1), 1.0, rtol=0, atol=1e-14)
+
+
+def test_quadratic_velocities_are_exact_away_from_the_boundary() -> None:
+    fluid = box("quad4", 8)
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
+    places = np.random.default_rng(1).uniform(0.2, 0.8, (40, 2))
+
+    def field(X: Array) -> Array:
+        return np.asarray(X[:, 0] ** 2 - 3 * X[:, 0] * X[:, 1] + 2 * X[:, 1] ** 2)
+
+    unknowns, weights = Transfer(fluid).at(places)
+    found = np.sum(weights * field(fluid.points)[(unknowns - fluid.flow.start) // 2], axis=1)
+    assert np.allclose(found, field(places), rtol=0, atol=1e-13)
+
+
+# --- motion -------------------------------------------------------------------------------------------------
+def test_without_stress_and_with_the_fluids_density_nothing_changes() -> None:
+    """A body that resists nothing is carried along, and the flow is the same without it."""
+    ends = []
+    for wanted in (True, False):
+        parts = carried(density=1.0, material=vv.NeoHooke(young=1e-12, poisson=0.3))
+        system = vv.System(parts if wanted else parts[:2])
+        vv.simulate(system, until=0.2, step=0.02)
+        ends.append(part(parts, vv.Fluid).velocities(system.x))
+    assert np.abs(ends[0] - part(parts, vv.Fluid).initial_velocities()[0, 0]).max() > 0.1
+    assert np.allclose(*ends, rtol=0, atol=1e-10)
+
+
+def test_nodes_move_along_streamlines_to_second_order() -> None:
+    """In a steady straining flow, x = x0 exp(t): the error falls by four as the step is halved."""
+
+    def straining(t: float, X: Array) -> Array:
+        return (X - [0.5, 0.5, 0.0]) * [1.0, -1.0, 0.0]
+
+    errors = []
+    for h in (0.1, 0.05, 0.025):
+        fluid = box("quad4", 4, velocity=lambda X: straining(0, X))
+        solid = patch(density=1.0, material=vv.NeoHooke(young=1e-12, poisson=0.3))
+        system = vv.System(
+            [
+                fluid,
+                vv.VelocityBoundary(fluid=fluid, faces="all", velocity=straining),
+                solid,
+                vv.Immersed(solid=solid, fluid=fluid),
+            ]
+        )
+        vv.simulate(system, until=0.4, step=h)
+        exact = (solid.points - [0.5, 0.5, 0]) * [np.exp(0.4), np.exp(-0.4), 1] + [0.5, 0.5, 0]
+        errors.append(np.abs(solid.positions(system.x) - exact).max())
+    assert errors[-1] < 2e-4
+    assert all(3.8 < a / b < 4.6 for a, b in pairwise(errors))
+
+
+# --- balances -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("density", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize("cell", ["quad4", "quad9", "tri3", "tri6"])
+def test_energy_of_a_closed_box_balances(cell: str, density: float) -> None:
+    """Kinetic and strain energy change by viscous (and stabilising) dissipation alone, over many steps."""
+    result = vv.simulate(vv.System(carried(cell, 4, density=density)), until=1.0, step=0.02)
+    ledger = result.ledger
+    assert ledger["potential_strain"].max() > 1e-4
+    assert np.abs(ledger["imbalance"]).max() < 1e-12 * ledger["total"][0]
+    assert np.all(np.diff(ledger["work_viscosity"]) < 0)
+    assert np.abs(ledger["defect_position"]).max() < 1e-14
+
+
+def test_energy_of_a_closed_cube_balances() -> None:
+    result = vv.simulate(vv.System(carried("hex8", 3)), until=0.1, step=0.02)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
+
+
+def test_forces_on_the_solid_hold_its_weight() -> None:
+    """A heavy block at rest on a spring bed of its own: what the fluid carries is the rest of its weight."""
+    fluid = box("quad4", 4, velocity=(0.0, 0.0, 0.0), viscosity=1.0)
+    solid = patch(density=3.0)
+    immersed = vv.Immersed(solid=solid, fluid=fluid)
+    system = vv.System(
+        [
+            fluid,
+            vv.NoSlip(fluid=fluid, faces="all"),
+            solid,
+            vv.Fixed(solid=solid, nodes="y0"),
+            immersed,
+            vv.Gravity(acceleration=(0, -2.0, 0)),
+        ]
+    )
+    vv.simulate(system, until=2.0, step=0.1, scheme=vv.BackwardEuler())
+    assert immersed.total_mass == pytest.approx(-0.06)
+    assert np.abs(system.v).max() < 1e-3
+
+
+# --- the whole ----------------------------------------------------------------------------------------------
+def test_resumed_bit_by_bit(tmp_path: Path) -> None:
+    def study(until: float) -> vv.Study:
+        return vv.Study(vv.System(carried()), until, 0.02)
+
+    run(study(0.4), tmp_path / "whole", progress=False)
+    run(study(0.2), tmp_path / "split", progress=False)
+    run(study(0.4), tmp_path / "split", resume=True, progress=False)
+    states = [(tmp_path / name / "ledger.csv").read_text() for name in ("whole", "split")]
+    assert states[0] == states[1]
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+def outside() -> list[Component]:
+    fluid = box()
+    solid = vv.Solid(
+        mesh=vv.RectangleMesh(size=(0.3, 0.2), counts=(2, 2), origin=(0.9, 0.4)),
+        material=vv.NeoHooke(young=1.0, poisson=0.3),
+        density=1.0,
+    )
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]
+
+
+BAD: dict[str, tuple[Callable[[], Any], str]] = {
+    "outside of the fluid": (lambda: vv.System(outside()), r"lies outside of Fluid.*at \(1.05, 0.4\)"),
+    "plane solid in a cube": (
+        lambda: vv.Immersed(solid=patch(), fluid=box("hex8", 2)),
+        "of dimension 2 and .* of dimension 3",
+    ),
+    "velocity of its own": (
+        lambda: vv.Immersed(solid=patch(velocity=(1, 0, 0)), fluid=box()),
+        "starts with the velocity of",
+    ),
+    "plane stress": (lambda: vv.Immersed(solid=patch(plane="stress"), fluid=box()), "plane strain"),
+    "thickness": (lambda: vv.Immersed(solid=patch(thickness=0.1), fluid=box()), "thickness 1"),
+    "twice": (
+        lambda: vv.System([*(p := carried()), vv.Immersed(solid=part(p, vv.Solid), fluid=part(p, vv.Fluid))]),
+        "immersed twice",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input(name: str) -> None:
+    build, message = BAD[name]
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+def test_fluid_that_leaks_through_a_coarse_solid_is_told_with_sizes() -> None:
+    with pytest.warns(UserWarning, match=r"has a size of 0.245, and the cells .* 0.0333; refine it 8 times"):
+        vv.System(carried("quad4", 30, counts=(1, 1)))
+
+
+def test_leaving_the_fluid_ends_the_run_with_body_place_and_time() -> None:
+    fluid = box("quad4", 4, velocity=lambda X: 0 * X + [1.0, 0, 0])
+    solid = patch(density=1.0)
+    system = vv.System(
+        [
+            fluid,
+            vv.VelocityBoundary(fluid=fluid, faces="all", velocity=(1.0, 0.0, 0.0)),
+            solid,
+            vv.Immersed(solid=solid, fluid=fluid),
+        ]
+    )
+    with pytest.raises(RunError, match=r"Solid 'solid-1' lies outside of Fluid 'fluid-1' at \(1.*from t = 0\.[12]"):
+        vv.simulate(system, until=1.0, step=0.05)
+    assert 0.1 < system.time < 0.25
+    assert solid.positions(system.x)[:, 0].max() < 1.0 + 1e-12
+
+
+def test_start_is_the_velocity_of_the_fluid() -> None:
+    parts = carried("quad9", 4)
+    system = vv.System(parts)
+    solid = part(parts, vv.Solid)
+    assert np.allclose(solid.velocities(system.v), vortex(solid.points), rtol=0, atol=0.05)
