@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
 from flow_parts import enclosed, stream, torus
+from immersed_parts import large
 from instances.heat import Bar
 from instances.immersed import ImmersedSolid
 from instances.solid import Brick
@@ -621,6 +622,13 @@ CATALOGUE = [
         Entry(f"periodic flow, {cell}", partial(torus, cell), NOTHING, h=0.05, steps=20)
         for cell in ("quad4", "tri3", "quad9", "tri6")
     ],
+    # immersed solids
+    *[
+        Entry(f"immersed, {cell}", partial(large, cell), NOTHING, h=0.02, steps=10)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
+    ],
+    Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
+    Entry("immersed, enhanced", lambda: large("quad4", formulation="enhanced"), NOTHING, h=0.02, steps=10),
     # tiny instances of the other fields
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),

@@ -20,12 +20,16 @@ def half_disc(radius: float, centre: tuple[float, float], n: int) -> vv.Mesh:
         X = np.array(block)
         number = len(points) + np.arange(X.shape[0] * X.shape[1]).reshape(X.shape[:2])
         points += [tuple(p) for p in X.reshape(-1, 2)]
-        cells += np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], -1).reshape(-1, 4).tolist()
+        cells += (
+            np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], -1)
+            .reshape(-1, 4)
+            .tolist()
+        )
     _, first, same = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
     X = np.array(points)[first]
     quads = same.reshape(-1)[np.array(cells)]
-    edge = X[quads]
-    area = np.cross(edge[:, 1] - edge[:, 0], edge[:, 2] - edge[:, 0])
-    quads[area < 0] = quads[area < 0][:, ::-1]
+    (ax, ay), (bx, by) = (np.moveaxis(X[quads[:, k]] - X[quads[:, 0]], -1, 0) for k in (1, 2))
+    clockwise = ax * by < ay * bx
+    quads[clockwise] = quads[clockwise][:, ::-1]
     base = np.flatnonzero(np.abs(X[:, 1]) < 1e-9)
     return vv.Mesh(X + np.array(centre), {"quad4": quads}, node_sets={"base": base})

@@ -21,25 +21,35 @@ def vortex(X: Array) -> Array:
     return np.asarray(v * (np.sin(np.pi * X[:, 2:]) ** 2 if np.ptp(X[:, 2]) > 0 else 1.0))
 
 
-def box(cell: str = "quad4", n: int = 6, **options: Any) -> vv.Fluid:
-    """A fluid in the unit square or cube."""
+def box(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) -> vv.Fluid:
+    """A fluid in the unit square or cube, or a larger one."""
     flat = cell.startswith(("tri", "quad"))
     shape: Any = vv.RectangleMesh if flat else vv.BoxMesh
     d = 2 if flat else 3
-    mesh = shape(size=(1,) * d, counts=(n,) * d, cell=cell)
-    return vv.Fluid(mesh=mesh, **{"density": 1.0, "viscosity": 0.01, "velocity": vortex, **options})
+    mesh = shape(size=(scale,) * d, counts=(n,) * d, cell=cell)
+    given = {"density": 1.0, "viscosity": 0.01, "velocity": lambda X: vortex(X / scale), **options}
+    return vv.Fluid(mesh=mesh, **given)
 
 
-def patch(dimension: int = 2, counts: tuple[int, ...] = (4, 3, 2), **options: Any) -> vv.Solid:
+def patch(
+    dimension: int = 2, counts: tuple[int, ...] = (4, 3, 2), scale: float = 1.0, **options: Any
+) -> vv.Solid:
     """A soft block away from the middle."""
-    size, origin = (0.3, 0.2, 0.25)[:dimension], (0.5, 0.43, 0.4)[:dimension]
+    size, origin = (scale * np.array(a)[:dimension] for a in ((0.3, 0.2, 0.25), (0.5, 0.43, 0.4)))
     shape: Any = vv.RectangleMesh if dimension == 2 else vv.BoxMesh
-    mesh = shape(size=size, counts=counts[:dimension], origin=origin)
-    return vv.Solid(mesh=mesh, **{"material": vv.NeoHooke(young=20.0, poisson=0.3), "density": 1.5, **options})
+    mesh = shape(size=tuple(size), counts=counts[:dimension], origin=tuple(origin))
+    return vv.Solid(
+        mesh=mesh, **{"material": vv.NeoHooke(young=20.0, poisson=0.3), "density": 1.5, **options}
+    )
 
 
-def carried(cell: str = "quad4", n: int = 6, **options: Any) -> Components:
+def carried(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) -> Components:
     """A block that swirls in a closed box."""
-    fluid = box(cell, n)
-    solid = patch(fluid.dimension, **options)
+    fluid = box(cell, n, scale)
+    solid = patch(fluid.dimension, scale=scale, **options)
     return [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]
+
+
+def large(cell: str, **options: Any) -> Components:
+    """So large that random displacements turn no element inside out."""
+    return carried(cell, 3, 10.0, **{"counts": (2, 1, 1), **options})

@@ -35,9 +35,10 @@ def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
     v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
     unknowns, weights = Transfer(fluid).at(places)
     nodes = (unknowns - fluid.flow.start) // fluid.dimension
-    expected = np.pad(places, ((0, 0), (0, 3 - fluid.dimension))) @ np.linalg.lstsq(
-        np.column_stack([fluid.points, np.ones(len(v))]), v, rcond=None
-    )[0][:3]
+    expected = (
+        np.pad(places, ((0, 0), (0, 3 - fluid.dimension)))
+        @ np.linalg.lstsq(np.column_stack([fluid.points, np.ones(len(v))]), v, rcond=None)[0][:3]
+    )
     found = np.einsum("nk,nkc->nc", weights, v[nodes])
     assert np.allclose(found - expected, (found - expected)[0], rtol=0, atol=1e-13)
     assert np.allclose(weights.sum(axis=1), 1.0, rtol=0, atol=1e-14)
@@ -197,7 +198,9 @@ def test_leaving_the_fluid_ends_the_run_with_body_place_and_time() -> None:
             vv.Immersed(solid=solid, fluid=fluid),
         ]
     )
-    with pytest.raises(RunError, match=r"Solid 'solid-1' lies outside of Fluid 'fluid-1' at \(1.*from t = 0\.[12]"):
+    with pytest.raises(
+        RunError, match=r"Solid 'solid-1' lies outside of Fluid 'fluid-1' at \(1.*from t = 0\.[12]"
+    ):
         vv.simulate(system, until=1.0, step=0.05)
     assert 0.1 < system.time < 0.25
     assert solid.positions(system.x)[:, 0].max() < 1.0 + 1e-12

@@ -3,9 +3,9 @@
 Channel 8 x 1.61 with 256 x 64 cells of equal order, flaps of 40 x 4 linear elements, 0.7 long and 0.0212 thick, clamped
 to the walls up to x = 2 with a gap of 0.21; neo-Hooke with lambda = 8e6 and mu = 2e6 (E = 5.6e6, Poisson's ratio 0.4).
 Inflow ``5 (sin 2 pi t + 1.1) y (1.61 - y)``, walls where the fluid sticks, an open end. The case is that of Gil et al.
-(2010), with density, viscosity and stiffness divided by ten. The density printed in the paper, 1e5, must be a misprint of
-10: it would raise the Reynolds number from about 110 to a million; `--set density=1e5` takes it literally. The flaps bend
-without locking by enhanced strains, which the paper does not tell. The flow starts at once from rest.
+(2010), with density, viscosity and stiffness divided by ten. The density printed in the paper, 1e5, must be a misprint
+of 10: it would raise the Reynolds number from about 110 to a million; `--set density=1e5` takes it literally. The flaps
+bend without locking by enhanced strains, which the paper does not tell. The flow starts at once from rest.
 """
 
 from __future__ import annotations

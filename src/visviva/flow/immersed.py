@@ -121,10 +121,13 @@ class Immersed(Component):
         self._displace(model)
         self._compare_sizes(places.cells)
 
-    def _compare_sizes(self, cells: Ints) -> None:
+    def _compare_sizes(self, cells: NDArray[np.int64]) -> None:
         """Warn where the fluid could pass between the nodes of the solid."""
         d = self.solid.dimension
-        solid, fluid = np.max(self.solid.grid.volumes) ** (1 / d), np.min(self.fluid.grid.volumes[cells]) ** (1 / d)
+        solid, fluid = (
+            np.max(self.solid.grid.volumes) ** (1 / d),
+            np.min(self.fluid.grid.volumes[cells]) ** (1 / d),
+        )
         if solid > LEAKY * fluid:
             warnings.warn(
                 f"{self.label}: the fluid leaks between the nodes of {self.solid.label}: its largest element has a "
@@ -152,7 +155,9 @@ class Immersed(Component):
             where = ", ".join(f"{c:.4g}" for c in places[k])
             system = getattr(self, "_system", lambda: None)()
             when = "" if system is None else f" in the step from t = {system.time:g}"
-            raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}")
+            raise error(
+                f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}"
+            )
         return places
 
     # --- the fluid that is not there --------------------------------------------------------------------------
