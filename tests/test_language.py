@@ -114,15 +114,22 @@ def bouncing() -> list[Component]:
 
 
 def flowing() -> list[Component]:
-    """A step in a channel: every condition of a fluid."""
+    """A block in a channel: every condition of a fluid."""
     water = vv.Fluid(
         mesh=vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1), cell="hex27"),
         density=1.0,
         viscosity=0.1,
         name="water",
     )
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=(0.3, 0.3, 0.3), counts=(1, 1, 1), origin=(0.4, 0.2, 0.4)),
+        material=vv.NeoHooke(young=10.0, poisson=0.3),
+        density=2.0,
+    )
     return [
         water,
+        block,
+        vv.Immersed(solid=block, fluid=water),
         vv.VelocityBoundary(fluid=water, faces="x0", velocity=("smoothstep(t)", 0, None)),
         vv.Outlet(fluid=water, faces="x1", pressure="0.1*t"),
         vv.FreeSlip(fluid=water, faces="y0"),
