@@ -436,9 +436,9 @@ void System::book_step(const Context& c, const double* v1, double direction) {
     book(c, v1);
     for (std::size_t k = 0; k < prescribed_.size(); ++k) {
         const int u = prescribed_[k];
-        const double h = c.step.h;
+        const double h = c.step.h, *x0 = c.vectors.x0, *x1 = c.vectors.x1;
         const double through = supply_[k] == Supply::work    ? direction * dx[u]
-                               : supply_[k] == Supply::power ? h * (x[u] + c.step.theta * dx[u])
+                               : supply_[k] == Supply::power ? h * (x0[u] + c.step.theta * (x1[u] - x0[u]))
                                                              : h;
         sums.work[prescribed_account_[k]] += r_[u] * through;
     }
