@@ -1,10 +1,11 @@
 """Draw the pictures of the README.
 
-    python docs/make_pictures.py [crane | solids | contact]
+    python docs/make_pictures.py [crane | solids | contact | valve]
 
 writes ``docs/pictures/crane.png``, the crane under way and its energies with the error of their balance,
 ``docs/pictures/solids.jpg``, the hollow torus in flight and the slider-crank with a flexible rod, and
-``docs/pictures/contact.jpg``, two tori in impact and their energies.
+``docs/pictures/contact.jpg``, two tori in impact and their energies, and ``docs/pictures/valve.jpg``, two flaps in a
+channel with the curves of their tips over a body-fitted reference.
 """
 
 from __future__ import annotations
@@ -14,15 +15,18 @@ import tempfile
 from pathlib import Path
 
 import matplotlib.image as image
+import numpy as np
 from matplotlib.figure import Figure
 
-from visviva.examples import crane, flexible_slider_crank, tori, torus
+from visviva.examples import crane, flexible_slider_crank, tori, torus, valve
 from visviva.output.picture import snapshot
 from visviva.output.plot import energy_plot
 from visviva.run import run
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 MOMENT = 0.9  # s, with the load swung out and still near the crane
+TIPS = Path(__file__).resolve().parent.parent / "tests" / "data" / "valve_tip.csv"
+CLOSING = 0.8  # s, with the flaps going back
 BENT = 0.145  # s, with the rod bent
 NEAR = ((1.9, -2.0, 1.35), (0.58, 0.05, -0.15), (0.0, 0.0, 1.0))  # camera of the slider-crank
 
@@ -74,6 +78,40 @@ def draw_contact() -> Path:
         return side_by_side([here / "left.png", here / "right.png"], PICTURES / "contact.jpg")
 
 
+def draw_valve(files: Path | None = None) -> Path:
+    """Run two flaps on the coarse mesh, or take a run's files; streamlines beside the way of the tips."""
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        if files is None:
+            files = here / "valve"
+            run(valve.study(mesh="coarse"), files, progress=False, pictures=False)
+        snapshot(
+            files / "trajectory.vtkhdf",
+            here / "left.png",
+            time=CLOSING,
+            field="velocity",
+            size=(1300, 620),
+        )
+        plot_tips(files / "probes.csv", here / "right.png")
+        return side_by_side([here / "left.png", here / "right.png"], PICTURES / "valve.jpg")
+
+
+def plot_tips(probes: Path, png: Path) -> None:
+    """Displacements of the upper tip over those of the body-fitted reference, digitised twice."""
+    ours = np.genfromtxt(probes, delimiter=",", names=True)
+    reference = np.genfromtxt(TIPS, delimiter=",", names=True, skip_header=1)
+    figure = Figure(figsize=(6, 4.4), dpi=140)
+    axes = figure.add_subplot(xlabel="time [s]", ylabel="displacement of the upper tip")
+    for axis, color in (("x", "#4c78a8"), ("y", "#f58518")):
+        axes.plot(ours["time"], ours[f"upper_tip_{axis}"], color=color, label=f"u{axis}, visviva")
+        for source, mark in (("a", "o"), ("b", "x")):
+            values = reference[f"u{axis}_{source}"]
+            axes.plot(reference["t"], values, mark, color=color, label=f"u{axis}, reference ({source})")
+    axes.legend(fontsize=8, loc="center right")
+    axes.grid(alpha=0.3)
+    figure.savefig(png)
+
+
 def side_by_side(panels: list[Path], target: Path) -> Path:
     """One picture from several, scaled to equal height; in few colours where a PNG shall stay small."""
     pictures = [image.imread(panel) for panel in panels]
@@ -94,7 +132,7 @@ def side_by_side(panels: list[Path], target: Path) -> Path:
 
 
 if __name__ == "__main__":
-    drawn = {"crane": draw_crane, "solids": draw_solids, "contact": draw_contact}
+    drawn = {"crane": draw_crane, "solids": draw_solids, "contact": draw_contact, "valve": draw_valve}
     for name in sys.argv[1:] or drawn:
         path = drawn[name]()
         print(f"{path} {path.stat().st_size / 1000:.0f} kB")

@@ -31,7 +31,9 @@ Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples
 Directory = Annotated[Path, Parameter(help="Directory of a run.")]
 Field = Annotated[
     str | None,
-    Parameter(help="Field that colours solids, or '' for none; von_mises if it is stored and none is given."),
+    Parameter(
+        help="Field that colours, or '' for none; if none is given velocity of what flows, else von_mises."
+    ),
 ]
 Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
 Settings = Annotated[
@@ -277,12 +279,17 @@ def introduce(source: Source) -> None:
 
 
 def shown(trajectory: Path, field: str | None) -> str:
-    """The field that was asked for, or von Mises' stress where solids have stored it."""
+    """The field that was asked for, or the velocity where something flows, or von Mises' stress of solids."""
+    from visviva.output.coloring import Coloring
     from visviva.output.trajectory import Trajectory
 
     if field is not None:
         return field
     with Trajectory(trajectory) as motion:
+        if "velocity" in motion.fields and Coloring("velocity", 0, 1).streams(
+            motion, float(motion.times[-1])
+        ):
+            return "velocity"
         return "von_mises" if "von_mises" in motion.fields else ""
 
 

@@ -82,7 +82,15 @@ def study(
     probes["gap_flow"] = lambda s: through(blood, *flaps, s.x)
     newton = vv.Newton(tolerance=1e-9, keep_factor=0.05)
     system = vv.System(parts, newton)
-    return vv.Study(system, until, step, probes=probes, title="Two flaps in a channel", notes=__doc__)
+    return vv.Study(
+        system,
+        until,
+        step,
+        probes=probes,
+        fields=("velocity", "pressure", "von_mises"),
+        title="Two flaps in a channel",
+        notes=__doc__,
+    )
 
 
 def check(result: vv.Result) -> None:

@@ -51,9 +51,21 @@ class Coloring:
         return cls(name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9)
 
     def values(self, motion: Trajectory, time: float) -> list[NDArray[np.float64] | None]:
-        """Values (n,) on every surface at a time; None where a surface has none."""
+        """Values (n,) on every surface at a time; None where a surface has none, or swims in what flows."""
         scalars = [_scalar(part) for part in motion.field_at(self.name, time)]
-        return [None if np.isnan(part).all() else part for part in scalars]
+        streams = self.streams(motion, time)
+        return [
+            None if np.isnan(part).all() or (streams and k not in streams) else part
+            for k, part in enumerate(scalars)
+        ]
+
+    def streams(self, motion: Trajectory, time: float) -> dict[int, NDArray[np.float64]]:
+        """Velocities (n, 3), by the number of the surface, of what flows through a mesh that stands still."""
+        if self.name != "velocity":
+            return {}
+        moved = motion.field("displacement", len(motion.times) - 1)
+        velocities = enumerate(motion.field_at(self.name, time))
+        return {k: v for k, v in velocities if not np.isnan(v).any() and not moved[k].any()}
 
 
 def _scalar(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ from visviva.errors import InputError, RunError
 from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
 from visviva.output.picture import time_label, trails_until
-from visviva.output.stage import Camera, Scene, open_stage
+from visviva.output.stage import NO_STREAMS, Camera, Scene, open_stage
 from visviva.output.trajectory import Trajectory
 
 Image = NDArray[np.uint8]
@@ -102,7 +102,8 @@ def _frames(
         for k, time in enumerate(times.tolist()):
             points = motion.points_at(time)
             values = scene.coloring.values(motion, time) if scene.coloring else ()
-            stage.place(points, trails_until(motion, paths, time, points), time_label(time), values)
+            streams = scene.coloring.streams(motion, time) if scene.coloring else NO_STREAMS
+            stage.place(points, trails_until(motion, paths, time, points), time_label(time), values, streams)
             yield stage.image()
             if progress is not None:
                 progress(k + 1, len(times))

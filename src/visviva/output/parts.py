@@ -15,6 +15,7 @@ from visviva.output.surface import Surface
 
 SHARP = 35.0  # degrees between neighbouring faces above which an edge is drawn as one
 SUN = np.array([-0.35, 0.25, -1.0])  # direction in which shadows fall
+APART = 0.012  # distance of streamlines, of the size of what flows
 LIFT = 0.0012  # of the way to the eye
 GLOSS: dict[str, Any] = {"ambient": 0.3, "diffuse": 0.8, "specular": 0.25, "specular_power": 25}
 
@@ -30,6 +31,9 @@ class Part:
 
     def paint(self, values: NDArray[np.float64] | None) -> None:
         """Colour by values of a field, or plainly."""
+
+    def stream(self, velocities: NDArray[np.float64] | None) -> None:
+        """Draw streamlines, where there are velocities (n, 3)."""
 
 
 class Skin(Part):
@@ -61,6 +65,37 @@ class Edges(Part):
 
     def move(self, points: NDArray[np.float64]) -> None:
         super().move(points + LIFT * (np.array(self._camera.position) - points))
+
+
+class Streamlines(Part):
+    """Streamlines of a plane fluid, evenly spaced, before its faces."""
+
+    def __init__(self, surface: int, mesh: Any, ids: NDArray[np.int64], lines: Any) -> None:
+        super().__init__(surface, mesh, ids)
+        self._lines = lines
+
+    def stream(self, velocities: NDArray[np.float64] | None) -> None:
+        import pyvista
+
+        if velocities is None or not np.any(velocities):
+            self._lines.copy_from(pyvista.PolyData())
+            return
+        velocities = velocities[self._ids]
+        self._mesh["velocity"] = velocities
+        start = self._mesh.points[np.argmax(np.linalg.norm(velocities, axis=1))]
+        size = np.sqrt(self._mesh.area / self._mesh.n_cells)  # of a cell, in which distances count
+        apart = max(2.0, APART * self._mesh.length / size)
+        found = self._mesh.streamlines_evenly_spaced_2D(
+            vectors="velocity",
+            start_position=start,
+            separating_distance=apart,
+            step_length=0.3,
+            step_unit="cl",
+            compute_vorticity=False,
+        )
+        self._lines.copy_from(
+            pyvista.PolyData(found.points + np.array([0, 0, LIFT * self._mesh.length]), lines=found.lines)
+        )
 
 
 class Ball(Part):
@@ -102,6 +137,12 @@ def parts_of(plotter: Any, scene: Scene, k: int, surface: Surface, fine: int) ->
         yield from _solid(plotter, scene, k, whole, fine)
         if scene.outline is not None:
             _shade(plotter, whole, scene.outline[k][outer], fine)
+        if scene.coloring is not None and not np.ptp(surface.points[:, 2]):
+            lines_of = pyvista.PolyData(whole.points[:2], lines=[2, 0, 1])
+            plotter.add_mesh(
+                lines_of, color="white", line_width=fine, opacity=0.8, lighting=False, render=False
+            )
+            yield Streamlines(k, whole, outer, lines_of)
     if lines:
         mesh = pyvista.PolyData(surface.points, lines=_packed(lines))
         yield from _thread(plotter, scene, k, mesh)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
-from visviva.output.stage import Camera, Points, Scene, Trails, Values, open_stage
+from visviva.output.stage import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values, open_stage
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -105,7 +105,8 @@ def snapshot(
         points = motion.points_at(moment)
         passed = trails_until(motion, motion.centres(trails), moment, points)
         values = coloring.values(motion, moment) if coloring else ()
-        _draw(scene, points, passed, time_label(moment), Path(png), values)
+        streams = coloring.streams(motion, moment) if coloring else NO_STREAMS
+        _draw(scene, points, passed, time_label(moment), Path(png), values, streams)
 
 
 def trails_until(
@@ -121,12 +122,20 @@ def time_label(time: float) -> str:
     return f"t = {time:.2f} s"
 
 
-def _draw(scene: Scene, points: Points, trails: Trails, label: str, png: Path, values: Values = ()) -> None:
+def _draw(
+    scene: Scene,
+    points: Points,
+    trails: Trails,
+    label: str,
+    png: Path,
+    values: Values = (),
+    streams: Streams = NO_STREAMS,
+) -> None:
     import matplotlib.image
 
     stage = open_stage(scene)
     try:
-        stage.place(points, trails, label, values)
+        stage.place(points, trails, label, values, streams)
         image = stage.image()
     finally:
         stage.close()

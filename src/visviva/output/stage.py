@@ -24,8 +24,10 @@ Trails = Mapping[int, NDArray[np.float64]]  # positions (n, 3) passed so far, by
 Values = Sequence[
     NDArray[np.float64] | None
 ]  # of a field at the points of every surface; None for plain ones
+Streams = Mapping[int, NDArray[np.float64]]  # velocities (n, 3) of fluids, by the number of the surface
 Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
+NO_STREAMS: Streams = {}
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
 MARGIN = 1.12  # of the view around what is shown
@@ -155,7 +157,9 @@ class Scene:
 class Stage(Protocol):
     """Draws a scene at given positions."""
 
-    def place(self, points: Points, trails: Trails, label: str, values: Values = ()) -> None:
+    def place(
+        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+    ) -> None:
         """Move the surfaces, draw the trails and write the label; colour surfaces by values of the field."""
 
     def image(self) -> NDArray[np.uint8]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.output.coloring import COLORS
 from visviva.output.skin import skin
-from visviva.output.stage import INK, Points, Scene, Trails, Values
+from visviva.output.stage import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100
@@ -43,7 +43,9 @@ class MatplotlibStage:
             self._shade(scene.outline)
         self._drawn: list[Any] = []
 
-    def place(self, points: Points, trails: Trails, label: str, values: Values = ()) -> None:
+    def place(
+        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+    ) -> None:
         for artist in self._drawn:
             artist.remove()
         self._drawn = [

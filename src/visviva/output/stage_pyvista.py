@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.output.coloring import Coloring
 from visviva.output.parts import SUN, parts_of, table
-from visviva.output.stage import INK, Points, Scene, Trails, Values
+from visviva.output.stage import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 FINE = 2  # pixels rendered per pixel and direction, faster here than VTK's own smoothing of edges
 
@@ -50,11 +50,14 @@ class PyVistaStage:
             if scene.coloring is not None:
                 self._color_bar(scene.coloring)
 
-    def place(self, points: Points, trails: Trails, label: str, values: Values = ()) -> None:
+    def place(
+        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+    ) -> None:
         for part in self._parts:
             part.move(points[part.surface])
             if values:
                 part.paint(values[part.surface])
+            part.stream(streams.get(part.surface))
         self._draw_trails(trails)
         self._label.SetInput(label)
         self.plotter.renderer.ResetCameraClippingRange()

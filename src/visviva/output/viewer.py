@@ -11,7 +11,7 @@ from typing import Any
 from visviva.errors import InputError
 from visviva.output.coloring import Coloring
 from visviva.output.picture import time_label, trails_until
-from visviva.output.stage import INK, Scene
+from visviva.output.stage import INK, NO_STREAMS, Scene
 from visviva.output.trajectory import Trajectory
 
 
@@ -62,7 +62,8 @@ def build_viewer(
     def move(time: float) -> None:
         points = motion.points_at(time)
         values = coloring.values(motion, time) if coloring else ()
-        stage.place(points, trails_until(motion, paths, time, points), time_label(time), values)
+        streams = coloring.streams(motion, time) if coloring else NO_STREAMS
+        stage.place(points, trails_until(motion, paths, time, points), time_label(time), values, streams)
 
     start, end = float(motion.times[0]), float(motion.times[-1])
     move(start)
