@@ -107,7 +107,8 @@ def plot_tips(probes: Path, png: Path) -> None:
         for source, mark in (("a", "o"), ("b", "x")):
             values = reference[f"u{axis}_{source}"]
             axes.plot(reference["t"], values, mark, color=color, label=f"u{axis}, reference ({source})")
-    axes.legend(fontsize=8, loc="center right")
+    axes.set_ylim(-0.02, 0.8)
+    axes.legend(fontsize=8, loc="upper right", ncols=2)
     axes.grid(alpha=0.3)
     figure.savefig(png)
 
