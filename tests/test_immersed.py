@@ -113,24 +113,20 @@ def test_energy_of_a_closed_cube_balances() -> None:
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
 
 
-def test_forces_on_the_solid_hold_its_weight() -> None:
-    """A heavy block at rest on a spring bed of its own: what the fluid carries is the rest of its weight."""
-    fluid = box("quad4", 4, velocity=(0.0, 0.0, 0.0), viscosity=1.0)
-    solid = patch(density=3.0)
+@pytest.mark.parametrize("density", [3.0, 0.5])
+def test_a_held_solid_at_rest_weighs_less_by_the_fluid_it_displaces(density: float) -> None:
+    """Archimedes: the support bears (rho_s - rho_f) g times the area, but for what pressures at its foot take."""
+    fluid = box("quad4", 8, velocity=(0.0, 0.0, 0.0), viscosity=1.0)
+    solid = patch(density=density)
     immersed = vv.Immersed(solid=solid, fluid=fluid)
-    system = vv.System(
-        [
-            fluid,
-            vv.NoSlip(fluid=fluid, faces="all"),
-            solid,
-            vv.Fixed(solid=solid, nodes="y0"),
-            immersed,
-            vv.Gravity(acceleration=(0, -2.0, 0)),
-        ]
-    )
-    vv.simulate(system, until=2.0, step=0.1, scheme=vv.BackwardEuler())
+    clamp = vv.Fixed(solid=solid, nodes="y0")
+    gravity = vv.Gravity(acceleration=(0, -2.0, 0))
+    system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, clamp, immersed, gravity])
+    vv.simulate(system, until=4.0, step=0.2, scheme=vv.BackwardEuler())
+    force = vv.SupportForce(solid=solid, nodes="y0")(system)
     assert immersed.total_mass == pytest.approx(-0.06)
-    assert np.abs(system.v).max() < 1e-3
+    assert force[1] == pytest.approx((density - 1.0) * 0.06 * 2.0, rel=5e-3)
+    assert force[0] == pytest.approx(0.0, abs=1e-3)
 
 
 # --- the whole ----------------------------------------------------------------------------------------------

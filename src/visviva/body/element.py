@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,3 +124,14 @@ def masses(
         scale = density * volume.sum(axis=1) / diagonal.sum(axis=1)
         packed = np.where(a == b, packed * scale[:, None], 0.0)
     return packed
+
+
+def nodal_masses(n: int, masses: Iterable[tuple[Ints, Array]]) -> Array:
+    """Row sums (n,) of the mass matrix of a mesh of `n` nodes, from cells (m, k) with their packed masses."""
+    total = np.zeros(n)
+    for nodes, packed in masses:
+        for pair, (a, b) in enumerate(zip(*np.triu_indices(nodes.shape[1]), strict=True)):
+            np.add.at(total, nodes[:, a], packed[:, pair])
+            if a != b:
+                np.add.at(total, nodes[:, b], packed[:, pair])
+    return total

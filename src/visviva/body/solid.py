@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, masses, solid_rule
+from visviva.body.element import geometry, masses, nodal_masses, solid_rule
 from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.formulation import Formulation
 from visviva.component import Attachable, Vectors, settings
@@ -178,16 +178,8 @@ class Solid(Attachable, Meshed):
     @cached_property
     def nodal_mass(self) -> Array:
         """Share (n,) of every node in the mass: row sums of the mass matrix."""
-        total = np.zeros(self.grid.n_nodes)
-        for cell, nodes in self.grid.cells.items():
-            k = nodes.shape[1]
-            a, b = np.triu_indices(k)
-            m = self._masses(cell, nodes)
-            for pair in range(len(a)):
-                np.add.at(total, nodes[:, a[pair]], m[:, pair])
-                if a[pair] != b[pair]:
-                    np.add.at(total, nodes[:, b[pair]], m[:, pair])
-        return total
+        cells = self.grid.cells.items()
+        return nodal_masses(self.grid.n_nodes, ((nodes, self._masses(cell, nodes)) for cell, nodes in cells))
 
     @property
     def mass(self) -> float:

@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.batch import book
-from visviva.body.element import masses
+from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError, RunError, VisvivaError
@@ -99,7 +99,8 @@ class Immersed(Component):
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion
         places = self.fluid.at(self._inside(self.solid.grid.points, InputError))
-        motion.rates[:] = places.of_nodes(self.fluid.initial_velocities()).ravel()
+        start = places.of_nodes(self.fluid.initial_velocities()).ravel()
+        motion.rates[:] = np.where(motion.fixed, motion.rates, start)
         model.refresh(motion)
         follows = ~motion.fixed
         model.hold(self.force, np.flatnonzero(~follows))
@@ -202,14 +203,8 @@ class Immersed(Component):
 
     @cached_property
     def _nodal_mass(self) -> Array:
-        total = np.zeros(self.solid.grid.n_nodes)
-        for cell, nodes in self.solid.grid.cells.items():
-            m = self._masses(cell)
-            for pair, (a, b) in enumerate(zip(*np.triu_indices(nodes.shape[1]), strict=True)):
-                np.add.at(total, nodes[:, a], m[:, pair])
-                if a != b:
-                    np.add.at(total, nodes[:, b], m[:, pair])
-        return total
+        cells = self.solid.grid.cells.items()
+        return nodal_masses(self.solid.grid.n_nodes, ((nodes, self._masses(cell)) for cell, nodes in cells))
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         force = self._nodal_mass[:, None] * np.asarray(acceleration)[None, : self.solid.dimension]
