@@ -21,7 +21,7 @@ from instances.immersed import ImmersedSolid
 from instances.solid import Brick
 from instances.stokes import StokesCell
 from numpy.typing import NDArray
-from point_contacts import blocks
+from point_contacts import SHAPES, blocks, on_shape
 from rubbing import thrown
 from solid_parts import FRAMED, REST, TIED, block, coupled, loaded, pinned, tied, wavy
 
@@ -602,6 +602,12 @@ CATALOGUE = [
         ALL,
         h=0.01,
         steps=15,
+    ),
+    *(
+        Entry(f"contact, exact {name}, {kind}", partial(on_shape, name, **options), what, h=0.01, steps=30)
+        for name in SHAPES
+        for kind, (options, what) in CONTACTS.items()
+        if kind != "dissipative" or name == "sphere"
     ),
     # friction
     Entry("friction", thrown, MOMENTA, steps=20),

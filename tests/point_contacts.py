@@ -63,3 +63,38 @@ def wavy_track(enforcement: str, flat: bool, amplitude: float = 0.05) -> list[An
             impact="conserving",
         ),
     ]
+
+
+SHAPES: dict[str, tuple[Any, tuple[float, float, float]]] = {
+    "plane": (None, (0.0, 0.1, 1.0)),
+    "sphere": (vv.Sphere(radius=0.9), (0.0, 0.0, 1.0)),
+    "cylinder": (vv.Cylinder(radius=0.9, length=3.0), (1.0, 0.2, 0.0)),
+    "capsule": (vv.Capsule(radius=0.9, length=0.4), (1.0, 0.2, 0.1)),
+    "box": (vv.Box(size=(2.0, 2.0, 1.8)), (0.0, 0.1, 1.0)),
+}
+"""Exact shapes, and the axes of their frames; of the plane its normal."""
+
+
+def on_shape(name: str, turn: Any = None, **options: Any) -> list[Any]:
+    """A brick thrown onto an exact shape that a free body carries, all turned."""
+    R = np.eye(3) if turn is None else turn
+    shape, axis = SHAPES[name]
+    mesh = vv.BoxMesh(size=(0.5, 0.4, 0.3), counts=(1, 1, 1), origin=(-0.21, -0.17, 0.93)).build()
+    brick = vv.Solid(
+        mesh=replace(mesh, points=mesh.points @ R.T),
+        material=RUBBER,
+        density=1.0,
+        velocity=R @ (0.1, 0.2, -2.0),
+    )
+    carrier = vv.RigidBody(
+        mass=2.0,
+        inertia=R @ np.diag((0.5, 0.6, 0.7)) @ R.T,
+        position=R @ (0.1, -0.2, -0.1),
+        angular_velocity=R @ (0.3, 0.2, -0.4),
+    )
+    if shape is None:
+        obstacle: Any = vv.Plane(on=carrier, at=R @ (0, 0, 0.9), normal=R @ axis)
+    else:
+        first = R @ (0, 1, 0.1) if axis[0] else R @ (1, 0, 0)
+        obstacle = vv.Obstacle(shape=shape, on=carrier, axis=R @ axis, first=first)
+    return [brick, carrier, obstacle, vv.Contact(first=brick, second=obstacle, **options)]

@@ -11,6 +11,7 @@ import pytest
 from catalogue import MATERIALS, Components, body, flying, pair, turned
 from instances.solid import Brick
 from numpy.typing import NDArray
+from point_contacts import SHAPES, on_shape
 
 import visviva as vv
 
@@ -120,6 +121,22 @@ def test_formulations_move_alike_for_all_observers(formulation: Any, cell: str) 
 
     here, there = places(np.eye(3), np.zeros(3)), places(R, SHIFT)
     assert np.abs(here @ R.T + SHIFT - there).max() < 1e-11
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("name", SHAPES)
+def test_exact_shapes_are_touched_alike_for_all_observers(name: str, enforcement: str) -> None:
+    """A brick on a shape that a free body carries, and the same turned."""
+
+    def places(rotation: Array) -> Array:
+        parts = on_shape(name, rotation, enforcement=enforcement)
+        system, touched = vv.System(parts, vv.Newton(tolerance=1e-14)), 0.0
+        for _ in vv.march(system, until=0.07, step=0.01):
+            touched = max(touched, parts[-1].pressures.max())
+        assert touched > 0
+        return np.vstack([parts[0].positions(system.x), system.value(parts[1].point().position)])
+
+    assert np.abs(places(np.eye(3)) @ R.T - places(R)).max() < 1e-10
 
 
 def energy(system: vv.System) -> float:
