@@ -134,6 +134,7 @@ void bind_choice(nb::module_& m) {
         .def_rw("regularization", &LinearChoice::regularization)
         .def_rw("memory_limit", &LinearChoice::memory_limit)
         .def_rw("library", &LinearChoice::library)
+        .def_rw("matching", &LinearChoice::matching)
         .def_rw("threads", &LinearChoice::threads)
         .def_rw("method", &LinearChoice::method)
         .def_rw("preconditioner", &LinearChoice::preconditioner)

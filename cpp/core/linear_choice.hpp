@@ -21,6 +21,9 @@ struct LinearChoice {
     Backend backend = Backend::sparse_lu;
     MatrixKind kind = MatrixKind::general;
     double regularization = 0;
+    // Whether the diagonal may vanish, so that PARDISO has to match rows and columns by the values; otherwise
+    // its ordering knows the pattern alone, and lasts.
+    bool matching = true;
     double memory_limit = 0;  // bytes; 0: what the machine has available
 
     std::string library;  // path of oneMKL's single dynamic library; empty: where the system looks

@@ -118,9 +118,9 @@ class Pardiso : public LinearSolver {
         return true;
     }
 
-    // The ordering of definite matrices knows the pattern alone; scaling and matching of others see values.
+    // Without matching the ordering knows the pattern alone; scaling and matching see values.
     void forget() override {
-        if (type_ != 2) release();
+        if (matches()) release();
     }
     int singular_unknown() const override { return singular_ < 0 ? -1 : matrix_.unknown(singular_); }
     int n_negative() const override { return type_ == 2 ? 0 : type_ == -2 ? iparm_[22] : -1; }
@@ -145,13 +145,12 @@ class Pardiso : public LinearSolver {
 
     void set_parameters() {
         std::fill(pt_, pt_ + 64, nullptr), std::fill(iparm_, iparm_ + 64, 0);
-        const bool definite = type_ == 2;
         iparm_[0] = 1;                     // what follows is given
         iparm_[1] = 2;                     // nested dissection
-        iparm_[7] = definite ? 0 : 2;      // steps of iterative refinement
+        iparm_[7] = matches() ? 2 : 0;     // steps of iterative refinement; 0: where pivots were perturbed
         iparm_[9] = type_ == 11 ? 13 : 8;  // pivots below 10^-this are perturbed
-        iparm_[10] = definite ? 0 : 1;     // scaling and
-        iparm_[12] = definite ? 0 : 1;     // matching: saddle points need both
+        iparm_[10] = matches() ? 1 : 0;    // scaling and
+        iparm_[12] = matches() ? 1 : 0;    // matching: saddle points need both
         iparm_[17] = -1;                   // report the entries of the factors
         iparm_[20] = 1;                    // Bunch and Kaufman's pivots
         iparm_[34] = 1;                    // counted from zero
@@ -193,6 +192,7 @@ class Pardiso : public LinearSolver {
         return message_ = "the tangent is singular", false;
     }
 
+    bool matches() const { return type_ != 2 && choice_.matching; }
     bool failed(int error) { return message_ = meaning(error), false; }
     int perturbed() const { return type_ == 2 ? 0 : iparm_[13]; }
 

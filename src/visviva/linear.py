@@ -73,6 +73,8 @@ class Problem:
         The tangent is that of a time step: where steps are short, mass outweighs stiffness.
     regularization : float
         Taken off the scaled diagonal of redundant constraints.
+    has_diagonal : bool
+        Of unsymmetric tangents: no entry of the diagonal vanishes.
     """
 
     n: int
@@ -84,6 +86,7 @@ class Problem:
     n_pressures: int = 0
     has_inertia: bool = False
     regularization: float = 0.0
+    has_diagonal: bool = False
 
     @property
     def kind(self) -> _core.MatrixKind:
@@ -209,6 +212,7 @@ class Direct(LinearOptions):
         c = _core.LinearChoice()
         c.backend, c.kind, c.regularization = backend, kind, problem.regularization
         c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
+        c.matching = not problem.has_diagonal
         return c
 
 

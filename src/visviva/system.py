@@ -314,6 +314,8 @@ class System:
             n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
             has_inertia=inertia,
             regularization=self.newton.regularization * (1.0 if inertia else STATIC),
+            has_diagonal=all(not f.multiplier and (f.order > 0 or not f.symmetric) for f in fields)
+            and not all(f.symmetric for f in fields),
         )
 
     def _modes(self) -> Array:
