@@ -17,6 +17,7 @@ from profile_steps import best
 import visviva as vv
 from visviva.mesh.generate import SolidCell
 from visviva.scheme import Scheme
+from visviva.solve import prepare
 
 COUNTS: dict[SolidCell, int] = {"hex8": 24, "hex20": 10, "hex27": 10, "tet10": 8}
 SCHEMES: dict[str, Scheme] = {"statics": vv.Static(), "energy-momentum": vv.EnergyMomentum()}
@@ -36,7 +37,7 @@ def cube(cell: SolidCell, n: int) -> vv.System:
 
 def costs(system: vv.System, scheme: Scheme, n_elements: int, repeat: int) -> tuple[float, float]:
     """Microseconds per element of the residual, and of residual, tangent and scatter."""
-    vv.solve.prepare(system, scheme)
+    prepare(system, scheme)
     step = scheme.step(system.time, 0.01)
     core, signals = system.core, system.signals(step).copy()
     residual, values = np.zeros(len(system.x)), np.zeros(core.n_entries)

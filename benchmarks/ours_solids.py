@@ -9,6 +9,7 @@ from solid_cases import TOLERANCE, SolidCase
 from solid_measure import Record, main
 
 import visviva as vv
+from visviva.solve import prepare
 
 
 def system_of(case: SolidCase) -> tuple[vv.System, vv.Solid]:
@@ -51,7 +52,7 @@ def run(case: SolidCase, variant: str, audited: bool) -> Record:
     """March the case; see `solid_measure.main`."""
     system, solid = system_of(case)
     scheme, record = scheme_of(case, variant), Record()
-    vv.solve.prepare(system, scheme)
+    prepare(system, scheme)
     marching = vv.march(system, until=case.steps * case.step, step=case.step, scheme=scheme)
     for _ in range(case.steps):
         if audited:

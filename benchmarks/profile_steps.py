@@ -20,6 +20,7 @@ from cases import build
 from ours import system_of
 
 import visviva as vv
+from visviva.solve import prepare
 
 MECHANISMS = {"crane": 4, "four-bar": 3, "chain-ball": 10, "chain-revolute": 10}
 
@@ -63,7 +64,7 @@ def parts(system: vv.System, step: Any, repeat: int) -> dict[str, float]:
 def profile_dynamics(name: str, system: vv.System, h: float, steps: int, repeat: int) -> None:
     """March, then time the parts at the state reached."""
     scheme = vv.EnergyMomentum()
-    vv.solve.prepare(system, scheme)
+    prepare(system, scheme)
     for _ in range(min(steps, 20)):
         system.step(h, scheme)
     iterations = factorizations = 0
