@@ -184,3 +184,19 @@ def test_energy_of_eddies_decays_as_it_should() -> None:
     system, _ = decaying("quad9", 24, 0.01)
     result = vv.simulate(system, until=1.0, step=0.1)
     assert result.ledger["kinetic"][-1] == pytest.approx(9.48261167717795, rel=2e-4)
+
+
+# --- open boundaries ----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("cell", ["quad9", "tri6"])
+def test_backflow_brings_no_energy(cell: str) -> None:
+    """Eddies on a box that is open all around, hardly viscous: half of its boundary sucks, and energy only falls."""
+    mesh = vv.RectangleMesh(size=(2.0, 2.0), counts=(6, 6), cell=cell, origin=(0.5, 0.7))
+    start = eddies(0.0, 0.0)
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1e-6, velocity=lambda X: 5.0 * start(X)[0])
+    system = vv.System([fluid, vv.FluidTraction(fluid=fluid, faces="all", traction=(0, 0, 0))])
+    into = [vv.FlowRate(fluid=fluid, faces=side)(system) for side in ("x0", "x1", "y0", "y1")]
+    assert min(into) < -0.5
+    result = vv.simulate(system, until=1.0, step=0.05)
+    assert np.all(np.diff(result.ledger["kinetic"]) < 0)
+    assert np.all(np.diff(result.ledger["work_outflow"]) <= 0)
+    assert result.ledger.imbalance() < 1e-10
