@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.flow.faces import flow_faces
 
 Array = NDArray[np.float64]
 
@@ -199,4 +200,11 @@ def test_backflow_brings_no_energy(cell: str) -> None:
     result = vv.simulate(system, until=1.0, step=0.05)
     assert np.all(np.diff(result.ledger["kinetic"]) < 0)
     assert np.all(np.diff(result.ledger["work_outflow"]) <= 0)
+    middle = (fluid.velocities(result.states[-2]) + fluid.velocities(result.states[-1])) / 2
+    taken = 0.0
+    for p in flow_faces(fluid.grid, fluid.grid.boundary()):
+        v = np.einsum("mqk,mki->mqi", p.N, middle[p.nodes])[:, :, :2]
+        leaving = np.maximum(np.sum(v * p.normal, axis=2), 0.0)
+        taken += 0.5 * np.sum(leaving * np.sum(v**2, axis=2))
+    assert np.diff(result.ledger["work_outflow"])[-1] == pytest.approx(-0.05 * taken, rel=1e-10)
     assert result.ledger.imbalance() < 1e-10
