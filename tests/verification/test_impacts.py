@@ -1,7 +1,8 @@
-"""Bars that collide, against the solution of the wave equation."""
+"""Bodies that collide against waves and over thousands of steps, and the order of contact that persists."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from verification.measure import orders
 from visviva.component import Component
 
 Array = NDArray[np.float64]
@@ -71,3 +73,88 @@ def test_unlike_bars_exchange_momentum(kind: str) -> None:
     assert np.max(total - total[0]) < 1e-9 * total[0]
     if kind != "dissipative":
         assert np.abs(total - total[0]).max() < 1e-9 * total[0]
+
+
+# --- thousands of steps -------------------------------------------------------------------------------------
+def rattle(dimension: int, **options: Any) -> Parts:
+    """A soft block that flies askew in a free box and bounces off its walls and corners; both tumble."""
+    rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+    shape: Any = vv.BoxMesh if dimension == 3 else vv.RectangleMesh
+    frame = shape(size=(3,) * dimension, counts=(3,) * dimension).build()
+    (name,) = frame.cells
+    centres = frame.points[frame.cells[name]].mean(axis=1)
+    walls = frame.cells[name][np.any(np.abs(centres - 1.5) > 0.6, axis=1)]
+    used, cells = np.unique(walls, return_inverse=True)
+    box = vv.Solid(
+        mesh=vv.Mesh(frame.points[used], {name: cells.reshape(walls.shape)}), material=rubber, density=1.0
+    )
+    small = (
+        shape(size=(0.5,) * dimension, counts=(1,) * dimension).build().moved((1.22, 1.27, 1.31)[:dimension])
+    )
+    velocity = (1.1, 0.7, 0.4 * (dimension == 3))
+    turning = (0.3 * (dimension == 3), 0, 0.8)
+    block = vv.Solid(mesh=small, material=rubber, density=1.0, velocity=velocity, angular_velocity=turning)
+    contact = vv.Contact(first=block, second=box, formulation="node-to-segment", **options)
+    return [block, box, contact]
+
+
+@pytest.mark.parametrize("kind", ["conserving", "penalty"])
+def test_thousands_of_steps_with_dozens_of_impacts(kind: str) -> None:
+    """Energy and momenta stay at round-off, though the block hits the walls again and again."""
+    options = {"impact": "conserving"} if kind == "conserving" else {"enforcement": "penalty"}
+    parts, steps, h = rattle(2, **options), 4000, 0.01
+    contact = parts[2]
+    assert isinstance(contact, vv.Contact)
+    touches: list[bool] = []
+    system = vv.System(parts, vv.Newton(tolerance=1e-13))
+    result = vv.simulate(
+        system,
+        until=steps * h,
+        step=h,
+        every=10**6,
+        observe=lambda _: touches.append(bool(contact.pressures.max() > 0)),
+    )
+    impacts = int(np.sum(np.diff(np.array(touches, dtype=int)) > 0))
+    momenta = ["momentum_x", "momentum_y", "angular_z"]
+    total = result.ledger["total"]
+    drift = float(np.abs(total - total[0]).max() / total[0])
+    assert impacts > steps / 200
+    assert drift < 1e-10
+    result.assert_conserved("energy", *momenta, tolerance=1e-10)
+
+
+# --- order in time ------------------------------------------------------------------------------------------
+def persistent(dimension: int, **options: Any) -> Parts:
+    """A block that a load, growing from nothing, presses onto a layer while it slides along it without friction."""
+    rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+    shape: Any = vv.BoxMesh if dimension == 3 else vv.RectangleMesh
+    below = shape(
+        size=(3, 2, 1)[:dimension] if dimension == 3 else (3, 1), counts=(3,) + (2,) * (dimension - 1)
+    )
+    mesh = shape(size=(1,) * dimension, counts=(2,) * dimension).build()
+    above = mesh.moved((0.4, 0.5, 1.0) if dimension == 3 else (0.4, 1.0))
+    axis = "xyz"[dimension - 1]
+    layer = vv.Solid(mesh=below, material=rubber, density=1.0)
+    block = vv.Solid(mesh=above, material=rubber, density=1.0, velocity=(0.3, 0, 0))
+    load = tuple(-20.0 * np.eye(3)[dimension - 1])
+    return [
+        block,
+        layer,
+        vv.Contact(first=block, second=layer, first_faces=f"{axis}0", second_faces=f"{axis}1", **options),
+        vv.Fixed(solid=layer, nodes=f"{axis}0"),
+        vv.BodyForce(solid=block, force=load, times="t**2*(3 - 2*t)"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"enforcement": "penalty", "stiffness": 2e3}], ids=["multipliers", "penalty"]
+)
+def test_persistent_mortar_contact_is_of_second_order(options: dict[str, Any]) -> None:
+    """Positions at t = 0.8 against steps half as long each time."""
+    ends = []
+    for h in (0.04, 0.02, 0.01, 0.005):
+        system = vv.System(persistent(2, **options), vv.Newton(tolerance=1e-12))
+        vv.simulate(system, until=0.8, step=h)
+        ends.append(system.x[system.order == 2].copy())
+    change = [float(np.abs(b - a).max()) for a, b in pairwise(ends)]
+    assert (orders(change) > 1.9).all()
