@@ -4,8 +4,9 @@
 
 writes ``docs/pictures/crane.png``, the crane under way and its energies with the error of their balance,
 ``docs/pictures/solids.jpg``, the hollow torus in flight and the slider-crank with a flexible rod, and
-``docs/pictures/contact.jpg``, two tori in impact and their energies, and ``docs/pictures/valve.jpg``, two flaps in a
-channel with the curves of their tips over a body-fitted reference.
+``docs/pictures/contact.jpg``, two tori in impact and their energies, ``docs/pictures/tori.jpg``, the tori at t = 2 and
+t = 5, and ``docs/pictures/valve.jpg``, two flaps in a channel with the curves of their tips over a body-fitted
+reference.
 """
 
 from __future__ import annotations
@@ -68,11 +69,13 @@ def draw_solids() -> Path:
 
 
 def draw_contact() -> Path:
-    """Run the coarse tori through their impact; a moment of it beside the energies."""
+    """Run the coarse tori through their impact; a moment of it beside the energies, and two moments of it."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         files = here / "tori"
-        run(tori.study(mesh="coarse", until=3.0, step=0.02), files, progress=False, pictures=False)
+        run(tori.study(mesh="coarse", step=0.02), files, progress=False)
+        moments = [files / f"picture-{moment}.png" for moment in (2, 5)]
+        side_by_side(moments, PICTURES / "tori.jpg")
         snapshot(files / "trajectory.vtkhdf", here / "left.png", time=2.0, field="von_mises", size=(900, 700))
         energy_plot(files / "ledger.csv", here / "right.png", title="Impact of two tori, h = 0.02 s")
         return side_by_side([here / "left.png", here / "right.png"], PICTURES / "contact.jpg")

@@ -261,3 +261,27 @@ def test_axisymmetric_solids_are_refused() -> None:
     )
     with pytest.raises(InputError, match="does not know its circumference"):
         vv.System([low, high, vv.Contact(first=high, second=low, first_faces="y0", second_faces="y1")])
+
+
+def test_amended_tangents_lead_where_new_ones_do() -> None:
+    """Where the active set alone changes, the tangent is kept but for rows and columns of multipliers."""
+    ends, tangents = [], []
+    for keep_factor in (0.3, 0.0):
+        components = bricks(gap=0.01)
+        system = vv.System(components, vv.Newton(keep_factor=keep_factor))
+        result = vv.simulate(system, until=0.2, step=0.01)
+        assert contact_of(components).costs["segments"] > 0
+        ends.append(result.states[-1])
+        tangents.append(result.statistics.factorizations)
+    assert np.allclose(*ends, rtol=0, atol=1e-9)
+    assert tangents[0] < 0.6 * tangents[1]
+
+
+def test_run_draws_moments_and_movie_of_a_study(tmp_path: Path) -> None:
+    system = vv.System(bricks(gap=0.01))
+    study = vv.Study(system, until=0.04, step=0.01, moments=(0.02, 9.0), movie=True)
+    run(study, tmp_path / "bricks", progress=False)
+    files = {file.name for file in (tmp_path / "bricks").iterdir()}
+    assert "picture-0.02.png" in files
+    assert "picture-9.png" not in files
+    assert files & {"movie.mp4", "movie.gif"}

@@ -179,6 +179,10 @@ void bind_contact(nb::module_& m) {
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,
                                  int energy) { t.friction_account = work, t.slip_energy_account = energy; })
+        .def_prop_ro("costs",
+                     [](const ContactTerm& t) {
+                         return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};
+                     })
         .def_prop_ro(
             "tractions", [](const ContactTerm& t) { return copy_of(t.tractions()); },
             nb::rv_policy::automatic)

@@ -14,6 +14,9 @@ namespace {
 using Map = Eigen::Map<const Eigen::VectorXd>;
 
 constexpr double touching = 1e-9;  // part of a vertex's share of the surface
+// Parts of the reach by which surfaces may leave what the search has swept, until it is done again, and at
+// all; and by which the end of a step may move until stencils are made again.
+constexpr double again = 0.125, too_far = 0.35, moved = 0.03;
 
 Map vector_of(const std::vector<double>& a) { return {a.data(), static_cast<Eigen::Index>(a.size())}; }
 
@@ -30,7 +33,31 @@ struct Correction {
     void complete(double defect) { c = size > 0 ? defect / size : 0; }
 };
 
+// Adds the CPU time of its life.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& sum) : sum_(sum), start_(std::clock()) {}
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+    ~Stopwatch() { sum_ += static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC; }
+
+  private:
+    double& sum_;
+    std::clock_t start_;
+};
+
 }  // namespace
+
+// What takes its time in the segments, and not in the forces around them.
+template <class F>
+void ContactTerm::segments(F f) {
+    double spent = 0;
+    {
+        const Stopwatch watch(spent);
+        f();
+    }
+    costs_.segments += spent, costs_.forces -= spent;
+}
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
@@ -70,20 +97,32 @@ bool ContactTerm::beyond(const double* X, double margin) const {
 // Looks a few steps ahead, so that the tangent's pattern lasts.
 bool ContactTerm::search(const double* x0, const double* x1) {
     constexpr double steps_ahead = 4;
+    const Stopwatch watch(costs_.search);
     changes_ = -1;
     gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
-    if (!beyond(X0_.data(), reach_ / 4) && !beyond(X1_.data(), reach_ / 4)) return false;
-    from_ = X0_, to_ = X1_;
+    if (!beyond(X0_.data(), again * reach_) && !beyond(X1_.data(), again * reach_)) {
+        narrow();
+        return false;
+    }
+    from_ = X0_, to_ = X1_, known_.clear();
     for (std::size_t i = 0; i < to_.size(); ++i) {
         const double step = std::clamp(to_[i] - from_[i], -reach_, reach_);
         to_[i] = from_[i] + steps_ahead * step;
     }
-    return gaps_->search(from_.data(), to_.data());
+    const bool changed = gaps_->search(from_.data(), to_.data());
+    narrow();
+    return changed;
+}
+
+// Stencils for the present step.
+void ContactTerm::narrow() {
+    gaps_->narrow(X0_.data(), X1_.data());
+    narrowed_ = X1_;
 }
 
 Refusal ContactTerm::refuse(const Context& c) {
     gaps_->skin().positions(c.vectors.x1, X1_);
-    if (!beyond(X1_.data(), reach_ / 2)) return {};
+    if (!beyond(X1_.data(), too_far * reach_)) return {};
     return {n_multipliers() > 0 ? multipliers(0)[0] : -1,
             name + " moved farther in the step than its search had reached"};
 }
@@ -115,87 +154,96 @@ bool ContactTerm::read_memory(const double*& m) {
 bool ContactTerm::read_search(const double*& m) {
     const std::size_t n = gaps_->skin().constant.size();
     if (*m++ == 0) return false;
-    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n);
+    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n), known_.clear();
     m += 2 * n;
     return gaps_->search(from_.data(), to_.data());
 }
 
 template <class F>
-void ContactTerm::each_form(int A, F f) const {
+void ContactTerm::each_form(const std::vector<int>& vertices, F f) const {
     const Skin& skin = gaps_->skin();
-    const auto& stencil = gaps_->stencil(A);
-    for (int v = 0; v < static_cast<int>(stencil.size()); ++v)
-        for (int k = skin.first[stencil[v]]; k < skin.first[stencil[v] + 1]; ++k) f(v, k);
+    for (int v = 0; v < static_cast<int>(vertices.size()); ++v)
+        for (int k = skin.first[vertices[v]]; k < skin.first[vertices[v] + 1]; ++k) f(v, k);
 }
 
 void ContactTerm::couple(Pattern& pattern) const {
     const Skin& skin = gaps_->skin();
-    auto rows = [&](int k) { return skin.mesh_node[k] ? 1 : skin.dim; };
     for (int A = 0; A < gaps_->n(); ++A) {
         const std::vector<int> own = multipliers(A);
         for (int a : own)
             for (int b : own) pattern.couple(a, b);
-        each_form(A, [&](int, int k) {
-            for (int i = 0; i < rows(k); ++i) {
-                const int u = skin.unknown[k] + i;
-                for (int a : own) pattern.couple(u, a), pattern.couple(a, u);
-                each_form(A, [&](int, int l) {
-                    for (int j = 0; j < rows(l); ++j) pattern.couple(u, skin.unknown[l] + j);
-                });
-            }
+        each_form(gaps_->neighbours(A), [&](int, int k) {
+            for (int i = 0; i < (skin.mesh_node[k] ? 1 : skin.dim); ++i)
+                for (int a : own)
+                    pattern.couple(skin.unknown[k] + i, a), pattern.couple(a, skin.unknown[k] + i);
         });
+    }
+    couple_vertices(pattern);
+}
+
+// Vertices that belong to the same gap, each pair once.
+void ContactTerm::couple_vertices(Pattern& pattern) const {
+    const Skin& skin = gaps_->skin();
+    std::vector<std::vector<int>> gaps(skin.n_vertices());
+    for (int A = 0; A < gaps_->n(); ++A)
+        for (int v : gaps_->neighbours(A)) gaps[v].push_back(A);
+    auto rows = [&](int k) { return skin.mesh_node[k] ? 1 : skin.dim; };
+    std::vector<int> seen(skin.n_vertices(), -1), others;
+    for (int v = 0; v < skin.n_vertices(); ++v) {
+        others.clear();
+        for (int A : gaps[v])
+            for (int w : gaps_->neighbours(A))
+                if (seen[w] != v) seen[w] = v, others.push_back(w);
+        for (int k = skin.first[v]; k < skin.first[v + 1]; ++k)
+            for (int i = 0; i < rows(k); ++i)
+                each_form(others, [&](int, int l) {
+                    for (int j = 0; j < rows(l); ++j)
+                        pattern.couple(skin.unknown[k] + i, skin.unknown[l] + j);
+                });
     }
 }
 
-void ContactTerm::connect(const Pattern& pattern) {
-    const Skin& skin = gaps_->skin();
-    places_.assign(gaps_->n(), {});
-    for (int A = 0; A < gaps_->n(); ++A) {
-        Places& p = places_[A];
-        const std::vector<int> own = multipliers(A);
-        for (int a : own)
-            for (int b : own) p.square.push_back(pattern.position(a, b));
-        auto add = [&](std::vector<Place>& to, int u, int w) { to.push_back({pattern.position(u, w), 0}); };
-        each_form(A, [&](int, int k) {
-            const int u = skin.unknown[k];
-            for (int a : own)
-                for (int i = 0; i < skin.dim; ++i) add(p.row, a, u + i), add(p.column, u + i, a);
-            each_form(A, [&](int, int l) {
-                const int w = skin.unknown[l];
-                if (skin.mesh_node[k] && skin.mesh_node[l])
-                    p.vertex.push_back({pattern.position(u, w), pattern.row_length(u)});
-                else
-                    for (int i = 0; i < skin.dim; ++i)
-                        for (int j = 0; j < skin.dim; ++j) add(p.vertex, u + i, w + j);
-            });
-        });
-    }
-}
+void ContactTerm::connect(const Pattern& pattern) { pattern_ = pattern, border_places_.clear(); }
 
 // --- pressures
 // ----------------------------------------------------------------------------------------------
 void ContactTerm::begin(const double* x0) {
     changes_ = -1;
     gaps_->skin().positions(x0, X0_);
-    gaps_->values(X0_.data(), gap0_.data(), area0_.data());
+    if (X0_ == known_) {
+        gap0_ = gap1_, area0_ = area1_;
+    } else {
+        const Stopwatch watch(costs_.segments);
+        gaps_->values(X0_.data(), gap0_.data(), area0_.data());
+    }
     if (has_history()) recall();
+}
+
+void ContactTerm::find_gaps() {
+    if (X1_ == known_) return;
+    segments([&] { gaps_->values(X1_.data(), gap1_.data(), area1_.data()); });
+    known_ = X1_;
 }
 
 void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     const Skin& skin = gaps_->skin();
     skin.positions(c.vectors.x0, X0_), skin.positions(c.vectors.x1, X1_);
-    gaps_->values(X1_.data(), gap1_.data(), area1_.data());
+    bool stays = narrowed_.size() == X1_.size();
+    for (std::size_t i = 0; stays && i < X1_.size(); ++i)
+        stays = std::abs(X1_[i] - narrowed_[i]) < moved * reach_;
+    if (!stays) narrow();
+    find_gaps();
     const double t = theta(c.step);
     Xt_.resize(X0_.size()), D_.resize(X0_.size());
     for (std::size_t i = 0; i < X0_.size(); ++i)
         Xt_[i] = (1 - t) * X0_[i] + t * X1_[i], D_[i] = X1_[i] - X0_[i];
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
     std::vector<double> area(gap1_.size());
-    if (at_theta) gaps_->values(Xt_.data(), gapt_.data(), area.data());
+    if (at_theta) segments([&] { gaps_->values(Xt_.data(), gapt_.data(), area.data()); });
     if (chooses && has_multipliers()) choose_active(c);
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (!has_friction()) return;
-    gaps_->grips(Xt_.data(), active_, gradients, grips_);
+    segments([&] { gaps_->grips(Xt_.data(), active_, gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
 }
 
@@ -238,6 +286,13 @@ void ContactTerm::choose_active(const Context& c) {
     if (changes_ < 0 || changed) ++changes_;
 }
 
+// In statics bodies may be held by contact alone: the augmentation keeps their tangents regular. With inertia
+// multipliers serve as they are, so that a change of the active set changes nothing but their rows and
+// columns.
+double ContactTerm::augmentation(int A, const Context& c) const {
+    return c.step.motion[0][0] != 0 && !has_friction() ? 0 : options_.stiffness[A];
+}
+
 // The pressure at a gap, not negative once the active set has settled.
 void ContactTerm::press(int A, const Context& c, double gap_theta) {
     const double k = options_.stiffness[A];
@@ -248,8 +303,9 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
         if (gap_theta < slack(A, c)) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
     } else {
         const double lambda = c.vectors.x1[options_.multiplier[A]], closing = gap1_[A] - least_gap(A, c);
+        const double c_A = augmentation(A, c);
         if (active_[A])
-            S_[A] = lambda - k * closing, dS_gap_[A] = -k, R_[A] = -closing;
+            S_[A] = lambda - c_A * closing, dS_gap_[A] = -c_A, R_[A] = -closing;
         else
             R_[A] = -lambda / k;
         return;
@@ -291,8 +347,9 @@ void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
 }
 
 void ContactTerm::residual(const Context& c, double* r) {
+    const Stopwatch watch(costs_.forces);
     evaluate(c, true);
-    gaps_->gradients(Xt_.data(), active_, at_theta_);
+    segments([&] { gaps_->gradients(Xt_.data(), active_, at_theta_); });
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
@@ -329,16 +386,23 @@ Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::Vec
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
+    const Stopwatch watch(costs_.forces);
+    // a restart makes this tangent again
+    gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
+    narrow();
     evaluate(c, false, true);
     active_at_tangent_ = active_, slips_at_tangent_ = slips_;
     if (has_history()) at_tangent_ = {X0_, elastic_};
     std::vector<char> unpressed(active_.size());
     for (std::size_t A = 0; A < active_.size(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
-    if (std::any_of(unpressed.begin(), unpressed.end(), [](char u) { return u; }))
-        gaps_->gradients(Xt_.data(), unpressed, at_theta_);
-    gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
-    if (!at_theta) gaps_->gradients(X1_.data(), active_, at_end_);
+    segments([&] {
+        if (std::any_of(unpressed.begin(), unpressed.end(), [](char u) { return u; }))
+            gaps_->gradients(Xt_.data(), unpressed, at_theta_);
+        gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
+        if (!at_theta) gaps_->gradients(X1_.data(), active_, at_end_);
+    });
+    border_places_.clear();
     std::vector<Eigen::MatrixXd> K(gaps_->n());
     std::vector<Border> borders(gaps_->n());
     parallel_for(gaps_->n(), [&](int A) {
@@ -358,6 +422,22 @@ void ContactTerm::tangent(const Context& c, double* values) {
     }
 }
 
+// Where the active set alone has changed in a time step, only rows and columns of multipliers have.
+bool ContactTerm::amend(const Context& c, double* values) {
+    if (!has_multipliers() || has_friction() || c.step.motion[0][0] == 0) return false;
+    const Stopwatch watch(costs_.forces);
+    active_at_tangent_ = active_;
+    segments([&] { gaps_->gradients(X1_.data(), active_, at_end_); });
+    for (const std::int64_t at : border_places_) values[at] = 0;
+    border_places_.clear();
+    Eigen::VectorXd g1, f;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (active_[A]) g1 = vector_of(at_end_[A].gradient), force(A, c, f);
+        scatter(A, border(A, g1, f), values);
+    }
+    return true;
+}
+
 // Without friction; where there is no contact multipliers vanish.
 ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const {
     const int m = n_multipliers(), normal = has_multipliers() ? 1 : 0;
@@ -373,35 +453,41 @@ ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const 
 
 void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) const {
     const Skin& skin = gaps_->skin();
-    const Place* place = places_[A].vertex.data();
-    each_form(A, [&](int v, int k) {
-        each_form(A, [&](int w, int l) {
+    const auto& stencil = gaps_->stencil(A);
+    each_form(stencil, [&](int v, int k) {
+        const std::int64_t length = pattern_->row_length(skin.unknown[k]);
+        each_form(stencil, [&](int w, int l) {
             const double factor = -skin.weight[k] * skin.weight[l];
+            const int row = skin.unknown[k], column = skin.unknown[l];
             const bool block = skin.mesh_node[k] && skin.mesh_node[l];
+            const std::int64_t first = block ? pattern_->position(row, column) : -1;
             for (int i = 0; i < skin.dim; ++i)
                 for (int j = 0; j < skin.dim; ++j) {
-                    const std::int64_t at = block ? place->at + i * place->stride + j : (place++)->at;
-                    if (block ? place->at >= 0 : at >= 0) values[at] += factor * K(3 * v + i, 3 * w + j);
+                    const std::int64_t at = !block      ? pattern_->position(row + i, column + j)
+                                            : first < 0 ? -1
+                                                        : first + i * length + j;
+                    if (at >= 0) values[at] += factor * K(3 * v + i, 3 * w + j);
                 }
-            if (block) ++place;
         });
     });
 }
 
-void ContactTerm::scatter(int A, const Border& b, double* values) const {
+void ContactTerm::scatter(int A, const Border& b, double* values) {
     const Skin& skin = gaps_->skin();
-    const Places& p = places_[A];
+    const std::vector<int> own = multipliers(A);
     const Eigen::Index m = b.square.rows();
+    auto add = [&](int row, int column, double value) {
+        const std::int64_t at = pattern_->position(row, column);
+        if (at >= 0) values[at] += value, border_places_.push_back(at);
+    };
     for (Eigen::Index i = 0; i < m; ++i)
-        for (Eigen::Index j = 0; j < m; ++j)
-            if (const auto at = p.square[i * m + j]; at >= 0) values[at] += b.square(i, j);
+        for (Eigen::Index j = 0; j < m; ++j) add(own[i], own[j], b.square(i, j));
     if (!active_[A]) return;
-    std::size_t at = 0;
-    each_form(A, [&](int v, int k) {
+    each_form(gaps_->stencil(A), [&](int v, int k) {
         for (Eigen::Index j = 0; j < m; ++j)
-            for (int i = 0; i < skin.dim; ++i, ++at) {
-                if (p.row[at].at >= 0) values[p.row[at].at] += skin.weight[k] * b.row(j, 3 * v + i);
-                if (p.column[at].at >= 0) values[p.column[at].at] += skin.weight[k] * b.column(3 * v + i, j);
+            for (int i = 0; i < skin.dim; ++i) {
+                add(own[j], skin.unknown[k] + i, skin.weight[k] * b.row(j, 3 * v + i));
+                add(skin.unknown[k] + i, own[j], skin.weight[k] * b.column(3 * v + i, j));
             }
     });
 }
@@ -423,8 +509,9 @@ void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
 }
 
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
+    const Stopwatch watch(costs_.forces);
     evaluate(c, false);
-    gaps_->gradients(Xt_.data(), active_, at_theta_);
+    segments([&] { gaps_->gradients(Xt_.data(), active_, at_theta_); });
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {

@@ -3,7 +3,10 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>
+#include <ctime>
+#include <optional>
 
+#include "core/pattern.hpp"
 #include "core/term.hpp"
 #include "friction.hpp"
 #include "gaps.hpp"
@@ -25,6 +28,11 @@ struct ContactOptions {
     FrictionOptions friction;
 };
 
+// CPU seconds that contact has taken, by what for.
+struct ContactCosts {
+    double search = 0, segments = 0, forces = 0;
+};
+
 class ContactTerm : public Term {
   public:
     ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach);
@@ -38,6 +46,7 @@ class ContactTerm : public Term {
     bool outdated() const override {
         return unsettled_ || active_ != active_at_tangent_ || slips_ != slips_at_tangent_;
     }
+    bool amend(const Context&, double* values) override;
     void begin(const double* x0) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
@@ -58,17 +67,11 @@ class ContactTerm : public Term {
     /// Forces on all vertices in the last step, three numbers each: of the pressures, and of friction.
     const std::vector<double>& forces() const { return forces_; }
     const std::vector<double>& friction_forces() const { return friction_forces_; }
+    const ContactCosts& costs() const { return costs_; }
 
     int work_account = -1, energy_account = -1, friction_account = -1, slip_energy_account = -1;
 
   private:
-    struct Place {
-        std::int64_t at = -1, stride = 0;  // of row 0; stride of rows
-    };
-    struct Places {
-        std::vector<Place> vertex, row, column;  // form by form, multiplier by form, form by multiplier
-        std::vector<std::int64_t> square;        // multiplier by multiplier
-    };
     // What the multipliers of a gap add to the tangent: by the stencil's positions, and on its forces.
     struct Border {
         Eigen::MatrixXd row, column, square;
@@ -88,6 +91,10 @@ class ContactTerm : public Term {
     bool read_search(const double*& memory);
     bool beyond(const double* X, double margin) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
+    void find_gaps();
+    template <class F>
+    void segments(F f);
+    double augmentation(int A, const Context&) const;
     void choose_active(const Context&);
     bool wants_pressure(int A, const Context&) const;
     double least_gap(int A, const Context&) const;
@@ -105,18 +112,23 @@ class ContactTerm : public Term {
     void scatter(int A, const Eigen::MatrixXd& K, double* values) const;
     Border border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::MatrixXd& K, Border&) const;
-    void scatter(int A, const Border&, double* values) const;
+    void scatter(int A, const Border&, double* values);
+    void narrow();
     void book_friction(int A, const Context&, LedgerSums&) const;
     Sliding sliding(int A) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
-    void each_form(int A, F f) const;
+    void each_form(const std::vector<int>& vertices, F f) const;
+    void couple_vertices(Pattern& pattern) const;
 
     std::shared_ptr<Gaps> gaps_;
     ContactOptions options_;
     double reach_;
     std::vector<double> from_, to_;  // what the last search swept
     std::vector<double> X0_, X1_, Xt_, D_;
+    std::vector<double> known_;     // where gap1_ and area1_ were evaluated
+    std::vector<double> narrowed_;  // the end of the step for which stencils were made
+    ContactCosts costs_;
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
@@ -130,7 +142,8 @@ class ContactTerm : public Term {
     std::vector<Traction> traction_;
     std::vector<double> elastic_;       // at the start of the step
     Record now_, before_, at_tangent_;  // the latest, the one before, that of the kept tangent
-    std::vector<Places> places_;
+    std::optional<Pattern> pattern_;
+    std::vector<std::int64_t> border_places_;  // what the multipliers' rows and columns have been written to
 };
 
 }  // namespace visviva

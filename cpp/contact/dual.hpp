@@ -68,6 +68,10 @@ inline void add_to(Dual<N>& sum, const Dual<N>& u) {
     sum.v += u.v;
 }
 template <int N>
+inline void add_value(Dual<N>& sum, double c) {
+    sum.v += c;
+}
+template <int N>
 inline double value(const Dual<N>& u) {
     return u.v;
 }
@@ -75,6 +79,7 @@ inline double value(const Dual<N>& u) {
 inline double reciprocal(double u) { return 1 / u; }
 inline double root(double u) { return std::sqrt(u); }
 inline void add_to(double& sum, double u) { sum += u; }
+inline void add_value(double& sum, double c) { sum += c; }
 inline double value(double u) { return u; }
 
 /// What has been computed, in order, to be walked backwards with K sets of adjoints. Part of it can be walked

@@ -36,8 +36,14 @@ class Gaps {
     const Skin& skin() const { return skin_; }
     /// Gaps are numbered like the vertices of the first surface.
     int n() const { return n_; }
-    /// Finds what may come into contact between two configurations; true if the stencils have changed.
+    /// Finds what may come into contact between two configurations and near them; true if that is something
+    /// else than before.
     virtual bool search(const double* from, const double* to) = 0;
+    /// All vertices that a gap may depend on after this search.
+    virtual const std::vector<int>& neighbours(int gap) const { return stencils_[gap]; }
+    /// Takes into the stencils what may come into contact between two configurations alone.
+    virtual void narrow(const double* /*from*/, const double* /*to*/) {}
+    /// Vertices that a gap depends on; its own comes first.
     const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
     /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.
     virtual void values(const double* X, double* gap, double* area) = 0;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.hpp"
 #include "gaps.hpp"
@@ -31,6 +32,9 @@ struct Normal {
     Matrix3 derivative() const { return (Matrix3::Identity() - n * n.transpose()) / size; }
 };
 
+// Parts of the reach by which facets may be farther away to count as neighbours, and to be in stencils.
+constexpr double found_margin = 0.9, narrow_margin = 0.125;
+
 struct Pair {
     int first, second;  // facets
 };
@@ -47,10 +51,13 @@ class Mortar : public Gaps {
         normals_.build(skin_);
         for (int f = 0; f < skin_.n_first; ++f)
             for (int a = 0; a < skin_.n_corners(f); ++a) n_ = std::max(n_, skin_.corners(f)[a] + 1);
-        stencils_.resize(n_), shares_.resize(n_), ring_.resize(n_);
+        stencils_.resize(n_), neighbours_.resize(n_), shares_.resize(n_), ring_.resize(n_);
+        views_.resize(skin_.n_facets()), views_after_.resize(skin_.n_facets());
     }
 
     bool search(const double* from, const double* to) override;
+    const std::vector<int>& neighbours(int gap) const override { return neighbours_[gap]; }
+    void narrow(const double* from, const double* to) override;
     void values(const double* X, double* gap, double* area) override;
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
@@ -59,13 +66,28 @@ class Mortar : public Gaps {
                std::vector<Grip>& out) override;
 
   private:
-    bool near(const double* X, const Pair& pair) const;
+    // A facet as the search for neighbours sees it.
+    struct View {
+        Vector3 normal, centre;
+        double radius = -1;  // -1: it is degenerate
+    };
+    View view(const double* X, int facet) const;
+    void look(const double* X, std::vector<View>& views) const;
+    bool near(const View& a, const View& b, double margin) const;
+    bool meets(const Pair& pair, double margin) const;
+    void find_near(const double* X, const std::vector<char>* wanted);
+    // Of a pair at the last configuration; null where its facets do not face each other.
+    const Segment* segment(int pair) const {
+        return slot_[pair] >= 0 && segments_[slot_[pair]].any ? &segments_[slot_[pair]] : nullptr;
+    }
     FacetPair corners(const double* X, const Pair& pair) const;
+    void gather_neighbours();
     void make_stencils();
     template <class F>
-    void each_segment(const double* X, const std::vector<char>* wanted, F f);
+    void each_near(const double* X, F f);
     Vector3 moment(int A, double* area = nullptr) const;
     Normal normal(const double* X, int A) const;
+    void add_normal_gradient(const double* X, int A, const Vector3& u, double* g) const;
     std::vector<Matrix3> moment_gradient(int A) const;
     std::vector<Matrix3> normal_gradient(const double* X, int A) const;
     void add_normal_curvature(int A, const Vector3& g, Eigen::MatrixXd& H) const;
@@ -76,10 +98,16 @@ class Mortar : public Gaps {
     MortarOptions options_;
     NormalField normals_;
     BoxTree tree_;
-    std::vector<Pair> pairs_;
+    std::vector<Pair> found_;  // by the last search
+    std::vector<Pair> pairs_;  // those that stencils are made of
+    std::vector<std::vector<int>> neighbours_;
     std::vector<std::vector<Share>> shares_;
     std::vector<std::vector<int>> ring_;  // per vertex and corner of its normal: places of next and previous
-    std::vector<Segment> segments_;
+    std::vector<int> used_;               // facets in pairs
+    std::vector<View> views_, views_after_;  // of all facets, up to date for those
+    std::vector<int> near_;                  // pairs that are near at the last configuration
+    std::vector<int> slot_;                  // pair -> place in near_, or -1
+    std::vector<Segment> segments_;          // of the pairs in near_
     std::vector<SegmentWeights> weights_;
     std::vector<SegmentWeightGradients> weight_gradients_;
     std::vector<int> owner_;  // per pair: the vertex whose share of second derivatives is the pair's
@@ -92,33 +120,69 @@ bool Mortar::search(const double* from, const double* to) {
         boxes.push_back(swept(skin_, f, from, to, 0));
         for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes.back().low[i] + boxes.back().high[i]));
     }
-    if (pairs_.empty()) tree_.build(centres);
+    if (found_.empty()) tree_.build(centres);
     tree_.refit(boxes);
-    std::vector<Pair> pairs;
-    std::vector<int> found;
+    std::vector<int> used(skin_.n_facets());
+    std::iota(used.begin(), used.end(), 0);
+    used_ = std::move(used);
+    look(from, views_), look(to, views_after_);
+    std::vector<Pair> found;
+    std::vector<int> boxed;
     for (int f = 0; f < skin_.n_first; ++f) {
-        tree_.query(swept(skin_, f, from, to, 2 * options_.reach), found);
-        for (int k : found) {
+        tree_.query(swept(skin_, f, from, to, 2 * options_.reach), boxed);
+        for (int k : boxed) {
             const int second = skin_.second_begin + k;
             const int *a = skin_.corners(f), *b = skin_.corners(second);
             const bool touching = std::any_of(a, a + facet_corners, [&](int v) {
                 return v >= 0 && std::find(b, b + facet_corners, v) != b + facet_corners;
             });
-            if (!touching) pairs.push_back({f, second});
+            if (!touching && meets({f, second}, found_margin * options_.reach)) found.push_back({f, second});
         }
     }
     const bool same =
-        pairs.size() == pairs_.size() &&
-        std::equal(pairs.begin(), pairs.end(), pairs_.begin(),
+        found.size() == found_.size() &&
+        std::equal(found.begin(), found.end(), found_.begin(),
                    [](const Pair& p, const Pair& q) { return p.first == q.first && p.second == q.second; });
-    if (same) return false;
-    pairs_ = std::move(pairs);
+    found_ = std::move(found);
+    used_.clear();
+    for (const Pair& p : found_) used_.push_back(p.first), used_.push_back(p.second);
+    std::sort(used_.begin(), used_.end());
+    used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
+    if (!same) gather_neighbours();
+    narrow(from, to);
+    return !same;
+}
+
+// What the gaps of the vertices of pairs can depend on: corners, and what their normals are made of.
+void Mortar::gather_neighbours() {
+    for (auto& list : neighbours_) list.clear();
+    for (const Pair& p : found_) {
+        const int* c = skin_.corners(p.first);
+        for (int a = 0; a < skin_.n_corners(p.first); ++a)
+            for (int f : {p.first, p.second})
+                for (int k = 0; k < skin_.n_corners(f); ++k) neighbours_[c[a]].push_back(skin_.corners(f)[k]);
+    }
+    for (int A = 0; A < n_; ++A) {
+        auto& list = neighbours_[A];
+        if (list.empty()) continue;
+        for (int k = normals_.start[A]; k < normals_.start[A + 1]; ++k)
+            for (int v : {A, normals_.corners[k].next, normals_.corners[k].previous})
+                if (v >= 0) list.push_back(v);
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+}
+
+void Mortar::narrow(const double* from, const double* to) {
+    look(from, views_), look(to, views_after_);
+    pairs_.clear();
+    for (const Pair& p : found_)
+        if (meets(p, narrow_margin * options_.reach)) pairs_.push_back(p);
     make_stencils();
-    return true;
 }
 
 void Mortar::make_stencils() {
-    segments_.resize(pairs_.size());
+    slot_.assign(pairs_.size(), -1);
     for (int A = 0; A < n_; ++A) stencils_[A].clear(), shares_[A].clear(), ring_[A].clear();
     for (int p = 0; p < static_cast<int>(pairs_.size()); ++p) {
         const int* c = skin_.corners(pairs_[p].first);
@@ -158,50 +222,73 @@ FacetPair Mortar::corners(const double* X, const Pair& pair) const {
     return p;
 }
 
-// Whether two facets look at each other and are within reach along the first one's normal.
-bool Mortar::near(const double* X, const Pair& pair) const {
-    Vector3 n[2], centre[2];
-    double radius[2] = {};
-    for (int s = 0; s < 2; ++s) {
-        const int facet = s == 0 ? pair.first : pair.second, m = skin_.n_corners(facet);
-        const int* c = skin_.corners(facet);
-        auto x = [&](int a) -> Vector3 { return At(X + 3 * c[a]); };
-        n[s] = m == 2   ? Vector3((x(1) - x(0)).cross(Vector3::UnitZ()))
+Mortar::View Mortar::view(const double* X, int facet) const {
+    const int m = skin_.n_corners(facet);
+    const int* c = skin_.corners(facet);
+    auto x = [&](int a) -> Vector3 { return At(X + 3 * c[a]); };
+    View v;
+    v.normal = m == 2   ? Vector3((x(1) - x(0)).cross(Vector3::UnitZ()))
                : m == 3 ? Vector3((x(1) - x(0)).cross(x(2) - x(0)))
                         : Vector3((x(2) - x(0)).cross(x(3) - x(1)));
-        if (!(n[s].norm() > 0)) return false;
-        n[s].normalize();
-        centre[s].setZero();
-        for (int a = 0; a < m; ++a) centre[s] += x(a) / m;
-        for (int a = 0; a < m; ++a) radius[s] = std::max(radius[s], (x(a) - centre[s]).norm());
+    if (!(v.normal.norm() > 0)) return v;
+    v.normal.normalize();
+    v.centre.setZero();
+    for (int a = 0; a < m; ++a) v.centre += x(a) / m;
+    for (int a = 0; a < m; ++a) v.radius = std::max(v.radius, (x(a) - v.centre).norm());
+    return v;
+}
+
+void Mortar::look(const double* X, std::vector<View>& views) const {
+    for (int f : used_) views[f] = view(X, f);
+}
+
+// Whether two facets look at each other and are within reach along the first one's normal.
+bool Mortar::near(const View& a, const View& b, double margin) const {
+    if (a.radius < 0 || b.radius < 0) return false;
+    const Vector3 d = b.centre - a.centre;
+    const double along = d.dot(a.normal), limit = a.radius + b.radius + margin;
+    return std::abs(along) < options_.reach + margin && d.squaredNorm() - along * along < limit * limit &&
+           a.normal.dot(b.normal) < facing_none + margin / options_.reach;
+}
+
+// Whether they come near each other between two configurations, or by the margin.
+bool Mortar::meets(const Pair& p, double margin) const {
+    const View &a = views_[p.first], &b = views_[p.second], &c = views_after_[p.first],
+               &d = views_after_[p.second];
+    const double moved = (d.centre - c.centre - b.centre + a.centre).norm();
+    return near(a, b, margin + moved) || near(c, d, margin + moved);
+}
+
+void Mortar::find_near(const double* X, const std::vector<char>* wanted) {
+    look(X, views_);
+    near_.clear();
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+        const int* c = skin_.corners(pairs_[p].first);
+        const bool asked = !wanted || std::any_of(c, c + skin_.n_corners(pairs_[p].first),
+                                                  [&](int A) { return (*wanted)[A] != 0; });
+        const bool counts = asked && near(views_[pairs_[p].first], views_[pairs_[p].second], 0);
+        slot_[p] = counts ? static_cast<int>(near_.size()) : -1;
+        if (counts) near_.push_back(static_cast<int>(p));
     }
-    const Vector3 d = centre[1] - centre[0];
-    const double along = d.dot(n[0]);
-    return n[0].dot(n[1]) < facing_none && std::abs(along) < options_.reach &&
-           (d - n[0] * along).norm() < radius[0] + radius[1];
+    if (segments_.size() < near_.size()) segments_.resize(near_.size());
 }
 
 template <class F>
-void Mortar::each_segment(const double* X, const std::vector<char>* wanted, F f) {
-    constexpr int together = 16;
-    const int n = static_cast<int>(pairs_.size());
+void Mortar::each_near(const double* X, F f) {
+    constexpr int together = 8;
+    const int n = static_cast<int>(near_.size());
     parallel_for((n + together - 1) / together, [&](int task) {
-        for (int p = task * together; p < std::min(n, (task + 1) * together); ++p) {
-            const int* c = skin_.corners(pairs_[p].first);
-            const bool asked = !wanted || std::any_of(c, c + skin_.n_corners(pairs_[p].first),
-                                                      [&](int A) { return (*wanted)[A] != 0; });
-            segments_[p].any = false;
-            if (asked && near(X, pairs_[p])) f(corners(X, pairs_[p]), pairs_[p], segments_[p]);
-        }
+        for (int k = task * together; k < std::min(n, (task + 1) * together); ++k)
+            f(corners(X, pairs_[near_[k]]), near_[k], segments_[k]);
     });
 }
 
 Vector3 Mortar::moment(int A, double* area) const {
     Vector3 V = Vector3::Zero();
     for (const Share& s : shares_[A])
-        if (const Segment& g = segments_[s.pair]; g.any) {
-            V += At(g.V[s.corner]);
-            if (area) *area += g.area[s.corner];
+        if (const Segment* g = segment(s.pair)) {
+            V += At(g->V[s.corner]);
+            if (area) *area += g->area[s.corner];
         }
     return V;
 }
@@ -213,8 +300,8 @@ Normal Mortar::normal(const double* X, int A) const {
 }
 
 void Mortar::values(const double* X, double* gap, double* area) {
-    each_segment(X, nullptr,
-                 [](const FacetPair& x, const Pair&, Segment& s) { segment_kernels().value(x, s); });
+    find_near(X, nullptr);
+    each_near(X, [](const FacetPair& x, int, Segment& s) { segment_kernels().value(x, s); });
     for (int A = 0; A < n_; ++A) {
         gap[A] = area[A] = 0;
         if (!shares_[A].empty()) gap[A] = moment(A, &area[A]).dot(normal(X, A).n);
@@ -225,10 +312,10 @@ void Mortar::values(const double* X, double* gap, double* area) {
 std::vector<Matrix3> Mortar::moment_gradient(int A) const {
     std::vector<Matrix3> G(stencils_[A].size(), Matrix3::Zero());
     for (const Share& s : shares_[A]) {
-        const Segment& segment = segments_[s.pair];
-        for (int c = 0; segment.any && c < segment_corners; ++c)
+        const Segment* g = segment(s.pair);
+        for (int c = 0; g && c < segment_corners; ++c)
             for (int i = 0; s.local[c] >= 0 && i < 3; ++i)
-                for (int j = 0; j < 3; ++j) G[s.local[c]](i, j) += segment.J[s.corner][i][3 * c + j];
+                for (int j = 0; j < 3; ++j) G[s.local[c]](i, j) += g->J[s.corner][i][3 * c + j];
     }
     return G;
 }
@@ -263,18 +350,44 @@ void Mortar::add_normal_curvature(int A, const Vector3& g, Eigen::MatrixXd& H) c
         add(0, ring[k]), add(ring[k], ring[k + 1]), add(ring[k + 1], 0);
 }
 
+// g += (dm/dx)^T u
+void Mortar::add_normal_gradient(const double* X, int A, const Vector3& u, double* g) const {
+    const auto& ring = ring_[A];
+    auto x = [&](int local) { return At(X + 3 * stencils_[A][local]); };
+    auto add = [&](int local, const Vector3& v) { Eigen::Map<Vector3>(g + 3 * local) += v; };
+    for (std::size_t k = 0; k < ring.size(); k += 2) {
+        const int b = ring[k], c = ring[k + 1];
+        if (skin_.dim == 2) {
+            const Vector3 turned = Vector3::UnitZ().cross(u);
+            add(b >= 0 ? b : 0, turned), add(b >= 0 ? 0 : c, -turned);
+            continue;
+        }
+        add(0, u.cross(x(c) - x(b))), add(b, u.cross(x(0) - x(c))), add(c, u.cross(x(b) - x(0)));
+    }
+}
+
 void Mortar::gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) {
-    each_segment(X, &wanted,
-                 [](const FacetPair& x, const Pair&, Segment& s) { segment_kernels().gradient(x, s); });
-    parallel_for(n_, [&](int A) {
-        if (!wanted[A]) return;
-        const Normal n = normal(X, A);
-        const Vector3 by_sum = n.gradient(moment(A));
-        const auto G = moment_gradient(A), M = normal_gradient(X, A);
-        out[A].gradient.resize(3 * G.size());
-        for (std::size_t v = 0; v < G.size(); ++v)
-            Eigen::Map<Vector3>(&out[A].gradient[3 * v]) = G[v].transpose() * n.n + M[v].transpose() * by_sum;
+    std::vector<Vector3> n(n_, Vector3::Zero());
+    for (int A = 0; A < n_; ++A)
+        if (wanted[A]) n[A] = normal(X, A).n;
+    find_near(X, &wanted);
+    each_near(X, [&](const FacetPair& x, int pair, Segment& s) {
+        double normals[facet_corners][3] = {};
+        for (int a = 0; a < x.n_first; ++a)
+            Vector3::Map(normals[a]) = n[skin_.corners(pairs_[pair].first)[a]];
+        segment_kernels().gradient(x, normals, s);
     });
+    for (int A = 0; A < n_; ++A) {
+        if (!wanted[A]) continue;
+        std::vector<double>& g = out[A].gradient;
+        g.assign(3 * stencils_[A].size(), 0.0);
+        for (const Share& s : shares_[A])
+            if (const Segment* segment = this->segment(s.pair))
+                for (int c = 0; c < segment_corners; ++c)
+                    for (int i = 0; s.local[c] >= 0 && i < 3; ++i)
+                        g[3 * s.local[c] + i] += segment->g[s.corner][3 * c + i];
+        add_normal_gradient(X, A, normal(X, A).gradient(moment(A)), g.data());
+    }
 }
 
 void Mortar::seconds(const double* X, const std::vector<double>& S, const double* direction,
@@ -289,7 +402,9 @@ void Mortar::seconds(const double* X, const std::vector<double>& S, const double
         for (int a = 0; a < skin_.n_corners(pairs_[p].first) && owner_[p] < 0; ++a)
             if (wanted[c[a]]) owner_[p] = c[a];
     }
-    each_segment(X, &wanted, [&](const FacetPair& x, const Pair& pair, Segment& s) {
+    find_near(X, &wanted);
+    each_near(X, [&](const FacetPair& x, int number, Segment& s) {
+        const Pair& pair = pairs_[number];
         double u[facet_corners][3] = {}, normals[facet_corners][3] = {}, along[segment_size] = {};
         for (int a = 0; a < x.n_first; ++a) {
             const int A = skin_.corners(pair.first)[a];
@@ -324,20 +439,20 @@ void Mortar::second(const double* X, int A, double S, const double* direction, G
         for (int v = 0; v < k; ++v) D.segment<3>(3 * v) = At(direction + 3 * stencils_[A][v]);
         Eigen::VectorXd HD = H * D;
         for (const Share& s : shares_[A])
-            for (int c = 0; segments_[s.pair].any && c < segment_corners; ++c)
+            for (int c = 0; segment(s.pair) && c < segment_corners; ++c)
                 for (int i = 0; s.local[c] >= 0 && i < 3; ++i)
-                    HD[3 * s.local[c] + i] += segments_[s.pair].HD[s.corner][3 * c + i];
+                    HD[3 * s.local[c] + i] += segment(s.pair)->HD[s.corner][3 * c + i];
         out.along.assign(HD.data(), HD.data() + 3 * k);
     }
     H *= S;
     for (const Share& s : shares_[A]) {
-        const Segment& segment = segments_[s.pair];
-        if (!segment.any || owner_[s.pair] != A) continue;
+        const Segment* segment = this->segment(s.pair);
+        if (!segment || owner_[s.pair] != A) continue;
         for (int c = 0; c < segment_corners; ++c)
             for (int d = 0; s.local[c] >= 0 && d < segment_corners; ++d)
                 for (int i = 0; s.local[d] >= 0 && i < 3; ++i)
                     for (int j = 0; j < 3; ++j)
-                        H(3 * s.local[c] + i, 3 * s.local[d] + j) += segment.H[3 * c + i][3 * d + j];
+                        H(3 * s.local[c] + i, 3 * s.local[d] + j) += segment->H[3 * c + i][3 * d + j];
     }
     out.hessian.assign(H.data(), H.data() + H.size());
 }
@@ -345,15 +460,16 @@ void Mortar::second(const double* X, int A, double S, const double* direction, G
 // --- friction
 // ----------------------------------------------------------------------------------------------
 void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradients, std::vector<Grip>& out) {
-    weights_.resize(pairs_.size());
-    if (gradients) weight_gradients_.resize(pairs_.size());
-    each_segment(X, &wanted, [&](const FacetPair& x, const Pair&, Segment& s) {
-        const auto p = &s - segments_.data();
+    find_near(X, &wanted);
+    weights_.resize(near_.size());
+    if (gradients) weight_gradients_.resize(near_.size());
+    each_near(X, [&](const FacetPair& x, int, Segment& s) {
+        const auto k = &s - segments_.data();
         if (gradients)
-            segment_kernels().weight_gradients(x, weights_[p], weight_gradients_[p]);
+            segment_kernels().weight_gradients(x, weights_[k], weight_gradients_[k]);
         else
-            segment_kernels().weights(x, weights_[p]);
-        s.any = weights_[p].any;
+            segment_kernels().weights(x, weights_[k]);
+        s.any = weights_[k].any;
     });
     parallel_for(n_, [&](int A) {
         if (!wanted[A]) return;
@@ -368,15 +484,15 @@ void Mortar::set_weights(int A, bool gradients, Grip& out) const {
     out.weight.setZero(k);
     if (gradients) out.weight_gradient.setZero(k, 3 * k);
     for (const Share& s : shares_[A]) {
-        if (!segments_[s.pair].any) continue;
+        if (!segment(s.pair)) continue;
+        const SegmentWeights& w = weights_[slot_[s.pair]];
         for (int c = 0; c < segment_corners; ++c) {
             if (s.local[c] < 0) continue;
             const int b = c % facet_corners;
             const double sign = c < facet_corners ? -1 : 1;
-            const SegmentWeights& w = weights_[s.pair];
             out.weight[s.local[c]] += sign * (c < facet_corners ? w.first : w.second)[s.corner][b];
             if (!gradients) continue;
-            const SegmentWeightGradients& g = weight_gradients_[s.pair];
+            const SegmentWeightGradients& g = weight_gradients_[slot_[s.pair]];
             const double* d = (c < facet_corners ? g.first : g.second)[s.corner][b];
             for (int e = 0; e < segment_corners; ++e)
                 for (int i = 0; s.local[e] >= 0 && i < 3; ++i)

@@ -23,6 +23,7 @@ struct Segment {
     bool any;                                  // false: they do not face each other
     double V[facet_corners][3];                // of N_a (x2 - x1)
     double area[facet_corners];                // of N_a
+    double g[facet_corners][segment_size];     // d(n_a . V_a)/dx for given covectors n_a
     double J[facet_corners][3][segment_size];  // dV/dx
     double H[segment_size][segment_size];      // d2(u . V)/dx2 for given covectors u_a
     double HD[facet_corners][segment_size];    // d2(n_a . V_a)/dx2 along a given direction
@@ -45,8 +46,8 @@ struct SegmentKernels {
     void (*value)(const FacetPair&, Segment&);
     void (*weights)(const FacetPair&, SegmentWeights&);
     void (*weight_gradients)(const FacetPair&, SegmentWeights&, SegmentWeightGradients&);
-    void (*gradient)(const FacetPair&, Segment&);
-    // V and J as well; `direction` null: HD is left out
+    void (*gradient)(const FacetPair&, const double (*n)[3], Segment&);
+    // V and J as well, not g; `direction` null: HD is left out
     void (*second)(const FacetPair&, const double (*u)[3], const double (*n)[3], const double* direction,
                    Segment&);
 };

@@ -117,21 +117,6 @@ struct Moments {
     }
 };
 
-struct Gradients {
-    const FacetPair& pair;
-    Moments& moments;
-    void operator()(const D& w, const D* N1, const D*, const Vec<D>& gap) const {
-        moments.add(pair.n_first, w, N1, gap);
-    }
-};
-
-void gradient(const FacetPair& p, Segment& s) {
-    clear(s);
-    Moments moments;
-    s.any = integrate(varied(p).x, p, Gradients{p, moments});
-    moments.write(p, s);
-}
-
 // The outline on a tape whose first entries are the coordinates.
 template <class T, int K, class Seed>
 Corners<Taped<T, K>> on_tape(Seed seed) {
@@ -206,7 +191,7 @@ bool differentiate_2d(const FacetPair& p, const Seed& coordinate, const Covector
                                    {w * N1[1] * gap.x, w * N1[1] * gap.y, w * N1[1] * gap.z}};
             for (int s = 0; s < K; ++s)
                 for (int i = 0; i < 3; ++i)
-                    for (int k = 0; k < 2; ++k) R::tape().adjoint(parts[k][i].id, s).v += u[s].c[k][i];
+                    for (int k = 0; k < 2; ++k) add_value(R::tape().adjoint(parts[k][i].id, s), u[s].c[k][i]);
         });
     R::tape().walk_back(N);
     return any;
@@ -223,6 +208,32 @@ Covectors covectors(const double (*u)[3], int n) {
     Covectors c{};
     for (int i = 0; i < 3; ++i) c.c[0][i] = u[0][i], c.c[1][i] = u[1][i] - u[0][i];
     return c;
+}
+
+// One set for every corner of the first facet, with its own covector alone.
+void one_by_one(const FacetPair& p, const double (*n)[3], Covectors* each) {
+    for (int a = 0; a < p.n_first; ++a) {
+        double one[facet_corners][3] = {};
+        for (int i = 0; i < 3; ++i) one[a][i] = n[a][i];
+        each[a] = covectors(one, p.n_first);
+    }
+}
+
+void gradient(const FacetPair& p, const double (*n)[3], Segment& s) {
+    clear(s);
+    Covectors each[facet_corners] = {};
+    one_by_one(p, n, each);
+    const Values sums{p, s};
+    auto coordinate = [&](int k, int i) { return p.x[k][i]; };
+    auto add = [&](double w, const Local<double>& l, const Vec<double>& gap) {
+        double shape[facet_corners];
+        corner_shapes(p.n_first, l, shape);
+        sums(w, shape, nullptr, gap);
+    };
+    s.any = differentiate<double, facet_corners>(p, coordinate, each, add);
+    for (int a = 0; a < facet_corners; ++a)
+        for (int i = 0; i < N; ++i)
+            s.g[a][i] = s.any ? Taped<double, facet_corners>::tape().adjoint(i, a) : 0;
 }
 
 void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
@@ -246,12 +257,8 @@ void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], cons
         for (int j = 0; j < N; ++j) s.H[i][j] = s.any ? Taped<D, 1>::tape().adjoint(i, 0).d[j] : 0;
     if (!direction) return;
     using L = Dual<1>;
-    Covectors each[facet_corners];
-    for (int a = 0; a < p.n_first; ++a) {
-        double one[facet_corners][3] = {};
-        for (int i = 0; i < 3; ++i) one[a][i] = n[a][i];
-        each[a] = covectors(one, p.n_first);
-    }
+    Covectors each[facet_corners] = {};
+    one_by_one(p, n, each);
     auto moved = [&](int k, int i) {
         L x;
         x.v = p.x[k][i], x.d[0] = direction[3 * k + i];

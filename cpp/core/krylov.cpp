@@ -10,10 +10,14 @@ namespace visviva {
 
 namespace {
 
+constexpr double single_suffices = 1e-4;  // tolerances that leave room for products in single precision
+
 class Krylov : public LinearSolver {
   public:
     explicit Krylov(const LinearChoice& choice)
-        : choice_(choice), preconditioning_(make_preconditioning(choice)) {}
+        : choice_(choice),
+          preconditioning_(make_preconditioning(choice)),
+          matrix_(choice.tolerance >= single_suffices) {}
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks);

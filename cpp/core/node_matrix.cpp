@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "dispatch.hpp"
+#include "parallel.hpp"
 
 namespace visviva {
 
@@ -20,6 +21,10 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
         make_pattern();
     }
     a_.allocate();
+    if (is_single_) {
+        single_.rows = a_.rows, single_.cols = a_.cols, single_.row = a_.row, single_.col = a_.col;
+        single_.allocate(), x_.resize(size()), y_.resize(size());
+    }
     n_modes_ = blocks.n_modes;
     modes_.assign(size() * n_modes_, 0.0);
     algebraic_.assign(a_.n(), 0);
@@ -67,30 +72,67 @@ void NodeMatrix::make_pattern() {
     }
 }
 
-// Columns of both patterns ascend, so one walk along both finds every entry's place.
+// Calls f(begin, end) for pieces of the block rows, which are always the same ones.
+template <class F>
+static void in_pieces(int n, F f) {
+    constexpr int piece = 512;
+    parallel_for((n + piece - 1) / piece, [&](int k) { f(k * piece, std::min(n, (k + 1) * piece)); });
+}
+
 bool NodeMatrix::fill(const double* values) {
-    const int m = a_.rows;
-    std::fill(a_.value.begin(), a_.value.end(), 0.0);
+    std::vector<char> finite(a_.n());
+    double largest = 0;
+    for (int i = 0; is_single_ && i < csr_->n; ++i)
+        largest = std::max(largest, std::abs(values[csr_->row[i]]));  // an entry of each row will do
+    scale_ = largest > 0 ? 1 / largest : 1;
+    in_pieces(a_.n(), [&](int begin, int end) {
+        for (int b = begin; b < end; ++b) finite[b] = fill(b, values);
+    });
+    return std::find(finite.begin(), finite.end(), 0) == finite.end();
+}
+
+// Columns of both patterns ascend, so one walk along both finds every entry's place.
+bool NodeMatrix::fill(int b, const double* values) {
+    const int m = a_.rows, used = first_[b + 1] - first_[b];
+    std::fill(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), 0.0);
     double sum = 0;
-    for (int b = 0; b < a_.n(); ++b) {
-        const int used = first_[b + 1] - first_[b];
-        for (int i = first_[b]; i < first_[b + 1]; ++i) {
-            std::int64_t at = a_.row[b];
-            for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
-                const int slot = slot_[csr_->col[k]], c = slot / m;
-                while (a_.col[at] < c) ++at;
-                a_.block(at)[(slot - c * m) * m + i - first_[b]] = values[k];
-                sum += std::abs(values[k]);
-            }
+    for (int i = first_[b]; i < first_[b + 1]; ++i) {
+        std::int64_t at = a_.row[b];
+        for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
+            const int slot = slot_[csr_->col[k]], c = slot / m;
+            while (a_.col[at] < c) ++at;
+            a_.block(at)[(slot - c * m) * m + i - first_[b]] = values[k];
+            sum += std::abs(values[k]);
         }
-        const auto diagonal = std::lower_bound(a_.col.begin() + a_.row[b], a_.col.begin() + a_.row[b + 1], b);
-        for (int r = used; r < m; ++r) a_.block(diagonal - a_.col.begin())[r * m + r] = 1;
     }
+    const auto diagonal = std::lower_bound(a_.col.begin() + a_.row[b], a_.col.begin() + a_.row[b + 1], b);
+    for (int r = used; r < m; ++r) a_.block(diagonal - a_.col.begin())[r * m + r] = 1;
+    if (is_single_)
+        std::transform(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), single_.block(a_.row[b]),
+                       [this](double a) { return static_cast<float>(scale_ * a); });
     return std::isfinite(sum);
 }
 
 void NodeMatrix::multiply(const double* x, double* y) const {
-    kernels().block_multiply(a_.view(), x, y, 0, a_.n());
+    if (is_single_) return multiply_single(x, y);
+    in_pieces(a_.n(), [&](int begin, int end) { kernels().block_multiply(a_.view(), x, y, begin, end); });
+}
+
+void NodeMatrix::multiply_single(const double* x, double* y) const {
+    double largest = 0;
+    for (std::size_t i = 0; i < size(); ++i) largest = std::max(largest, std::abs(x[i]));
+    if (!(largest > 0 && std::isfinite(largest))) {
+        std::copy(x, x + size(), y);
+        return;
+    }
+    const double back = largest / scale_;
+    for (std::size_t i = 0; i < size(); ++i) x_[i] = static_cast<float>(x[i] / largest);
+    in_pieces(a_.n(), [&](int begin, int end) {
+        kernels().block_multiply_single(single_.view(), x_.data(), y_.data(), begin, end);
+        for (std::size_t i = static_cast<std::size_t>(begin) * a_.rows;
+             i < static_cast<std::size_t>(end) * a_.rows; ++i)
+            y[i] = back * y_[i];
+    });
 }
 
 void NodeMatrix::gather(const double* r, double* b) const {

@@ -8,6 +8,8 @@ namespace visviva {
 
 class NodeMatrix {
   public:
+    // `single`: products in single precision, half the traffic, where they need no more than a few digits.
+    explicit NodeMatrix(bool single = false) : is_single_(single) {}
     void analyze(const Csr& pattern, const Blocks& blocks);
     bool fill(const double* values);  // false: some value is not finite
 
@@ -25,9 +27,15 @@ class NodeMatrix {
   private:
     void partition(const std::vector<int>& node);
     void make_pattern();
+    bool fill(int b, const double* values);
+    void multiply_single(const double* x, double* y) const;
 
     const Csr* csr_ = nullptr;
     BlockRows<double> a_;
+    bool is_single_;
+    BlockRows<float> single_;
+    double scale_ = 1;  // of the numbers in it
+    mutable std::vector<float> x_, y_;
     std::vector<int> slot_;   // of every equation
     std::vector<int> first_;  // equation of every block row, and n
     std::vector<double> modes_;

@@ -261,6 +261,15 @@ bool System::refactor(const Context& c, const Step& step, bool has_fused_tangent
     return solver_->factor(values_.data(), place(step));
 }
 
+// Where terms are on another branch, the kept tangent may need other rows and columns alone.
+bool System::amend(const Context& c) {
+    for (const auto& term : terms_)
+        if (term->outdated() && !term->amend(c, values_.data())) return false;
+    for (auto k : held_zero_) values_[k] = 0;
+    amended_ = true;
+    return solver_->factor(values_.data(), place(c.step));
+}
+
 // How far the predicted step goes, relative to the unknowns' scales; 1 where nothing is predicted.
 double System::extent() const {
     double largest = 0;
@@ -358,7 +367,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         evaluate_residual(context, !solver_->keeps_rigidity(), fused);
         const bool outdated =
             std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
-        refresh = refresh || outdated;
+        if (outdated && !refresh) refresh = full || !amend(context), last = 0;
         if (refresh) {
             ++report.factorizations;
             stale_factor_ = true;
@@ -368,7 +377,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
                 const std::string why = solver_->message();
                 return fail(why.empty() ? "the tangent is singular" : why, solver_->singular_unknown());
             }
-            stale_factor_ = false, fresh = std::min(fresh, k), latest = k, contraction_ = 0;
+            stale_factor_ = amended_ = false, fresh = std::min(fresh, k), latest = k, contraction_ = 0;
         }
         for (int u : held_) r_[u] = 0;
         if (!solver_->solve(r_.data(), place(step), d_.data())) return fail(solver_->message(), -1);
@@ -402,6 +411,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             report.converged = true;
             if (solver_->keeps_rigidity()) solver_->balance(r_.data(), place(step), dx.data(), x1_.data());
             iterations_last_ = fresh <= k ? 0 : report.iterations;
+            stale_factor_ = amended_;  // which a restart could not make again
             return report;
         }
         confirmed = done;

@@ -137,6 +137,7 @@ class System {
     void evaluate_residual(const Context&, bool all, bool with_fused_tangents = false);
     void evaluate_tangent(const Context&, bool inner, bool has_fused_tangents);
     bool refactor(const Context&, const Step&, bool has_fused_tangents = false);
+    bool amend(const Context&);
     int worst() const;
     double extent() const;
     double iterate(const Step&);
@@ -181,6 +182,7 @@ class System {
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     bool stale_begin_ = true, stale_factor_ = true;
+    bool amended_ = false;  // the kept tangent has parts of another configuration
     Step factored_;
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
     std::vector<double> factored_signals_;  // the prescribed functions of time then

@@ -44,6 +44,9 @@ class Term {
     virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
+    // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does
+    // not.
+    virtual bool amend(const Context&, double* /*values*/) { return false; }
     // What a restart needs besides the unknowns; reading moves on in the memory, true if the coupling has
     // changed.
     virtual void write_memory(std::vector<double>&) const {}

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -68,7 +69,8 @@ def run(
     """Run a study and leave everything in a directory.
 
     The directory then holds ``trajectory.vtkhdf``, ``ledger.csv``, ``probes.csv``, ``state.h5``,
-    ``summary.json``, ``energy.png`` and ``picture.png``. Ctrl-C takes effect between two steps; files are
+    ``summary.json``, ``energy.png`` and ``picture.png``, with pictures of the study's moments and a movie if it wants
+    them. Ctrl-C takes effect between two steps; files are
     closed and the state saved before `KeyboardInterrupt` goes on.
 
     Parameters
@@ -86,7 +88,7 @@ def run(
     save_every : float
         Seconds of wall time between saves of the state.
     pictures : bool
-        Draw ``energy.png`` and ``picture.png`` at the end.
+        Draw plot, pictures and movie at the end.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -284,6 +286,7 @@ class Recorder:
 
     def draw(self) -> None:
         """Draw plot and picture of the run."""
+        from visviva.output.movie import movie
         from visviva.output.picture import snapshot
         from visviva.output.plot import energy_plot
 
@@ -293,6 +296,13 @@ class Recorder:
             field = shown_field(study, self.drawing)
             trails = trail_names(study, self.drawing)
             snapshot(files.trajectory, files.picture, field=field, trails=trails)
+            for moment in study.moments:
+                if moment <= self.clock + 1e-6 * study.step:  # times add up with rounding
+                    png = files.picture_at(moment)
+                    snapshot(files.trajectory, png, time=moment, field=field, trails=trails)
+            if study.movie:
+                file = files.movie if find_spec("imageio_ffmpeg") else files.movie.with_suffix(".gif")
+                movie(files.trajectory, file, field=field, trails=trails)
 
 
 def probe_columns(study: Study) -> list[str]:

@@ -35,6 +35,10 @@ class Study:
     fields : sequence of str
         Fields of solids that the trajectory holds beside displacements, velocities and what contacts show
         (``contact_pressure``, ``contact_gap``, ``contact_state``, ``contact_traction``); pictures show the first.
+    moments : sequence of float
+        Times of which `run` draws pictures, beside the end.
+    movie : bool
+        `run` makes a movie, too.
     title : str
     notes : str
         Choices the source leaves open.
@@ -49,6 +53,8 @@ class Study:
     probes: Mapping[str, Probe] = field(default_factory=dict)
     trails: tuple[str, ...] = ()
     fields: Sequence[str] = FIELDS
+    moments: Sequence[float] = ()
+    movie: bool = False
     title: str = ""
     notes: str = ""
     adaptive: Adaptive | None = None

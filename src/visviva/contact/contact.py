@@ -296,6 +296,11 @@ class Contact(Component):
         return gaps
 
     @property
+    def costs(self) -> dict[str, float]:
+        """CPU seconds so far: search for neighbours, integrals over segments, forces and tangents made of them."""
+        return dict(zip(("search", "segments", "forces"), self.term.costs, strict=True))
+
+    @property
     def forces(self) -> Array:
         """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
         n = len(self._surface.forms)

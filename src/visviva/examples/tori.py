@@ -41,7 +41,16 @@ def study(
         "active_gaps": lambda s: float(np.count_nonzero(contact.pressures)),
     }
     system = vv.System([left, right, contact])
-    return vv.Study(system, until, step, probes=probes, title="Impact of two tori", notes=__doc__)
+    return vv.Study(
+        system,
+        until,
+        step,
+        probes=probes,
+        moments=(2.0, 5.0),
+        movie=True,
+        title="Impact of two tori",
+        notes=__doc__,
+    )
 
 
 def check(result: vv.Result) -> None:

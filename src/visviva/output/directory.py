@@ -64,6 +64,10 @@ class RunDirectory:
         """Picture of the system."""
         return self.path / "picture.png"
 
+    def picture_at(self, time: float) -> Path:
+        """Picture of a moment."""
+        return self.path / f"picture-{time:g}.png"
+
     @property
     def movie(self) -> Path:
         """Movie of the motion."""
