@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import visviva as vv
 from visviva import _core, linear
 from visviva.linear import Automatic, Choice, Direct, Iterative, Problem
+from visviva.solve import prepare
 
 Array = NDArray[np.float64]
 
@@ -311,6 +312,34 @@ def test_choice_follows_the_problem(monkeypatch: pytest.MonkeyPatch) -> None:
         "PARDISO of oneMKL with LU"
         in Automatic().choose(Problem(**{**solid, "symmetric": False})).explanation
     )
+
+
+@pytest.mark.parametrize("nearly", [True, False])
+def test_discrete_gradients_are_not_quite_symmetric(monkeypatch: pytest.MonkeyPatch, nearly: bool) -> None:
+    """Short steps hardly show it; where multigrid or factors take over, they do not count on symmetry."""
+    monkeypatch.setattr(linear, "has_multigrid", lambda: True)
+    monkeypatch.setattr(linear, "missing_pardiso", lambda: "")
+    solid: dict[str, Any] = {"symmetric": True, "definite": True, "has_modes": True, "has_inertia": True}
+    choice = Automatic().choose(Problem(n=20_000, n_entries=1_500_000, nearly=nearly, **solid))
+    head, *parts = choice.explanation.split("; should it not converge, ")
+    assert ("but for terms of the step's length" in head) == nearly
+    assert "conjugate gradients to 0.001, preconditioner diagonal" in head
+    assert parts[0].startswith("GMRES" if nearly else "conjugate gradients")
+    assert "multigrid" in parts[0]
+    assert "Cholesky, or where that fails" in parts[1]
+    assert parts[1].endswith("LU")
+    assert ("symmetric indefinite" in parts[1]) != nearly
+
+
+def test_explanation_follows_the_scheme() -> None:
+    """Energy-momentum steps and trapezoidal ones of the same system."""
+    mesh = vv.BoxMesh(size=(1, 0.2, 0.2), counts=(6, 4, 4))
+    block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.35), density=1000.0)
+    system = vv.System([block])
+    for scheme in (vv.EnergyMomentum(), vv.GeneralizedAlpha(rho=1.0), vv.EnergyMomentum()):
+        prepare(system, scheme)
+        said = "but for terms of the step's length" in system.linear_explanation
+        assert said == scheme.discrete_gradient
 
 
 def test_wide_rows_are_left_to_pardiso_early(monkeypatch: pytest.MonkeyPatch) -> None:

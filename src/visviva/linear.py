@@ -61,6 +61,9 @@ class Problem:
         Equations, and entries of the tangent's pattern.
     symmetric : bool
         The tangent is symmetric.
+    nearly : bool
+        Symmetric but for terms that vanish with the length of the step, as under discrete gradients; exactly so
+        where strains are small.
     definite : bool
         It is expected to be positive definite as well (statics and dynamics of stable solids).
     n_multipliers : int
@@ -80,6 +83,7 @@ class Problem:
     n: int
     n_entries: int
     symmetric: bool = False
+    nearly: bool = False
     definite: bool = False
     n_multipliers: int = 0
     has_modes: bool = False
@@ -119,7 +123,7 @@ class Problem:
     def __str__(self) -> str:
         kind = {"definite": "symmetric positive definite", "symmetric": "symmetric", "general": "unsymmetric"}
         text = f"{self.n} equations with {self.n_entries / max(self.n, 1):.0f} entries each, "
-        text += kind[self.kind.name]
+        text += kind[self.kind.name] + (" but for terms of the step's length" if self.nearly else "")
         return text + (f", {self.n_multipliers} constraints" if self.n_multipliers else "")
 
 
@@ -193,12 +197,16 @@ class Direct(LinearOptions):
         if not problem.is_definite:
             return Choice((lu,), f"{problem}: sparse LU of Eigen{because}")
         first = self._core(problem, _core.Backend.cholesky, problem.kind)
-        text = "Cholesky factors by Eigen, or sparse LU where the tangent is not positive definite"
+        text = (
+            "Cholesky factors by Eigen, or sparse LU where the tangent is not symmetric and positive definite"
+        )
         return Choice((first, lu), f"{problem}: {text}{because}")
 
     def _pardiso(self, problem: Problem) -> Choice:
         kinds = [_core.MatrixKind.definite, _core.MatrixKind.symmetric, _core.MatrixKind.general]
         kinds = kinds[kinds.index(problem.kind) :]
+        if problem.nearly:  # what is not symmetric enough for the first factors is not so for the second
+            kinds = [kinds[0], kinds[-1]]
         words = {
             "definite": "Cholesky",
             "symmetric": "symmetric indefinite factors",
@@ -223,7 +231,7 @@ class Iterative(LinearOptions):
     Parameters
     ----------
     method : {"auto", "cg", "gmres", "bicgstab"}
-        "auto": conjugate gradients for positive definite tangents, else GMRES.
+        "auto": conjugate gradients for symmetric positive definite tangents, else GMRES.
     preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"}
         "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
         pressures exactly, for contact; "incomplete": block ILU(0); "multigrid": smoothed aggregation
@@ -258,7 +266,8 @@ class Iterative(LinearOptions):
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
-        method = self.method if self.method != "auto" else "cg" if problem.is_definite else "gmres"
+        exact = problem.is_definite and not problem.nearly
+        method = self.method if self.method != "auto" else "cg" if exact else "gmres"
         fits = problem.n_multipliers == 0 and problem.has_modes
         auto = "multigrid" if fits and has_multigrid() else "block"
         preconditioner = self.preconditioner if self.preconditioner != "auto" else auto
@@ -289,7 +298,9 @@ class Automatic(LinearOptions):
 
     Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
     should that fail, by factors; everything else by factors. In time steps, conjugate gradients with the diagonal
-    alone come first: where steps are short they need a few iterations only.
+    alone come first: where steps are short they need a few iterations only. They do so too under discrete gradients,
+    the tangents of which are not quite symmetric: what is not is small beside the mass then, and the residual is
+    looked at. Where multigrid takes over, GMRES takes the place of conjugate gradients.
 
     Parameters
     ----------
@@ -317,9 +328,10 @@ class Automatic(LinearOptions):
             )
         if problem.is_solid and problem.n >= large and has_multigrid():
             limit = 100  # beyond it factors are cheaper
+            method: Literal["cg", "gmres"] = "gmres" if problem.nearly else "cg"
             first.append(
                 Iterative(
-                    method="cg", preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
+                    method=method, preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
                 )
             )
         choices = [*(f.choose(problem) for f in first), direct]

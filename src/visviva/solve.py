@@ -94,12 +94,13 @@ def prepare(system: System, scheme: Scheme) -> None:
     """Before the first step: a consistent state, and accelerations where the scheme starts from them.
 
     The check is made once in a system's life; what it found stays in ``system.report``. Without inertia bodies must
-    be held, and other linear solvers are due.
+    be held, and other linear solvers are due; so they are with tangents that are symmetric or not.
     """
-    if scheme.has_inertia != system.has_inertia:
+    due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
+    if due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}:
         if not scheme.has_inertia:
             refuse_free(system)
-        system.choose_linear(inertia=scheme.has_inertia)
+        system.choose_linear(**due)
     if system.report is None:
         from visviva.check import check
 

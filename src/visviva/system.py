@@ -232,7 +232,7 @@ class System:
                 "Newton(null_space=...) is chosen when a system is made: System(components, newton=...)"
             )
         self._newton = newton
-        self.choose_linear(inertia=self.has_inertia)
+        self.choose_linear(inertia=self.has_inertia, discrete_gradient=self.has_discrete_gradient)
 
     def _set_dependences(self) -> None:
         """What linear constraints give leaves the equations, unless rigid bodies are eliminated block by block."""
@@ -282,16 +282,17 @@ class System:
         others = others or not all(f.symmetric for f in self.model.fields)
         return small and not self.model.terms and not others and not self.model.dependences
 
-    def choose_linear(self, *, inertia: bool = True) -> None:
+    def choose_linear(self, *, inertia: bool = True, discrete_gradient: bool = True) -> None:
         """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU.
 
-        Without masses block elimination has no pivots; then solvers are taken that pivot freely.
+        Without masses block elimination has no pivots; then solvers are taken that pivot freely. Discrete gradients
+        are not quite symmetric.
         """
-        self.has_inertia = inertia
+        self.has_inertia, self.has_discrete_gradient = inertia, discrete_gradient
         core, options = self.core, self.newton.linear
         if options is not None and self.newton.null_space:
             raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
-        problem = self._linear_problem(inertia)
+        problem = self._linear_problem()
         if options is None and inertia and (self._use_null_space() or problem.is_plain):
             core.use_solver(self._use_null_space(), self.newton.regularization)
             self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
@@ -301,19 +302,21 @@ class System:
         core.use_linear(list(choice.in_order))
         self.linear_explanation = choice.explanation
 
-    def _linear_problem(self, inertia: bool) -> Problem:
+    def _linear_problem(self) -> Problem:
         """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
         fields = [f for f in self.model.fields if not f.is_local]
+        symmetric = all(f.symmetric for f in fields)
         return Problem(
             n=self.core.n_equations,
             n_entries=self.core.n_entries,
-            symmetric=all(f.symmetric for f in fields),
+            symmetric=symmetric,
+            nearly=symmetric and self.has_discrete_gradient,
             definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints - self.core.n_eliminated,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
             n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
-            has_inertia=inertia,
-            regularization=self.newton.regularization * (1.0 if inertia else STATIC),
+            has_inertia=self.has_inertia,
+            regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
             has_diagonal=all(not f.multiplier and (f.order > 0 or not f.symmetric) for f in fields)
             and not all(f.symmetric for f in fields),
         )
