@@ -297,6 +297,10 @@ double ContactTerm::augmentation(int A, const Context& c) const {
 void ContactTerm::press(int A, const Context& c, double gap_theta) {
     const double k = options_.stiffness[A];
     S_[A] = dS_gap_[A] = R_[A] = 0;
+    if (!has_multipliers() && gaps_->stencil(A).empty()) {
+        active_[A] = 0;  // closed before, but nothing is near any more
+        return;
+    }
     if (!has_multipliers() && is_discrete(c.step)) {
         press_discretely(A);
     } else if (!has_multipliers()) {
