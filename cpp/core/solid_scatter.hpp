@@ -96,12 +96,86 @@ VISVIVA_INLINE void solid_scatter_block(const SolidElement<D, N>& e, int a, int 
     }
 }
 
-/// The blocks (a, b) and (b, a) of W symmetric element matrices.
+/// W blocks K[i][j] of element matrices, or their transposes, as they stand in the matrix.
+struct SolidBlock {
+    const V* K;
+    bool transposed;
+    VISVIVA_INLINE V operator()(int i, int j) const { return K[transposed ? 3 * j + i : 3 * i + j]; }
+};
+
+#if VISVIVA_WIDTH == 8 && defined(__AVX512VL__)
+/// The six numbers of row i of two blocks, of every lane.
+VISVIVA_INLINE void transpose(SolidBlock a, SolidBlock b, int i, V* lanes) {
+    const V in[6] = {a(i, 0), a(i, 1), a(i, 2), b(i, 0), b(i, 1), b(i, 2)};
+    for (int odd = 0; odd < 2; ++odd) {
+        V pair[3];
+        for (int k = 0; k < 3; ++k)
+            pair[k] = odd ? __builtin_shufflevector(in[2 * k], in[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15)
+                          : __builtin_shufflevector(in[2 * k], in[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        const V low = __builtin_shufflevector(pair[0], pair[1], 0, 1, 8, 9, 2, 3, 10, 11);
+        const V high = __builtin_shufflevector(pair[0], pair[1], 4, 5, 12, 13, 6, 7, 14, 15);
+        lanes[odd] = __builtin_shufflevector(low, pair[2], 0, 1, 2, 3, 8, 9, 8, 9);
+        lanes[odd + 2] = __builtin_shufflevector(low, pair[2], 4, 5, 6, 7, 10, 11, 10, 11);
+        lanes[odd + 4] = __builtin_shufflevector(high, pair[2], 0, 1, 2, 3, 12, 13, 12, 13);
+        lanes[odd + 6] = __builtin_shufflevector(high, pair[2], 4, 5, 6, 7, 14, 15, 14, 15);
+    }
+}
+
+VISVIVA_INLINE void add_six(double* to, V a) {
+    typedef double V2 __attribute__((vector_size(16)));
+    const V4 low = (V4)_mm256_loadu_pd(to) + (V4)_mm512_castpd512_pd256((__m512d)a);
+    const V2 high = (V2)_mm_loadu_pd(to + 4) + (V2)_mm512_extractf64x2_pd((__m512d)a, 2);
+    _mm256_storeu_pd(to, (__m256d)low);
+    _mm_storeu_pd(to + 4, (__m128d)high);
+}
+
+/// Adds the blocks (a, b) and (a, c) of W elements if the matrix has all of them side by side, as those of
+/// neighbours in rows of nodes; false if not.
+template <int N>
+VISVIVA_INLINE bool solid_scatter_pair(const SolidElement<3, N>& e, int a, int b, int c, SolidBlock of_b,
+                                       SolidBlock of_c, double* values) {
+    std::int64_t first[W], second[W];
+    solid_places(e, a, b, first), solid_places(e, a, c, second);
+    bool beside = true;
+    for (int l = 0; l < W; ++l) beside = beside && first[l] >= 0 && second[l] == first[l] + 3;
+    if (!beside) return false;
+    const std::int64_t* length =
+        e.v.length + (static_cast<std::int64_t>(e.block) * e.nodes() + a) * L8 + e.lane;
+    VISVIVA_FLATTEN
+    for (int i = 0; i < 3; ++i) {
+        V lanes[W];
+        transpose(of_b, of_c, i, lanes);
+        VISVIVA_FLATTEN
+        for (int l = 0; l < W; ++l) add_six(values + first[l] + i * length[l], lanes[l]);
+    }
+    return true;
+}
+#endif
+
+/// Adds the row of blocks (a, 0), (a, 1), ... of W element matrices K[a][b], of which a symmetric one holds
+/// a <= b.
 template <int D, int N>
-VISVIVA_INLINE void solid_scatter_symmetric(const SolidElement<D, N>& e, int a, int b, const V* K,
-                                            double* values) {
-    solid_scatter_block<D, N, false>(e, a, b, K, values);
-    if (a != b) solid_scatter_block<D, N, true>(e, b, a, K, values);
+VISVIVA_INLINE void solid_scatter_row(const SolidElement<D, N>& e, int a, const V* K, bool symmetric,
+                                      double* values) {
+    const int n = e.nodes();
+    auto lower = [=](int b) { return symmetric && b < a; };
+    auto block = [=](int b) { return K + (lower(b) ? b * n + a : a * n + b) * D * D; };
+    auto scatter = [&](int b) {
+        lower(b) ? solid_scatter_block<D, N, true>(e, a, b, block(b), values)
+                 : solid_scatter_block<D, N, false>(e, a, b, block(b), values);
+    };
+    int k = 0;
+#if VISVIVA_WIDTH == 8 && defined(__AVX512VL__)
+    for (; D == 3 && k + 2 <= n; k += 2) {
+        const bool back =
+            N == 8 && k % 4 == 2;  // around the faces of bricks every second edge runs backwards
+        const int b = back ? k + 1 : k, c = back ? k : k + 1;
+        if constexpr (D == 3)
+            if (solid_scatter_pair(e, a, b, c, {block(b), lower(b)}, {block(c), lower(c)}, values)) continue;
+        scatter(b), scatter(c);
+    }
+#endif
+    for (; k < n; ++k) scatter(k);
 }
 
 // The numbers of `rows` rows of W elements to where Python finds them, `size` to an element.

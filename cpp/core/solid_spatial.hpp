@@ -30,17 +30,20 @@ struct SpatialTangent {
         for (int a = 0; a < e.nodes() * 3; ++a) r[a] = V{};
         for (int first = 0; first < e.v.n_points; first += points)
             add_points(first, std::min(points, e.v.n_points - first));
+        for (int a = 0; a < e.nodes(); ++a) solid_scatter_row(e, a, K, true, values);
         if (forces) add_forces();
     }
 
     // Points from `first` on
     VISVIVA_INLINE void add_points(int first, int n) {
         for (int q = 0; q < n; ++q) point(first + q, g + q * e.nodes() * 3, C + q * (n_moduli + 6));
-        const bool last = first + n == e.v.n_points;
         for (int a = 0; a < e.nodes(); ++a) {
+            V force[3] = {r[3 * a], r[3 * a + 1], r[3 * a + 2]};
             for (int q = 0; q < n; ++q)
-                left(g + (q * e.nodes() + a) * 3, C + q * (n_moduli + 6), T + q * n_left, r + 3 * a);
-            for (int b = a; b < e.nodes(); ++b) block(first, n, a, b, last);
+                left(g + (q * e.nodes() + a) * 3, C + q * (n_moduli + 6), T + q * n_left, force);
+            VISVIVA_FLATTEN
+            for (int i = 0; i < 3; ++i) r[3 * a + i] = force[i];
+            for (int b = a; b < e.nodes(); ++b) block(first, n, a, b);
         }
     }
 
@@ -53,11 +56,17 @@ struct SpatialTangent {
     }
 
     VISVIVA_INLINE void point(int q, V* gradients, V* moduli) {
-        SolidPoint p;
-        e.strains(q, p);
-        smallest = select(p.det < smallest, p.det, smallest);
-        V left[6], inverse[9], par[material_max_parameters];
-        left_strain(p.Ft, left);
+        V F[9], left[6], inverse[9], par[material_max_parameters];
+        e.gradient(e.x1, q, 1.0, F);
+        const V det = determinant(F);
+        smallest = select(det < smallest, det, smallest);
+        if (!e.ends) {
+            V F0[9];
+            e.gradient(e.x0, q, 1.0, F0);
+            VISVIVA_FLATTEN
+            for (int k = 0; k < 9; ++k) F[k] = F0[k] + e.step.theta * (F[k] - F0[k]);
+        }
+        left_strain(F, left);
         for (int k = 0; k < e.v.n_par; ++k) par[k] = e.parameter(k);
         SpatialResponse<plain> response;
         respond_in_space(e.v.kind, left, par, response);
@@ -66,7 +75,7 @@ struct SpatialTangent {
         for (int k = 0; k < n_moduli; ++k) moduli[k] = factor * response.c[k];
         VISVIVA_FLATTEN
         for (int k = 0; k < 6; ++k) moduli[n_moduli + k] = factor * response.tau[k];
-        invert(p.Ft, inverse);
+        invert(F, inverse);
         const double* G = e.gradients(q);
         for (int a = 0; a < e.nodes(); ++a) {
             const V G0 = vload(G + 3 * a * L8), G1 = vload(G + (3 * a + 1) * L8),
@@ -128,19 +137,20 @@ struct SpatialTangent {
     }
 
     // Block (a, b): K[i][j]
-    VISVIVA_INLINE void block(int first, int n, int a, int b, bool last) {
-        V *to = K + (a * e.nodes() + b) * 9, sum[9], geometric = first == 0 ? e.mass_factor(a, b) : V{};
+    VISVIVA_INLINE void block(int first, int n, int a, int b) {
+        V *to = K + (a * e.nodes() + b) * 9, sum[9], geometric[3] = {};
+        if (first == 0) geometric[0] = e.mass_factor(a, b);
         VISVIVA_FLATTEN
         for (int k = 0; k < 9; ++k) sum[k] = first == 0 ? V{} : to[k];
         for (int q = 0; q < n; ++q) {
             const V *t = T + q * n_left, *h = g + (q * e.nodes() + b) * 3;
             contract_right(t, h, sum);
             VISVIVA_FLATTEN
-            for (int i = 0; i < 3; ++i) geometric += t[n_left - 3 + i] * h[i];
+            for (int i = 0; i < 3; ++i) geometric[i] += t[n_left - 3 + i] * h[i];
         }
+        const V trace = geometric[0] + geometric[1] + geometric[2];
         VISVIVA_FLATTEN
-        for (int k = 0; k < 9; ++k) to[k] = sum[k] + (k % 4 == 0 ? geometric : V{});
-        if (last) solid_scatter_symmetric(e, a, b, to, values);
+        for (int k = 0; k < 9; ++k) to[k] = sum[k] + (k % 4 == 0 ? trace : V{});
     }
 
     VISVIVA_INLINE static void contract_right(const V* t, const V* h, V* sum) {

@@ -27,6 +27,7 @@ struct SolidTangent {
         for (int k = 0; k < e.nodes() * D; ++k) r[k] = V{};
         for (int first = 0; first < e.v.n_points; first += points)
             add_points(first, std::min(first + points, e.v.n_points));
+        for (int a = 0; symmetric && a < e.nodes(); ++a) solid_scatter_row(e, a, K, true, values);
         if (!forces) return;
         e.finish(r, smallest);
         solid_scatter_forces(e, r, e.active(), forces);
@@ -53,6 +54,7 @@ struct SolidTangent {
             for (; b + columns <= e.nodes(); b += columns)
                 blocks<columns>(first, end, a + k, b, T + k * factor);
             if (b < e.nodes()) blocks<1>(first, end, a + k, b, T + k * factor);
+            if (!symmetric && end == e.v.n_points) solid_scatter_row(e, a + k, K, false, values);
         }
     }
 
@@ -157,10 +159,6 @@ struct SolidTangent {
         VISVIVA_FLATTEN
         for (int k = 0; k < n * D * D; ++k) to[k] = sum[k];
         for (int c = 0; D == 2 && e.v.H && c < n; ++c) add_hoop(first, end, a, b + c, to + c * D * D);
-        if (end == e.v.n_points)
-            for (int c = 0; c < n; ++c)
-                symmetric ? solid_scatter_symmetric(e, a, b + c, to + c * D * D, values)
-                          : solid_scatter_block<D, N, false>(e, a, b + c, to + c * D * D, values);
     }
 
     VISVIVA_INLINE void add_hoop(int first, int end, int a, int b, V* K) const {
