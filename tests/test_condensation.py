@@ -107,7 +107,8 @@ def test_what_is_solved_for(shape: dict[str, Any], uncondensed: Callable[[], Any
     system = vv.System(held(shape))
     assert system.core.n_equations < len(system.free_unknowns)
     assert "condensed" in system.core.solver
-    assert system._linear_problem(False).is_definite
+    system.choose_linear(inertia=False)
+    assert system._linear_problem().is_definite
     uncondensed()
     whole = vv.System(held(shape))
     assert whole.core.n_equations >= len(whole.free_unknowns)
