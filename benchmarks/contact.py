@@ -31,6 +31,8 @@ QUOTED = {9: (1.14, 4, 0.286), 72: (13.8, 4, 3.45)}
 """Kratos 10.4.4, ALM mortar with AMGCL, on another machine: CPU s per step, iterations, CPU s per iteration."""
 PUSH = (0.03, 0.0, -0.05)
 STEPS = 5
+TOLERANCE = 1e-8
+"""Of increments, relative to the load step."""
 FIRST_TOUCH = 1.02
 """Time at which the tubes of the tori would touch."""
 
@@ -57,9 +59,11 @@ class Cost:
 
 
 def blocks(counts: Any) -> tuple[vv.System, vv.Solid, vv.Contact]:
-    """Two blocks of half a cube on each other, the lower one clamped and the top of the upper one pushed."""
+    """Two blocks on each other, the lower one wider and clamped, the top of the upper one pushed down and aside."""
     rubber = vv.NeoHooke(young=1000.0, poisson=0.3)
-    lower, upper = (vv.BoxMesh(size=(1, 1, 0.5), counts=n).build() for n in counts)
+    under, over = counts
+    lower = vv.BoxMesh(size=(1.3, 1.3, 0.5), counts=under, origin=(-0.16, -0.14, 0)).build()
+    upper = vv.BoxMesh(size=(1, 1, 0.5), counts=over).build()
     bodies = [vv.Solid(mesh=lower, material=rubber), vv.Solid(mesh=upper.moved((0, 0, 0.5)), material=rubber)]
     motion = tuple(f"{u} * t" for u in PUSH)
     supports = [
@@ -73,7 +77,7 @@ def blocks(counts: Any) -> tuple[vv.System, vv.Solid, vv.Contact]:
 def push_blocks(thousands: int) -> tuple[Cost, float]:
     """Push in steps; the costs, and the mean displacement of the upper block's lower face along z."""
     system, upper, contact = blocks(SIZES[thousands])
-    scheme = vv.Static(tolerance=1e-8)
+    scheme = vv.Static(tolerance=TOLERANCE)
     prepare(system, scheme)
     cost, marching = Cost(), vv.march(system, until=1.0, step=1 / STEPS, scheme=scheme)
     for _ in range(STEPS):
