@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.component import Component
+from visviva.errors import InputError
 from visviva.mesh.mesh import Mesh
+from visviva.values import VectorOrFunction
 
 Array = NDArray[np.float64]
 
@@ -19,9 +21,32 @@ class Meshed(Component):
     grid: Mesh
 
     @property
+    def dimension(self) -> int:
+        """Of the mesh: 2 or 3."""
+        return self.grid.dimension
+
+    @property
     def points(self) -> Array:
         """Positions (n, 3) of the nodes, of a solid in the reference configuration."""
-        raise NotImplementedError
+        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
+
+    @property
+    def extent(self) -> float:
+        """Size of the mesh, of a solid in the reference configuration."""
+        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
+
+    def sampled(self, velocity: VectorOrFunction) -> Array:
+        """Velocities (n, 3) at the nodes, of a vector or a function of positions."""
+        X = self.points
+        if not callable(velocity):
+            return np.tile(np.asarray(velocity, dtype=float), (len(X), 1))
+        v = np.array(velocity(X), dtype=float)
+        if v.shape != X.shape or not np.isfinite(v).all():
+            raise InputError(
+                f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
+                f"positions {X.shape}"
+            )
+        return v
 
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""

@@ -156,24 +156,9 @@ class Solid(Attachable, Meshed):
 
     # --- geometry ------------------------------------------------------------------------------------------
     @property
-    def dimension(self) -> int:
-        """Of the mesh: 2 or 3."""
-        return self.grid.dimension
-
-    @property
     def axisymmetric(self) -> bool:
         """Whether a plane mesh stands for a revolution."""
         return self.plane == "axisymmetric"
-
-    @property
-    def points(self) -> Array:
-        """Reference positions (n, 3) of the nodes."""
-        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
-
-    @property
-    def extent(self) -> float:
-        """Size of the reference configuration."""
-        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
 
     @cached_property
     def nodal_mass(self) -> Array:
@@ -199,16 +184,7 @@ class Solid(Attachable, Meshed):
 
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
-        X = self.points
-        if callable(self.velocity):
-            v = np.array(self.velocity(X), dtype=float)
-            if v.shape != X.shape or not np.all(np.isfinite(v)):
-                raise InputError(
-                    f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
-                    f"positions {X.shape}"
-                )
-        else:
-            v = np.tile(np.asarray(self.velocity, dtype=float), (len(X), 1))
+        X, v = self.points, self.sampled(self.velocity)
         if np.any(self.angular_velocity):
             w = self.nodal_mass if self.density > 0 else np.ones(len(X))
             v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())

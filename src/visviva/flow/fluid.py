@@ -110,21 +110,6 @@ class Fluid(Meshed):
 
     # --- geometry ------------------------------------------------------------------------------------------
     @property
-    def dimension(self) -> int:
-        """Of the mesh: 2 or 3."""
-        return self.grid.dimension
-
-    @property
-    def points(self) -> Array:
-        """Positions (n, 3) of the nodes."""
-        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
-
-    @property
-    def extent(self) -> float:
-        """Size of the mesh."""
-        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
-
-    @property
     def is_stabilised(self) -> bool:
         """Whether velocities and pressures are of equal order."""
         return next(iter(self.grid.cells)) in STABILISED
@@ -184,16 +169,7 @@ class Fluid(Meshed):
 
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
-        X = self.points
-        if callable(self.velocity):
-            v = np.array(self.velocity(X), dtype=float)
-            if v.shape != X.shape or not np.isfinite(v).all():
-                raise InputError(
-                    f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
-                    f"positions {X.shape}"
-                )
-        else:
-            v = np.tile(np.asarray(self.velocity, dtype=float), (len(X), 1))
+        v = self.sampled(self.velocity)
         if self.dimension == 2 and np.any(v[:, 2] != 0):
             raise InputError(f"{self.label}: a plane fluid cannot flow out of its plane")
         return v[:, : self.dimension]
