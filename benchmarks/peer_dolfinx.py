@@ -9,8 +9,9 @@ import numpy as np
 import ufl
 from mpi4py import MPI
 from petsc4py import PETSc
+from record import Record
 from solid_cases import Array, SolidCase
-from solid_measure import Record, main, march
+from solid_measure import main, march
 
 COMPILER = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 

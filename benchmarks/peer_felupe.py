@@ -5,8 +5,9 @@ from __future__ import annotations
 import felupe
 import numpy as np
 import pypardiso
+from record import Record
 from solid_cases import Array, SolidCase
-from solid_measure import Record, main, march
+from solid_measure import main, march
 
 
 class Felupe:

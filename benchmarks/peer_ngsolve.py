@@ -5,8 +5,9 @@ from __future__ import annotations
 import netgen.meshing as netgen
 import ngsolve as ng
 import numpy as np
+from record import Record
 from solid_cases import Array, SolidCase
-from solid_measure import Record, main, march
+from solid_measure import main, march
 
 
 def mesh_of(case: SolidCase) -> ng.Mesh:

@@ -5,44 +5,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import resource
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any, Protocol
 
 import numpy as np
+from record import Record
 from solid_cases import BUILDERS, TOLERANCE, Array, SolidCase
 
 MOST = 20
 """Iterations of Newton's method, after which a step has failed."""
-
-
-@dataclass
-class Record:
-    """CPU seconds of the steps, and of the assemblies and linear solutions in them; what the run left behind."""
-
-    cpu: float = 0.0
-    assembly: float = 0.0
-    solution: float = 0.0
-    iterations: int = 0
-    steps: int = 0
-    energies: list[float] = field(default_factory=list)
-    mean_displacement: float = float("nan")
-    peak_mb: float = 0.0
-
-    @contextmanager
-    def timed(self, what: str) -> Iterator[None]:
-        """Add the CPU time of the enclosed block to the attribute `what`."""
-        start = time.process_time()
-        yield
-        setattr(self, what, getattr(self, what) + time.process_time() - start)
-
-    def note(self, displacements: Array) -> None:
-        """Note the mean displacement and the memory."""
-        self.mean_displacement = float(np.linalg.norm(displacements, axis=1).mean())
-        self.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 class Discretisation(Protocol):
@@ -70,6 +42,11 @@ class Discretisation(Protocol):
         """Energy stored in the solid."""
 
 
+def mean_displacement(displacements: Array) -> float:
+    """Mean length of displacements (n, 3)."""
+    return float(np.linalg.norm(displacements, axis=1).mean())
+
+
 def march(code: Discretisation, case: SolidCase, audited: bool) -> Record:
     """Take the steps of a case; `audited` runs note the energy after each."""
     record = Record()
@@ -83,7 +60,7 @@ def march(code: Discretisation, case: SolidCase, audited: bool) -> Record:
         with record.timed("cpu"):
             u, v, a = step(code, record, (u, v, a), motion, free, h)
         record.steps += 1
-    record.note(code.nodal(u))
+    record.note(mean_displacement(code.nodal(u)))
     return record
 
 

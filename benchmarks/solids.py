@@ -11,79 +11,26 @@ missing is left out with a word.
 from __future__ import annotations
 
 import argparse
-import json
-import os
 import statistics
-import subprocess
-import sys
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Sequence
 
+from contenders import Contender, Figures, add_options, measure, present
+from record import Record
 from solid_cases import BUILDERS, SolidCase
-from solid_measure import Record
 
-HERE = Path(__file__).resolve().parent
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+BOTH = ("torus", "block")
 CASES = (("torus", 118), ("block", 20), ("block", 30))
-
-
-@dataclass(frozen=True)
-class Contender:
-    """A line of the table: a file with the command line of `solid_measure`, the module it needs, and its variant."""
-
-    title: str
-    file: str
-    module: str
-    variant: str
-    cases: tuple[str, ...] = ("torus", "block")
-
-
-OURS = Contender("visviva, energy-momentum in dynamics", "ours_solids.py", "visviva", "energy-momentum")
+OURS = Contender("visviva, energy-momentum in dynamics", "ours_solids.py", "visviva", "energy-momentum", BOTH)
 CONTENDERS = (
     OURS,
     Contender("visviva, trapezoidal rule", "ours_solids.py", "visviva", "trapezoidal", ("torus",)),
-    Contender("DOLFINx, MUMPS Cholesky", "peer_dolfinx.py", "dolfinx", "MUMPS"),
+    Contender("DOLFINx, MUMPS Cholesky", "peer_dolfinx.py", "dolfinx", "MUMPS", BOTH),
     Contender("DOLFINx, CG + GAMG", "peer_dolfinx.py", "dolfinx", "GAMG", ("block",)),
-    Contender("felupe, PARDISO LU", "peer_felupe.py", "felupe", "PARDISO"),
-    Contender("NGSolve, PARDISO", "peer_ngsolve.py", "ngsolve", "PARDISO"),
-    Contender("Kratos, AMGCL", "peer_kratos.py", "KratosMultiphysics", "AMGCL"),
+    Contender("felupe, PARDISO LU", "peer_felupe.py", "felupe", "PARDISO", BOTH),
+    Contender("NGSolve, PARDISO", "peer_ngsolve.py", "ngsolve", "PARDISO", BOTH),
+    Contender("Kratos, AMGCL", "peer_kratos.py", "KratosMultiphysics", "AMGCL", BOTH),
 )
-Figures = Mapping[Contender, Sequence[Record]]
-
-
-def environment(interpreter: str) -> dict[str, str]:
-    """One thread, and the tools beside the interpreter (NGSolve compiles its expressions) on the path."""
-    path = f"{Path(interpreter).parent}{os.pathsep}{os.environ.get('PATH', '')}"
-    return os.environ | ONE_THREAD | {"PATH": path}
-
-
-def is_there(module: str, interpreter: str) -> bool:
-    """Whether the interpreter has the module."""
-    command = [interpreter, "-c", f"import {module}"]
-    try:
-        done = subprocess.run(command, capture_output=True, env=environment(interpreter), check=False)
-    except OSError:
-        return False
-    return done.returncode == 0
-
-
-def measure(contender: Contender, interpreter: str, extra: Sequence[str], limit: float) -> Record | None:
-    """One measurement in a process of its own; a failure is printed."""
-    command = [interpreter, str(HERE / contender.file), "--variant", contender.variant, *extra]
-    try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=limit, env=environment(interpreter), check=False
-        )
-    except subprocess.TimeoutExpired:
-        print(f"{contender.title}: more than {limit:g} s", flush=True)
-        return None
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    if done.returncode or not lines:
-        print(f"{contender.title}: {(done.stderr.strip().splitlines() or ['no message'])[-1]}", flush=True)
-        return None
-    return Record(**json.loads(lines[-1]))
 
 
 def per_step(records: Sequence[Record]) -> list[float]:
@@ -108,7 +55,7 @@ def row(contender: Contender, case: SolidCase, figures: Figures) -> str:
         f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
         f"{median / statistics.median(ours):.2f}" if ours else "",
         f"{last.peak_mb:.0f}",
-        f"{last.mean_displacement:.8f}",
+        f"{last.answer:.8f}",
     ]
     if any(r.energies for r in records):
         energies = next(r.energies for r in records if r.energies)
@@ -129,38 +76,18 @@ def header(case: SolidCase, energies: bool) -> str:
 def parse() -> argparse.Namespace:
     """Command line options."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    options.add_argument("--rounds", type=int, default=3)
+    add_options(options)
     options.add_argument("--case", choices=BUILDERS, action="append", help="only this one; may be repeated")
     options.add_argument("--n", type=int, action="append", help="only this size")
-    options.add_argument("--code", action="append", help="only titles with this word; may be repeated")
-    options.add_argument("--steps", type=int, help="number of steps")
     options.add_argument("--step", type=float, help="step size")
     options.add_argument("--energies", action="store_true", help="also the greatest change of the energy")
-    options.add_argument("--limit", type=float, default=300.0, help="seconds until a measurement is given up")
-    options.add_argument("--python", action="append", default=[], metavar="CODE=PATH")
     return options.parse_args()
-
-
-def present(chosen: argparse.Namespace) -> dict[Contender, str]:
-    """The codes asked for that are installed, with their interpreters."""
-    given = dict(pair.split("=", 1) for pair in chosen.python)
-    found: dict[Contender, str] = {}
-    for c in CONTENDERS:
-        if chosen.code and not any(word.lower() in c.title.lower() for word in chosen.code):
-            continue
-        keys = (c.module.lower(), c.module.lower().removesuffix("multiphysics"))
-        interpreter = next((given[k] for k in keys if k in given), sys.executable)
-        if is_there(c.module, interpreter):
-            found[c] = interpreter
-        else:
-            print(f"{c.title}: left out, {interpreter} has no {c.module}", flush=True)
-    return found
 
 
 def main() -> None:
     """Measure case by case and print the tables."""
     chosen = parse()
-    codes = present(chosen)
+    codes = present(CONTENDERS, chosen)
     extra = ["--energies"] if chosen.energies else []
     extra += [f"--{name}={value}" for name in ("steps", "step") if (value := getattr(chosen, name))]
     for name, n in CASES:

@@ -1,0 +1,73 @@
+"""Flow in a channel beside DOLFINx, Kratos and NGSolve: alternating rounds, one process and one thread per measurement.
+
+    python benchmarks/flow.py --python dolfinx=PATH --python kratos=PATH --python ngsolve=PATH
+
+prints one markdown table: CPU time of a step as median [least-greatest] over the rounds and its ratio to ours with
+the same kind of elements, and the velocity in the middle of the channel: with elements of Taylor and Hood all solve
+the same discrete problem. PATH is a Python interpreter that has the code; without it this one is tried, and a code
+that is missing is left out with a word.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+
+from contenders import Contender, add_options, measure, present
+from flow_case import FlowCase
+from record import Record
+
+OURS = {
+    kind: Contender(f"visviva, {kind}", "ours_flow.py", "visviva", kind, (kind,)) for kind in ("Q2Q1", "Q1Q1")
+}
+CONTENDERS = (
+    *OURS.values(),
+    Contender("DOLFINx, Q2Q1, MUMPS", "peer_dolfinx_flow.py", "dolfinx", "Q2Q1", ("Q2Q1",)),
+    Contender("NGSolve, Q2Q1, PARDISO", "peer_ngsolve_flow.py", "ngsolve", "PARDISO", ("Q2Q1",)),
+    Contender("Kratos, Q1Q1, AMGCL", "peer_kratos_flow.py", "KratosMultiphysics", "AMGCL", ("Q1Q1",)),
+)
+COLUMNS = ("code", "iterations/step", "CPU s/step", "ratio", "assembly, µs/cell", "peak MB", "velocity")
+
+
+def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record], cells: int) -> str:
+    """One line of the table."""
+    times = [r.cpu / r.steps for r in records]
+    median, last = statistics.median(times), records[-1]
+    assembly = statistics.median(r.assembly / r.iterations for r in records)
+    texts = [
+        contender.title,
+        f"{last.iterations / last.steps:.3g}",
+        f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
+        f"{median / statistics.median(r.cpu / r.steps for r in ours):.2f}" if ours else "",
+        f"{1e6 * assembly / cells:.3g}" if assembly else "",
+        f"{last.peak_mb:.0f}",
+        f"{last.answer:.8f}",
+    ]
+    return "| " + " | ".join(texts) + " |"
+
+
+def main() -> None:
+    """Measure and print the table."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    add_options(options)
+    options.add_argument("--n", type=int, default=FlowCase.n, help="cells along the channel")
+    chosen = options.parse_args()
+    codes = present(CONTENDERS, chosen)
+    extra = [f"--n={chosen.n}", *([f"--steps={chosen.steps}"] if chosen.steps else [])]
+    figures: dict[Contender, list[Record]] = defaultdict(list)
+    for _ in range(chosen.rounds):
+        for code, interpreter in codes.items():
+            record = measure(code, interpreter, extra, chosen.limit)
+            if record is not None:
+                figures[code].append(record)
+    along, across = FlowCase(n=chosen.n).counts
+    print(f"\n{along} x {across} cells\n\n| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
+    for code in figures:
+        ours = figures.get(OURS[code.cases[0]], [])
+        print(row(code, figures[code], ours, along * across), flush=True)
+
+
+if __name__ == "__main__":
+    main()

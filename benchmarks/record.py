@@ -1,0 +1,35 @@
+"""What one measurement of one code leaves behind."""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Record:
+    """CPU seconds of the steps, and of the assemblies and linear solutions in them; what the run left behind."""
+
+    cpu: float = 0.0
+    assembly: float = 0.0
+    solution: float = 0.0
+    iterations: int = 0
+    steps: int = 0
+    energies: list[float] = field(default_factory=list)
+    answer: float = float("nan")
+    peak_mb: float = 0.0
+
+    @contextmanager
+    def timed(self, what: str) -> Iterator[None]:
+        """Add the CPU time of the enclosed block to the attribute `what`."""
+        start = time.process_time()
+        yield
+        setattr(self, what, getattr(self, what) + time.process_time() - start)
+
+    def note(self, answer: float) -> None:
+        """Note a result that shows that all have solved the same problem, and the memory."""
+        self.answer = answer
+        self.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
