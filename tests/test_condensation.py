@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from catalogue import flying
+from catalogue.solids import flying
 from numpy.typing import NDArray
 from solid_parts import block
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from catalogue import turned
+from catalogue.rigid import turned
 from numpy.typing import NDArray
 from point_contacts import RUBBER, blocks, wavy_track
 

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from catalogue import MATERIALS, Components, body, flying, pair, turned
+from catalogue.entry import Components
+from catalogue.rigid import body, pair, turned
+from catalogue.solids import MATERIALS, flying
 from instances.solid import Brick
 from numpy.typing import NDArray
 from point_contacts import SHAPES, on_shape

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from catalogue import turned
+from catalogue.rigid import turned
 from numpy.typing import NDArray
 
 import visviva as vv

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from catalogue import turned
+from catalogue.rigid import turned
 from rubbing import GRAVITY, contact_of, slope, thrown
 
 import visviva as vv

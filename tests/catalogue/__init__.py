@@ -1,0 +1,17 @@
+"""The list of what can be composed: one line each, and every property test runs over all of them.
+
+To add something, add a line to the list of its subject: a name, what builds its components afresh, and what a run
+of it conserves: 'energy' if no load, motor or damper does work, and columns of the ledger such as 'momentum_x',
+'angular_z'. The balance of energy is checked for every entry, whatever it contains.
+"""
+
+from catalogue.contact import CONTACT
+from catalogue.entry import Components, Entry
+from catalogue.flow import FLOW
+from catalogue.instances import INSTANCES
+from catalogue.rigid import RIGID
+from catalogue.solids import SOLIDS
+
+CATALOGUE = [*RIGID, *SOLIDS, *CONTACT, *FLOW, *INSTANCES]
+
+__all__ = ["CATALOGUE", "Components", "Entry"]

@@ -1,0 +1,59 @@
+"""Contact and friction."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
+from point_contacts import SHAPES, blocks, on_shape
+from rubbing import thrown
+
+import visviva as vv
+from catalogue.entry import ALL, MOMENTA, PLANE_MOMENTA, Entry
+
+CONTACTS: dict[str, Any] = {
+    "dissipative": ({}, MOMENTA),
+    "conserving": ({"impact": "conserving"}, ALL),
+    "penalty": ({"enforcement": "penalty"}, ALL),
+}
+"""Ways to enforce contact, and what they conserve."""
+
+CONTACT = [
+    # contact
+    Entry("blocks, vertices and facets", lambda: blocks(enforcement="penalty"), ALL, steps=40),
+    Entry("blocks in the plane, vertices and facets", lambda: blocks(flat=True), ALL, steps=40),
+    *(
+        Entry(f"contact, {name}, {kind}", partial(make, **options), what, h=0.01, steps=30)
+        for name, make in {"bricks": bricks, "plates": plates}.items()
+        for kind, (options, what) in CONTACTS.items()
+    ),
+    Entry("contact, tet4", partial(bricks, "tet4", impact="conserving"), ALL, h=0.01, steps=10),
+    Entry("contact, quad8", partial(plates, "quad8", enforcement="penalty"), ALL, h=0.01, steps=10),
+    Entry(
+        "contact, rigid box",
+        partial(rigid_on_brick, vv.Box(size=(0.8, 0.7, 0.4)), 0.22, enforcement="penalty"),
+        ALL,
+        h=0.01,
+        steps=15,
+    ),
+    Entry(
+        "contact, rigid triangles",
+        partial(rigid_on_brick, vv.SurfaceMesh(**PYRAMID), 0.02, impact="conserving"),
+        ALL,
+        h=0.01,
+        steps=15,
+    ),
+    *(
+        Entry(f"contact, exact {name}, {kind}", partial(on_shape, name, **options), what, h=0.01, steps=30)
+        for name in SHAPES
+        for kind, (options, what) in CONTACTS.items()
+        if kind != "dissipative" or name == "sphere"
+    ),
+    # friction
+    Entry("friction", thrown, MOMENTA, steps=20),
+    Entry("friction, elastic", lambda: thrown(tangential="penalty", stiffness=60.0), MOMENTA, steps=20),
+    Entry("friction, penalty", lambda: thrown(enforcement="penalty", stiffness=60.0), MOMENTA, steps=20),
+    Entry("friction in the plane", lambda: thrown(2), PLANE_MOMENTA, steps=30),
+    Entry("friction in the plane, elastic", lambda: thrown(2, tangential="penalty"), PLANE_MOMENTA, 0.01, 40),
+]

@@ -1,0 +1,49 @@
+"""What a line of the catalogue is, and names for what runs of it conserve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import visviva as vv
+from visviva.component import Component
+
+Components = list[Component]
+
+NOTHING: frozenset[str] = frozenset()
+ENERGY = frozenset({"energy"})
+LINEAR = frozenset({"momentum_x", "momentum_y", "momentum_z"})
+ANGULAR = frozenset({"angular_x", "angular_y", "angular_z"})
+MOMENTA = LINEAR | ANGULAR
+ALL = ENERGY | MOMENTA
+AXIAL = frozenset({"angular_z"})
+FALLING = ENERGY | {"momentum_x", "momentum_y", "angular_z"}
+PLANE_MOMENTA = frozenset({"momentum_x", "momentum_y", "angular_z"})
+IN_PLANE = ENERGY | PLANE_MOMENTA
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the catalogue.
+
+    Attributes
+    ----------
+    h : float
+        A coarse step for it.
+    steps : int
+        How many of them the conservation test takes.
+    analytic : bool
+        Whether its tangents are free of differences.
+    """
+
+    name: str
+    build: Callable[[], Components]
+    conserves: frozenset[str]
+    h: float = 0.02
+    steps: int = 300
+    analytic: bool = True
+
+    def system(self, **options: Any) -> vv.System:
+        """A fresh system in its initial state, which a run first projects onto the constraints."""
+        return vv.System(self.build(), vv.Newton(**options))

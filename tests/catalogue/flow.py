@@ -1,0 +1,33 @@
+"""Fluids, and solids immersed in them."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from flow_parts import enclosed, stream, torus
+from immersed_parts import large
+
+from catalogue.entry import NOTHING, Entry
+
+FLOW = [
+    # fluids
+    *[
+        Entry(f"stream, {cell}", partial(stream, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8", "tet4", "hex27", "tet10")
+    ],
+    *[
+        Entry(f"enclosed flow, {cell}", partial(enclosed, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
+    ],
+    *[
+        Entry(f"periodic flow, {cell}", partial(torus, cell), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri3", "quad9", "tri6")
+    ],
+    # immersed solids
+    *[
+        Entry(f"immersed, {cell}", partial(large, cell), NOTHING, h=0.02, steps=10)
+        for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
+    ],
+    Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
+    Entry("immersed, enhanced", lambda: large("quad4", formulation="enhanced"), NOTHING, h=0.02, steps=10),
+]
