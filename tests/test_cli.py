@@ -189,6 +189,15 @@ BAD: list[tuple[list[Any], str]] = [
 ]
 
 
+def test_reader_may_stop_listening() -> None:
+    command = [sys.executable, "-m", "visviva", "examples"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout and process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 1
+
+
 @pytest.mark.parametrize(("arguments", "message"), BAD, ids=lambda a: " ".join(map(str, a)) if a else None)
 def test_bad_input_exits_with_2_and_a_line(arguments: list[Any], message: str, cli: Run) -> None:
     code, _, err = cli(*arguments)
