@@ -192,7 +192,8 @@ BAD: list[tuple[list[Any], str]] = [
 def test_reader_may_stop_listening() -> None:
     command = [sys.executable, "-m", "visviva", "examples"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdout and process.stderr
+        assert process.stdout
+        assert process.stderr
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 1

@@ -4,22 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from half_disc import half_disc
-from numpy.typing import NDArray
+from discs import disc
 
 import visviva as vv
 from visviva.examples import valve
-
-Array = NDArray[np.float64]
-
-
-def disc(radius: float, centre: tuple[float, float], n: int) -> vv.Mesh:
-    """Two halves."""
-    half = half_disc(radius, (0.0, 0.0), n)
-    points = np.vstack([half.points, -half.points])
-    cells = np.vstack([half.cells["quad4"], half.cells["quad4"] + len(half.points)])
-    _, first, same = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
-    return vv.Mesh(points[first] + centre, {"quad4": same.reshape(-1)[cells]})
 
 
 def test_soft_disc_in_a_driven_cavity() -> None:
