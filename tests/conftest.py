@@ -12,6 +12,7 @@ SCHEMES = [
     vv.Midpoint(),
     vv.VariationalMidpoint(),
     vv.BackwardEuler(),
+    vv.BDF2(),
     vv.GeneralizedAlpha(0.8),
     vv.Static(),
 ]

@@ -19,6 +19,7 @@ SCHEMES = [
     vv.Midpoint(),
     vv.VariationalMidpoint(),
     vv.BackwardEuler(),
+    vv.BDF2(),
     vv.GeneralizedAlpha(1.0),
     vv.GeneralizedAlpha(0.8),
     vv.GeneralizedAlpha(0.0),

@@ -82,6 +82,7 @@ from .probe import (
 from .reactions import ReactionForce, ReactionTorque, ServoInputs, reaction
 from .result import Result
 from .scheme import (
+    BDF2,
     ArcLength,
     BackwardEuler,
     EnergyMomentum,
@@ -100,6 +101,7 @@ from .timefunction import TimeFunction
 from .user import Constraint, GeneralizedForce, Potential, UserTerm
 
 __all__ = [
+    "BDF2",
     "Adaptive",
     "ArcLength",
     "Automatic",

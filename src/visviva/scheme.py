@@ -127,6 +127,29 @@ class BackwardEuler(Scheme):
 
 
 @dataclass(frozen=True)
+class BDF2(Scheme):
+    """Backward differentiation over two steps (Curtiss & Hirschfelder 1952): second order, damps what is fast.
+
+    The history holds, of motion, the curvature ``2 (v0 - dx_last / h) / h`` of the parabola through the last step (`a`)
+    and the mean acceleration in it (`w`); of fields of order 1 the mean rate in it (`a`). At the start the
+    accelerations and rates of that moment stand for them.
+    """
+
+    order: ClassVar[int] = 2
+    needs_acceleration: ClassVar[bool] = True
+
+    def motion(self, h: float) -> Table:
+        v1 = np.array([1.5 / h, -0.5, 0.25 * h, 0])
+        change = (v1 - [0, 1, 0, 0]) / h
+        a1 = (v1 - [1 / h, 0, 0, 0]) * 2 / h
+        return (v1, 1.5 * change - [0, 0, 0, 0.5], v1, a1, change)
+
+    def transport(self, h: float) -> Table:
+        v1 = (1.5 / h, 0, -0.5, 0)
+        return (v1, NONE, v1, (1 / h, 0, 0, 0), NONE)
+
+
+@dataclass(frozen=True)
 class GeneralizedAlpha(Scheme):
     """Generalised-alpha (Chung & Hulbert 1993) in the form of Arnold & Bruels (2007) for constrained systems.
 
