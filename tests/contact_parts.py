@@ -97,3 +97,16 @@ def stacked(
     load = -pressure * np.eye(3)[dimension - 1]
     parts.append(vv.Traction(solid=a, faces=f"{axis}1", traction=load, times="t"))
     return a, b, contact, parts
+
+
+def pushed(n: int, newton: vv.Newton | None = None) -> tuple[vv.System, vv.Solid]:
+    """A block that is pushed onto a wider one and aside, by its top: statics until t = 1."""
+    lower = vv.BoxMesh(size=(1.3, 1.3, 0.5), counts=(n + 1, n + 1, n), origin=(-0.16, -0.14, 0)).build()
+    upper = vv.BoxMesh(size=(1, 1, 0.5), counts=(n, n, n)).build().moved((0, 0, 0.5))
+    under, over = (vv.Solid(mesh=mesh, material=RUBBER) for mesh in (lower, upper))
+    supports: Components = [
+        vv.Fixed(solid=under, nodes="z0"),
+        vv.Prescribed(solid=over, nodes="z1", motion=("0.03 * t", "0", "-0.05 * t")),
+    ]
+    contact = vv.Contact(first=over, first_faces="z0", second=under, second_faces="z1")
+    return vv.System([under, over, *supports, contact], newton), over

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contact_parts import PYRAMID, RUBBER, bricks, contact_of, plates, rigid_on_brick
+from contact_parts import PYRAMID, RUBBER, bricks, contact_of, plates, pushed, rigid_on_brick
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -285,3 +285,17 @@ def test_run_draws_moments_and_movie_of_a_study(tmp_path: Path) -> None:
     assert "picture-0.02.png" in files
     assert "picture-9.png" not in files
     assert files & {"movie.mp4", "movie.gif"}
+
+
+def test_multigrid_beside_pressures_finds_what_factors_find() -> None:
+    options = (
+        vv.Iterative(preconditioner="augmented", tolerance=1e-6, max_iterations=60),
+        vv.Direct(library="eigen"),
+    )
+    found = []
+    for linear in options:
+        system, over = pushed(4, vv.Newton(linear=linear))
+        vv.quasi_static(system, until=1.0, step=0.5, scheme=vv.Static(tolerance=1e-9))
+        found.append(over.displacements(system.x))
+    assert np.abs(found[0]).max() > 0.05
+    assert found[0] == pytest.approx(found[1], abs=1e-9)

@@ -126,7 +126,8 @@ void bind_choice(nb::module_& m) {
         .value("block", Preconditioner::block)
         .value("incomplete", Preconditioner::incomplete)
         .value("multigrid", Preconditioner::multigrid)
-        .value("saddle", Preconditioner::saddle);
+        .value("saddle", Preconditioner::saddle)
+        .value("augmented", Preconditioner::augmented);
     nb::class_<LinearChoice>(m, "LinearChoice")
         .def(nb::init<>())
         .def_rw("backend", &LinearChoice::backend)

@@ -110,13 +110,14 @@ bool ContactTerm::search(const double* x0, const double* x1) {
         to_[i] = from_[i] + steps_ahead * step;
     }
     const bool changed = gaps_->search(from_.data(), to_.data());
+    known_at_.clear();
     narrow();
     return changed;
 }
 
 // Stencils for the present step.
 void ContactTerm::narrow() {
-    gaps_->narrow(X0_.data(), X1_.data());
+    if (gaps_->narrow(X0_.data(), X1_.data())) known_at_.clear();
     narrowed_ = X1_;
 }
 
@@ -156,6 +157,7 @@ bool ContactTerm::read_search(const double*& m) {
     if (*m++ == 0) return false;
     from_.assign(m, m + n), to_.assign(m + n, m + 2 * n), known_.clear();
     m += 2 * n;
+    known_at_.clear();
     return gaps_->search(from_.data(), to_.data());
 }
 
@@ -203,12 +205,15 @@ void ContactTerm::couple_vertices(Pattern& pattern) const {
     }
 }
 
-void ContactTerm::connect(const Pattern& pattern) { pattern_ = pattern, border_places_.clear(); }
+void ContactTerm::connect(const Pattern& pattern) {
+    pattern_ = pattern, border_places_.clear();
+    places_.assign(gaps_->n(), {});
+}
 
 // --- pressures
 // ----------------------------------------------------------------------------------------------
 void ContactTerm::begin(const double* x0) {
-    changes_ = -1;
+    changes_ = -1, known_at_.clear();
     gaps_->skin().positions(x0, X0_);
     if (X0_ == known_) {
         gap0_ = gap1_, area0_ = area1_;
@@ -223,6 +228,13 @@ void ContactTerm::find_gaps() {
     if (X1_ == known_) return;
     segments([&] { gaps_->values(X1_.data(), gap1_.data(), area1_.data()); });
     known_ = X1_;
+}
+
+// Line searches and books come back to where gradients are known.
+void ContactTerm::find_gradients() {
+    if (known_at_ == Xt_ && known_of_ == active_) return;
+    segments([&] { gaps_->gradients(Xt_.data(), active_, at_theta_); });
+    known_at_ = Xt_, known_of_ = active_;
 }
 
 void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
@@ -353,7 +365,7 @@ void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
 void ContactTerm::residual(const Context& c, double* r) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, true);
-    segments([&] { gaps_->gradients(Xt_.data(), active_, at_theta_); });
+    find_gradients();
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
@@ -399,13 +411,14 @@ void ContactTerm::tangent(const Context& c, double* values) {
     if (has_history()) at_tangent_ = {X0_, elastic_};
     std::vector<char> unpressed(active_.size());
     for (std::size_t A = 0; A < active_.size(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
-    const bool at_theta = !has_multipliers() && !is_discrete(c.step);
+    const bool at_theta = (!has_multipliers() && !is_discrete(c.step)) || theta(c.step) == 1;
     segments([&] {
         if (std::any_of(unpressed.begin(), unpressed.end(), [](char u) { return u; }))
             gaps_->gradients(Xt_.data(), unpressed, at_theta_);
         gaps_->seconds(Xt_.data(), S_, is_discrete(c.step) ? D_.data() : nullptr, at_theta_);
         if (!at_theta) gaps_->gradients(X1_.data(), active_, at_end_);
     });
+    known_at_ = Xt_, known_of_ = active_;
     border_places_.clear();
     std::vector<Eigen::MatrixXd> K(gaps_->n());
     std::vector<Border> borders(gaps_->n());
@@ -455,16 +468,32 @@ ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const 
     return b;
 }
 
-void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) const {
+// Where blocks of nodes begin in the tangent, for all pairs of a stencil's forms; found once per stencil.
+const std::vector<std::int64_t>& ContactTerm::places(int A) {
+    const Skin& skin = gaps_->skin();
+    Places& p = places_[A];
+    if (p.stencil == gaps_->stencil(A)) return p.at;
+    p.stencil = gaps_->stencil(A), p.at.clear();
+    each_form(p.stencil, [&](int, int k) {
+        each_form(p.stencil, [&](int, int l) {
+            const bool block = skin.mesh_node[k] && skin.mesh_node[l];
+            p.at.push_back(block ? pattern_->position(skin.unknown[k], skin.unknown[l]) : -1);
+        });
+    });
+    return p.at;
+}
+
+void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) {
     const Skin& skin = gaps_->skin();
     const auto& stencil = gaps_->stencil(A);
+    const std::int64_t* place = places(A).data();
     each_form(stencil, [&](int v, int k) {
         const std::int64_t length = pattern_->row_length(skin.unknown[k]);
         each_form(stencil, [&](int w, int l) {
             const double factor = -skin.weight[k] * skin.weight[l];
             const int row = skin.unknown[k], column = skin.unknown[l];
             const bool block = skin.mesh_node[k] && skin.mesh_node[l];
-            const std::int64_t first = block ? pattern_->position(row, column) : -1;
+            const std::int64_t first = *place++;
             for (int i = 0; i < skin.dim; ++i)
                 for (int j = 0; j < skin.dim; ++j) {
                     const std::int64_t at = !block      ? pattern_->position(row + i, column + j)
@@ -515,7 +544,7 @@ void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, false);
-    segments([&] { gaps_->gradients(Xt_.data(), active_, at_theta_); });
+    find_gradients();
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {

@@ -80,6 +80,10 @@ class ContactTerm : public Term {
     struct Record {
         std::vector<double> X, traction;
     };
+    struct Places {
+        std::vector<int> stencil;
+        std::vector<std::int64_t> at;
+    };
     bool has_multipliers() const { return !options_.multiplier.empty(); }
     bool has_friction() const { return options_.friction.coefficient > 0; }
     bool has_tangential() const { return !options_.friction.multiplier.empty(); }
@@ -92,6 +96,7 @@ class ContactTerm : public Term {
     bool beyond(const double* X, double margin) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void find_gaps();
+    void find_gradients();
     template <class F>
     void segments(F f);
     double augmentation(int A, const Context&) const;
@@ -109,7 +114,8 @@ class ContactTerm : public Term {
     void press_discretely(int A);
     void force(int A, const Context&, Eigen::VectorXd& f) const;
     Eigen::MatrixXd stiffness(int A, const Context&, const Eigen::VectorXd& g1) const;
-    void scatter(int A, const Eigen::MatrixXd& K, double* values) const;
+    const std::vector<std::int64_t>& places(int A);
+    void scatter(int A, const Eigen::MatrixXd& K, double* values);
     Border border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::MatrixXd& K, Border&) const;
     void scatter(int A, const Border&, double* values);
@@ -128,6 +134,8 @@ class ContactTerm : public Term {
     std::vector<double> X0_, X1_, Xt_, D_;
     std::vector<double> known_;     // where gap1_ and area1_ were evaluated
     std::vector<double> narrowed_;  // the end of the step for which stencils were made
+    std::vector<double> known_at_;  // where the gradients of at_theta_ were evaluated,
+    std::vector<char> known_of_;    // and of which gaps
     ContactCosts costs_;
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
@@ -143,6 +151,7 @@ class ContactTerm : public Term {
     std::vector<double> elastic_;       // at the start of the step
     Record now_, before_, at_tangent_;  // the latest, the one before, that of the kept tangent
     std::optional<Pattern> pattern_;
+    std::vector<Places> places_;
     std::vector<std::int64_t> border_places_;  // what the multipliers' rows and columns have been written to
 };
 

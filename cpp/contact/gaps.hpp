@@ -41,8 +41,9 @@ class Gaps {
     virtual bool search(const double* from, const double* to) = 0;
     /// All vertices that a gap may depend on after this search.
     virtual const std::vector<int>& neighbours(int gap) const { return stencils_[gap]; }
-    /// Takes into the stencils what may come into contact between two configurations alone.
-    virtual void narrow(const double* /*from*/, const double* /*to*/) {}
+    /// Takes into the stencils what may come into contact between two configurations alone; true if that has
+    /// changed them.
+    virtual bool narrow(const double* /*from*/, const double* /*to*/) { return false; }
     /// Vertices that a gap depends on; its own comes first.
     const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
     /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.

@@ -37,6 +37,7 @@ constexpr double found_margin = 0.9, narrow_margin = 0.125;
 
 struct Pair {
     int first, second;  // facets
+    bool operator==(const Pair&) const = default;
 };
 
 // A vertex's share in a pair of facets: which corner it is, and where the pair's corners are in its stencil.
@@ -57,7 +58,7 @@ class Mortar : public Gaps {
 
     bool search(const double* from, const double* to) override;
     const std::vector<int>& neighbours(int gap) const override { return neighbours_[gap]; }
-    void narrow(const double* from, const double* to) override;
+    bool narrow(const double* from, const double* to) override;
     void values(const double* X, double* gap, double* area) override;
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
@@ -139,10 +140,7 @@ bool Mortar::search(const double* from, const double* to) {
             if (!touching && meets({f, second}, found_margin * options_.reach)) found.push_back({f, second});
         }
     }
-    const bool same =
-        found.size() == found_.size() &&
-        std::equal(found.begin(), found.end(), found_.begin(),
-                   [](const Pair& p, const Pair& q) { return p.first == q.first && p.second == q.second; });
+    const bool same = found == found_;
     found_ = std::move(found);
     used_.clear();
     for (const Pair& p : found_) used_.push_back(p.first), used_.push_back(p.second);
@@ -173,12 +171,15 @@ void Mortar::gather_neighbours() {
     }
 }
 
-void Mortar::narrow(const double* from, const double* to) {
+bool Mortar::narrow(const double* from, const double* to) {
     look(from, views_), look(to, views_after_);
-    pairs_.clear();
+    std::vector<Pair> pairs;
     for (const Pair& p : found_)
-        if (meets(p, narrow_margin * options_.reach)) pairs_.push_back(p);
+        if (meets(p, narrow_margin * options_.reach)) pairs.push_back(p);
+    if (pairs == pairs_) return false;
+    pairs_ = std::move(pairs);
     make_stencils();
+    return true;
 }
 
 void Mortar::make_stencils() {

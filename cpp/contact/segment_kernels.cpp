@@ -131,20 +131,29 @@ Corners<Taped<T, K>> on_tape(Seed seed) {
 }
 
 template <class T, int K>
-Bilinear<T> values(const Bilinear<Taped<T, K>>& b) {
+T stripped(const Taped<T, K>& a) {
+    return a.v();
+}
+double stripped(const D& a) { return a.v; }
+
+// Coefficients without their derivatives.
+template <class T, class R>
+Bilinear<T> values(const Bilinear<R>& b) {
     Bilinear<T> r;
-    r.quad = b.quad, r.c0 = b.c0.v(), r.c1 = b.c1.v(), r.c2 = b.c2.v(), r.c3 = b.c3.v();
+    r.quad = b.quad;
+    r.c0 = stripped(b.c0), r.c1 = stripped(b.c1), r.c2 = stripped(b.c2), r.c3 = stripped(b.c3);
     return r;
 }
-template <class T, int K>
-Facet<T> values(const Facet<Taped<T, K>>& f) {
-    return {values(f.x), values(f.y), values(f.z), values(f.u), values(f.v), f.n};
+template <class T, class R>
+Facet<T> values(const Facet<R>& f) {
+    return {values<T>(f.x), values<T>(f.y), values<T>(f.z), values<T>(f.u), values<T>(f.v), f.n};
 }
-template <class T, int K>
-Outline<T> values(const Outline<Taped<T, K>>& o) {
-    Outline<T> r{{}, values(o.f1), values(o.f2), o.weight.v(), o.least};
+template <class T, class R>
+Outline<T> values(const Outline<R>& o) {
+    Outline<T> r{{}, values<T>(o.f1), values<T>(o.f2), stripped(o.weight), o.least};
     r.polygon.n = o.polygon.n;
-    for (int k = 0; k < o.polygon.n; ++k) r.polygon.p[k] = {o.polygon.p[k].x.v(), o.polygon.p[k].y.v()};
+    for (int k = 0; k < o.polygon.n; ++k)
+        r.polygon.p[k] = {stripped(o.polygon.p[k].x), stripped(o.polygon.p[k].y)};
     return r;
 }
 
@@ -166,7 +175,7 @@ bool differentiate_3d(const FacetPair& p, Seed coordinate, const Covectors* u, A
     const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
     if (!o) return false;
     OutlineAdjoint<T> bar[K] = {};
-    const bool any = back_all<T, K>(values(*o), u, bar, also);
+    const bool any = back_all<T, K>(values<T>(*o), u, bar, also);
     for (int s = 0; any && s < K; ++s) {
         seed(o->f1, bar[s].f1, s), seed(o->f2, bar[s].f2, s);
         add_to(R::tape().adjoint(o->weight.id, s), bar[s].weight);
@@ -219,21 +228,55 @@ void one_by_one(const FacetPair& p, const double (*n)[3], Covectors* each) {
     }
 }
 
+// By forward derivatives of the outline, of which there are few coefficients.
+void chain(const D& coefficient, double bar, double* g) {
+    for (int i = 0; i < N; ++i) g[i] += bar * coefficient.d[i];
+}
+void chain(const Facet<D>& f, const double (*bar)[4], double* g) {
+    const Bilinear<D>* const parts[5] = {&f.x, &f.y, &f.z, &f.u, &f.v};
+    for (int i = 0; i < 5; ++i) {
+        const D* const c[4] = {&parts[i]->c0, &parts[i]->c1, &parts[i]->c2, &parts[i]->c3};
+        for (int k = 0; k < f.n; ++k) chain(*c[k], bar[i][k], g);
+    }
+}
+
+template <class Also>
+bool gradient_3d(const FacetPair& p, const Covectors* u, Also also, Segment& s) {
+    const Corners<D> c = varied(p);
+    const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
+    if (!o) return false;
+    OutlineAdjoint<double> bar[facet_corners] = {};
+    if (!back_all<double, facet_corners>(values<double>(*o), u, bar, also)) return false;
+    for (int a = 0; a < p.n_first; ++a) {
+        double* g = s.g[a];
+        std::fill_n(g, N, 0.0);
+        chain(o->f1, bar[a].f1, g), chain(o->f2, bar[a].f2, g), chain(o->weight, bar[a].weight, g);
+        for (int k = 0; k < o->polygon.n; ++k)
+            chain(o->polygon.p[k].x, bar[a].p[k].x, g), chain(o->polygon.p[k].y, bar[a].p[k].y, g);
+    }
+    return true;
+}
+
+template <class Also>
+bool gradient_2d(const FacetPair& p, const Covectors* u, Also also, Segment& s) {
+    auto coordinate = [&](int k, int i) { return p.x[k][i]; };
+    const bool any = differentiate_2d<double, facet_corners>(p, coordinate, u, also);
+    for (int a = 0; any && a < p.n_first; ++a)
+        for (int i = 0; i < N; ++i) s.g[a][i] = Taped<double, facet_corners>::tape().adjoint(i, a);
+    return any;
+}
+
 void gradient(const FacetPair& p, const double (*n)[3], Segment& s) {
     clear(s);
     Covectors each[facet_corners] = {};
     one_by_one(p, n, each);
     const Values sums{p, s};
-    auto coordinate = [&](int k, int i) { return p.x[k][i]; };
     auto add = [&](double w, const Local<double>& l, const Vec<double>& gap) {
         double shape[facet_corners];
         corner_shapes(p.n_first, l, shape);
         sums(w, shape, nullptr, gap);
     };
-    s.any = differentiate<double, facet_corners>(p, coordinate, each, add);
-    for (int a = 0; a < facet_corners; ++a)
-        for (int i = 0; i < N; ++i)
-            s.g[a][i] = s.any ? Taped<double, facet_corners>::tape().adjoint(i, a) : 0;
+    s.any = p.n_first == 2 ? gradient_2d(p, each, add, s) : gradient_3d(p, each, add, s);
 }
 
 void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,

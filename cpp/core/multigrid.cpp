@@ -34,6 +34,29 @@ BlockRows<float> single(const BlockRows<double>& a, double factor) {
     return b;
 }
 
+// Without what couples nodes to constraints and pressures, which stand alone.
+BlockRows<double> decoupled(const BlockRows<double>& a, const std::vector<char>& alone) {
+    BlockRows<double> b;
+    b.rows = a.rows, b.cols = a.cols;
+    std::vector<std::int64_t> from;
+    for (int i = 0; i < a.n(); ++i) {
+        for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
+            if (a.col[k] == i || (!alone[i] && !alone[a.col[k]]))
+                b.col.push_back(a.col[k]), from.push_back(k);
+        b.row.push_back(static_cast<std::int64_t>(b.col.size()));
+    }
+    b.allocate();
+    const int m = a.rows * a.cols;
+    for (std::size_t k = 0; k < from.size(); ++k) std::copy_n(a.block(from[k]), m, b.block(k));
+    for (int i = 0; i < b.n(); ++i)
+        if (alone[i]) {
+            double* own = b.block(b.row[i]);
+            std::fill_n(own, m, 0.0);
+            for (int r = 0; r < b.rows; ++r) own[r * b.rows + r] = 1;
+        }
+    return b;
+}
+
 class Smoother {
   public:
     Smoother(const BlockRows<double>& a, double factor)
@@ -114,12 +137,18 @@ class Multigrid : public Preconditioning {
         kept_ = outdated_ = false, usual_ = -1;
         levels_.clear();
         if (!builder_) return message = "multigrid needs PyAMG: pip install pyamg", false;
-        std::vector<Grid> grids = builder_(matrix.blocks(), matrix.modes().data(), matrix.n_modes());
+        const auto& alone = matrix.algebraic();
+        const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
+        return mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
+    }
+
+    bool build(const BlockRows<double>& finest, const NodeMatrix& matrix) {
+        std::vector<Grid> grids = builder_(finest, matrix.modes().data(), matrix.n_modes());
         scale_ = 0;
-        for (double v : matrix.blocks().value) scale_ = std::max(scale_, std::abs(v));
+        for (double v : finest.value) scale_ = std::max(scale_, std::abs(v));
         scale_ = scale_ > 0 ? 1 / scale_ : 1;
         for (std::size_t k = 0; k < grids.size(); ++k) {
-            const auto& a = k == 0 ? matrix.blocks() : grids[k].matrix;
+            const auto& a = k == 0 ? finest : grids[k].matrix;
             if (k + 1 == grids.size()) return factor_coarsest(a);
             levels_.push_back({Smoother(a, scale_), single(grids[k].prolongation, 1),
                                single(grids[k].restriction, 1), Vector(a.size()), Vector(a.size()),

@@ -165,6 +165,8 @@ std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice& choice
             return std::make_unique<Incomplete>();
         case Preconditioner::saddle:
             return make_saddle();
+        case Preconditioner::augmented:
+            return make_augmented(choice);
         case Preconditioner::multigrid:
             break;
     }

@@ -1,6 +1,8 @@
-// Preconditioner of saddle points: the tangent K of what moves by the diagonal blocks D of its nodes,
-// constraints and pressures exactly: M = [D B; C E], by its Schur complement S = E - C D^-1 B. Where steps
-// are short D is close to K, and a few iterations do.
+// Preconditioners of saddle points [K B; C E], by the diagonal blocks D of the nodes of what moves and the
+// Schur complement S = E - C D^-1 B, which is factored. Saddle: [D B; C E]. Where steps are short D is close
+// to K, and a few iterations do. Augmented: [K B; 0 S] with multigrid for K. Pressures of contact augment K
+// in statics, and then D^-1 is as good as K^-1 between their columns, whatever the mesh (Benzi, Golub &
+// Liesen 2005, section 8.1).
 #include <Eigen/SparseLU>
 #include <algorithm>
 
@@ -42,11 +44,18 @@ class Saddle : public Preconditioning {
         }
     }
 
+    // s = S^-1 of what r says of constraints and pressures
+    Eigen::VectorXd solved(const double* r) const {
+        Eigen::VectorXd s(static_cast<Eigen::Index>(algebraic_.size()));
+        for (std::size_t i = 0; i < algebraic_.size(); ++i) s[i] = r[slot(algebraic_[i])];
+        return algebraic_.empty() ? s : Eigen::VectorXd(lu_.solve(s));
+    }
+
     bool starts_exact() const override { return true; }
     double memory() const override { return 16.0 * static_cast<double>(row_.size() + inverse_.value.size()); }
     const char* name() const override { return "block diagonal with exact constraints"; }
 
-  private:
+  protected:
     std::size_t slot(int node) const { return static_cast<std::size_t>(node) * a_->rows; }
 
     void number(const std::vector<char>& algebraic) {
@@ -65,7 +74,7 @@ class Saddle : public Preconditioning {
     // Per constraint: the nodes that it touches, its row C, its column B, and D^-1 B.
     void gather() {
         const int m = a_->rows;
-        start_.assign(1, 0), node_.clear(), row_.clear(), solved_.clear();
+        start_.assign(1, 0), node_.clear(), row_.clear(), column_.clear(), solved_.clear();
         for (int i : algebraic_) {
             for (auto k = a_->row[i]; k < a_->row[i + 1]; ++k) {
                 const int j = a_->col[k];
@@ -79,6 +88,7 @@ class Saddle : public Preconditioning {
                 for (int c = 0; c < m; ++c)
                     for (int q = 0; q < m; ++q) solved[q] += inverse_.block(j)[c * m + q] * column[c];
                 node_.push_back(j);
+                column_.insert(column_.end(), column, column + m);
                 row_.insert(row_.end(), row, row + m), solved_.insert(solved_.end(), solved, solved + m);
             }
             start_.push_back(static_cast<std::int64_t>(node_.size()));
@@ -118,12 +128,53 @@ class Saddle : public Preconditioning {
     std::vector<char> is_algebraic_;
     std::vector<int> algebraic_, node_;
     std::vector<std::int64_t> start_;
-    std::vector<double> row_, solved_;
+    std::vector<double> row_, column_, solved_;
     Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+};
+
+class Augmented : public Saddle {
+  public:
+    explicit Augmented(const LinearChoice& choice) : inner_(make_multigrid(choice)) {}
+
+    bool build(const NodeMatrix& matrix) override {
+        if (!inner_->build(matrix)) return message = inner_->message, false;
+        return Saddle::build(matrix);
+    }
+
+    // lambda = S^-1 r, z = K^-1 (r - B lambda)
+    void apply(const double* r, double* z) override {
+        const int m = a_->rows;
+        const Eigen::VectorXd s = solved(r);
+        rest_.assign(r, r + a_->size());
+        for (std::size_t i = 0; i < algebraic_.size(); ++i) {
+            for (auto k = start_[i]; k < start_[i + 1]; ++k)
+                for (int c = 0; c < m; ++c) rest_[slot(node_[k]) + c] -= column_[k * m + c] * s[i];
+            std::fill_n(rest_.data() + slot(algebraic_[i]), m, 0.0);
+        }
+        inner_->apply(rest_.data(), z);
+        for (std::size_t i = 0; i < algebraic_.size(); ++i) {
+            std::copy_n(r + slot(algebraic_[i]), m, z + slot(algebraic_[i]));  // padding
+            z[slot(algebraic_[i])] = s[i];
+        }
+    }
+
+    void learn(int iterations) override { inner_->learn(iterations); }
+    bool kept() const override { return inner_->kept(); }
+    void forget() override { inner_->forget(); }
+    bool starts_exact() const override { return false; }
+    double memory() const override { return Saddle::memory() + inner_->memory(); }
+    const char* name() const override { return "algebraic multigrid with pressures by their complement"; }
+
+  private:
+    std::unique_ptr<Preconditioning> inner_;
+    std::vector<double> rest_;
 };
 
 }  // namespace
 
+std::unique_ptr<Preconditioning> make_augmented(const LinearChoice& choice) {
+    return std::make_unique<Augmented>(choice);
+}
 std::unique_ptr<Preconditioning> make_saddle() { return std::make_unique<Saddle>(); }
 
 }  // namespace visviva

@@ -50,6 +50,10 @@ More of them cost more than the share of a factorisation, which serves several o
 FEW_SADDLE = 40
 """The same of GMRES with contact pressures."""
 
+PRESSED, CLOSE = 5000, 1e-4
+"""From so many equations of a three-dimensional mesh GMRES with multigrid is faster than factors where pressures of
+contact stand beside them in statics, and its tolerance: hardly an iteration more of Newton's."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -109,6 +113,12 @@ class Problem:
     def is_solid(self) -> bool:
         """A positive definite tangent with the pattern of a three-dimensional mesh."""
         return self.is_definite and self.has_modes and self.n_entries > DENSE_ROWS * self.n
+
+    @property
+    def is_pressed(self) -> bool:
+        """The static tangent of a three-dimensional mesh with contact pressures."""
+        pressed = self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0 and not self.has_inertia
+        return pressed and self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
 
     @property
     def is_small(self) -> bool:
@@ -232,9 +242,10 @@ class Iterative(LinearOptions):
     ----------
     method : {"auto", "cg", "gmres", "bicgstab"}
         "auto": conjugate gradients for symmetric positive definite tangents, else GMRES.
-    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"}
+    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented"}
         "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
-        pressures exactly, for contact; "incomplete": block ILU(0); "multigrid": smoothed aggregation
+        pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "incomplete":
+        block ILU(0); "multigrid": smoothed aggregation
         (``pip install visviva[amg]``), best for statics. "auto" takes
         multigrid where it can, else blocks.
     tolerance : float
@@ -250,14 +261,16 @@ class Iterative(LinearOptions):
     """
 
     method: Literal["auto", "cg", "gmres", "bicgstab"] = "auto"
-    preconditioner: Literal["auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle"] = "auto"
+    preconditioner: Literal[
+        "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented"
+    ] = "auto"
     tolerance: float = 1e-6
     max_iterations: int = 500
     restart: int = 50
 
     def __post_init__(self) -> None:
         _one_of(self.method, "method", ("auto", "cg", "gmres", "bicgstab"))
-        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle")
+        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented")
         _one_of(self.preconditioner, "preconditioner", known)
         if not 0 < self.tolerance < 1:
             raise InputError(f"tolerance = {self.tolerance} of a linear solver is not between 0 and 1")
@@ -271,7 +284,7 @@ class Iterative(LinearOptions):
         fits = problem.n_multipliers == 0 and problem.has_modes
         auto = "multigrid" if fits and has_multigrid() else "block"
         preconditioner = self.preconditioner if self.preconditioner != "auto" else auto
-        if preconditioner == "multigrid" and not has_multigrid():
+        if preconditioner in ("multigrid", "augmented") and not has_multigrid():
             raise InputError("multigrid needs PyAMG: pip install visviva[amg]")
         methods = ["cg", "gmres"] if method == "cg" and self.method == "auto" else [method]
         words = {"cg": "conjugate gradients", "gmres": "GMRES", "bicgstab": "BiCGStab"}
@@ -285,7 +298,7 @@ class Iterative(LinearOptions):
         c.method = getattr(_core.KrylovMethod, method)
         c.preconditioner = getattr(_core.Preconditioner, preconditioner)
         c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
-        if preconditioner == "multigrid":
+        if preconditioner in ("multigrid", "augmented"):
             from visviva.multigrid import grids
 
             c.set_grids(grids)
@@ -321,6 +334,10 @@ class Automatic(LinearOptions):
         if problem.symmetric and problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
             first.append(
                 Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW_SADDLE)
+            )
+        if problem.is_pressed and has_multigrid():
+            first.append(
+                Iterative(method="gmres", preconditioner="augmented", tolerance=CLOSE, max_iterations=100)
             )
         if problem.is_solid and problem.has_inertia:
             first.append(
