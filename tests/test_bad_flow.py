@@ -143,3 +143,21 @@ def test_a_condition_without_its_fluid() -> None:
         vv.InputError, match="'oil' is used by another component but is not part of the system"
     ):
         vv.System([fluid, *conditions])
+
+
+def test_backflow_that_blows_up_is_told_of() -> None:
+    """Eddies driven through an opening ever faster: the step fails, the message says where, the last state is kept."""
+    fluid = water(mesh=vv.RectangleMesh(size=(3, 1), counts=(6, 3)), viscosity=0.01)
+    profile = lambda t, X: 4 * X[:, 1:2] * (1 - X[:, 1:2]) * [1.0, 0, 0]  # noqa: E731
+    push = lambda t, X: np.exp(60 * t) * (0.5 - X[:, 1:2]) * [1.0, 0, 0]  # noqa: E731
+    inlet = vv.VelocityBoundary(fluid=fluid, faces="x0", velocity=profile)
+    opening = vv.FluidTraction(fluid=fluid, faces="x1", traction=push, name="exit")
+    walls = [vv.NoSlip(fluid=fluid, faces=side) for side in ("y0", "y1")]
+    system = vv.System([fluid, inlet, *walls, opening])
+    assert opening.trouble(system.x) == ""
+    with pytest.raises(
+        vv.RunError, match=r"'exit': fluid comes back in at \[3.0, 0\.[67].* downstream of the eddies"
+    ):
+        vv.simulate(system, until=2.0, step=0.05)
+    assert 0.1 < system.time < 0.5
+    assert np.isfinite(system.x).all()

@@ -14,7 +14,7 @@ from .errors import InputError, RunError, VisvivaError
 from .flow.boundary import FluidTraction, FreeSlip, NoSlip, Outlet, VelocityBoundary
 from .flow.fluid import Fluid
 from .flow.immersed import Immersed
-from .flow.probe import Divergence, FlowField, FlowForce, FlowRate
+from .flow.probe import Courant, Divergence, FlowField, FlowForce, FlowRate
 from .formula import Formula
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
 from .joint.lower_pairs import (
@@ -120,6 +120,7 @@ __all__ = [
     "ContactForce",
     "ContactGap",
     "ContactPressure",
+    "Courant",
     "Cylinder",
     "CylinderMesh",
     "Cylindrical",

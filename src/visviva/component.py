@@ -58,6 +58,10 @@ class Component(metaclass=Validated):
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
+    def gauges(self, system: System) -> dict[str, float]:
+        """Numbers about the last step that are shown while a run goes on, by name."""
+        return {}
+
     def weights(self) -> list[tuple[float, Vector]]:
         """Masses with the points they hang on: what uniform gravity acts upon."""
         return []

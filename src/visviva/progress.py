@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from visviva.ledger import Ledger
     from visviva.study import Study
+    from visviva.system import System
 
 Show = Callable[[NDArray[np.float64]], None]
 INTERVAL = 0.1  # seconds between updates
@@ -36,10 +37,10 @@ def progress_bar(study: Study, ledger: Ledger, wanted: bool = True) -> Iterator[
         BarColumn(),
         TextColumn("t = {task.completed:.4g} of {task.total:.4g} s"),
         TimeRemainingColumn(compact=True),
-        TextColumn("energy error {task.fields[error]:.1e}"),
+        TextColumn("energy error {task.fields[error]:.1e}{task.fields[gauges]}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(study.title or "run", total=study.until, error=0.0)
+        task = bar.add_task(study.title or "run", total=study.until, error=0.0, gauges="")
         bar.update(task, completed=study.system.time)
         energies = slice(1, 3 + len(ledger.potentials))  # kinetic, potentials, total
         imbalance = ledger.names.index("imbalance")
@@ -50,9 +51,26 @@ def progress_bar(study: Study, ledger: Ledger, wanted: bool = True) -> Iterator[
             scale = max(scale, float(np.abs(row[energies]).max()))
             if time.perf_counter() - shown >= INTERVAL:
                 shown = time.perf_counter()
-                bar.update(task, completed=row[0], error=abs(row[imbalance]) / scale)
+                error, gauges = abs(row[imbalance]) / scale, gauge_text(study.system)
+                bar.update(task, completed=row[0], error=error, gauges=gauges)
 
         yield show
+
+
+def gauge_text(system: System) -> str:
+    """What components show of the last step, behind a bar or an audit's line.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> square = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+    >>> stream = {"velocity": (2, 0, 0), "periodic": (("x0", "x1"), ("y0", "y1"))}
+    >>> system = vv.System([vv.Fluid(mesh=square, density=1.0, viscosity=1.0, **stream)])
+    >>> _ = vv.simulate(system, until=0.1, step=0.1)
+    >>> gauge_text(system)
+    ', CFL 0.8'
+    """
+    return "".join(f", {name} {value:.2g}" for name, value in system.gauges().items())
 
 
 @contextmanager

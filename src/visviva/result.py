@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from visviva.form import Form, Strain, Vector
 from visviva.ledger import MOMENTA, Ledger
 from visviva.measure import Measure
+from visviva.progress import gauge_text
 
 if TYPE_CHECKING:
     from visviva.scheme import Scheme
@@ -143,7 +144,7 @@ def audit(result: Result) -> str:
             f"  unknown coordinates n = {system.n_coordinates}, constraints m = {m}",
             f"  linear solver for {system.linear_explanation}",
             f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
-            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step)",
+            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
             f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
             f"  work done on the system: {works}",
             f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}",

@@ -341,6 +341,7 @@ def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str,
         "degrees_of_freedom": system.report and system.report.degrees_of_freedom,
         "redundant_constraints": system.report and len(system.report.redundant),
         "end_time": system.time,
+        "last_step": system.gauges(),
         "solver": system.core.solver,
         "newton": asdict(system.newton),
         "versions": {

@@ -563,6 +563,19 @@ class System:
         free = self.free_equations
         return residual, K if len(free) == n else K[free][:, free]
 
+    @property
+    def last_step(self) -> float:
+        """Length of the step that led to the present state; 0 without one."""
+        return 0.0 if self._last is None else float(self._last[0].h)
+
+    def gauges(self) -> dict[str, float]:
+        """Numbers of the components about the last step, such as a flow's CFL number; the largest of each name."""
+        found: dict[str, float] = {}
+        for c in self.components:
+            for name, value in c.gauges(self).items():
+                found[name] = max(value, found.get(name, value))
+        return found
+
     def check(self, repair: bool = True) -> CheckReport:
         """Look the system over before its first step; see `visviva.check.check`."""
         from visviva.check import check

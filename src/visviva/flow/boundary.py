@@ -25,6 +25,10 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+SURGE = 10.0
+"""Fluid that comes in through an opening this many times as fast as anything at the start is told of."""
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class FluidBoundary(Component):
     """Base of conditions on `faces` of a `fluid`, by the name of their set, or 'all' for the whole boundary."""
@@ -257,6 +261,24 @@ class Open(FluidBoundary):
     def traction_at(self, time: float, p: FlowFaces) -> Array:
         """Force per area (m, q, 3) on the fluid."""
         raise NotImplementedError
+
+    def trouble(self, x: Array) -> str:
+        """Where fluid comes in much faster than anything moved at the start."""
+        v, usual = self.fluid.velocities(x)[:, : self.fluid.dimension], float(np.max(self.fluid.flow.scale))
+        fastest, place = 0.0, np.zeros(3)
+        for p in flow_faces(self.fluid.grid, self.chosen):
+            outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)
+            into = -np.sum(np.einsum("mqk,mkd->mqd", p.N, v[p.nodes]) * outward, axis=2)
+            if into.max(initial=0.0) > fastest:
+                fastest, place = float(into.max()), p.X.reshape(-1, 3)[np.argmax(into)]
+        if fastest < SURGE * usual:
+            return ""
+        where = place[: self.fluid.dimension].round(6).tolist()
+        return (
+            f"{self.label}: fluid comes back in at {where} with {fastest:.3g}, where {usual:.3g} was the largest "
+            "speed at the start; move this boundary downstream of the eddies, raise what is outside slower, or shorten "
+            "the step"
+        )
 
     def contribute(self, model: Model) -> None:
         model.index(self.fluid)

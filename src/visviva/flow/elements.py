@@ -134,6 +134,22 @@ class Batch:
         """Positions (m, q, d) of the points."""
         return np.asarray(np.einsum("qk,mkd->mqd", self.N, self.points[self.nodes]))
 
+    @cached_property
+    def inverse(self) -> Array:
+        """Derivatives (m, d, d) of the reference coordinates by the positions, in the middle of the elements."""
+        cell = CELLS[self.cell]
+        middle = cell.dN(cell.centre[None, :])
+        return np.asarray(np.linalg.inv(jacobians(self.points, self.nodes, middle))[:, 0])
+
+    @property
+    def shape(self) -> Array:
+        """Metric (d, d) of the reference element, 4 / l^2 in the end for edges of length l.
+
+        Of simplices it is that of the regular one, so that no corner is special; a leg counts as the edge of a square.
+        """
+        d = self.points.shape[1]
+        return 2 * (np.eye(d) + 1) if CELLS[self.cell].family in SIMPLICES else np.eye(d)
+
     def metric(self) -> Array | None:
         """Packed metric of the reference element and its square (m, q, d (d + 1) / 2 + 1); None without need."""
         if self.cell not in STABILISED:
@@ -141,10 +157,7 @@ class Batch:
         J = jacobians(self.points, self.nodes, CELLS[self.cell].dN(self.rule.points))
         back = np.linalg.inv(J)
         d = back.shape[-1]
-        simplex = CELLS[self.cell].family in SIMPLICES
-        # of simplices the regular one, so that no corner is special; a leg counts as the edge of a square
-        K = 2 * (np.eye(d) + 1) if simplex else np.eye(d)
-        G = np.swapaxes(back, -1, -2) @ K @ back
+        G = np.swapaxes(back, -1, -2) @ self.shape @ back
         a, b = np.triu_indices(d)
         square = np.sum(G**2, axis=(-2, -1))
         return np.ascontiguousarray(np.concatenate([G[..., a, b], square[..., None]], axis=2))

@@ -110,6 +110,16 @@ def flow_field(name: str) -> Callable[[Fluid, Array], Array]:
     return FIELDS[name]
 
 
+def courant(fluid: Fluid, x: Array, h: float) -> float:
+    """Largest part of a cell, along the velocity at one of its nodes, that the fluid passes in a time `h`."""
+    v, fastest = fluid.velocities(x)[:, : fluid.dimension], 0.0
+    for batch in fluid.batches:
+        along = np.einsum("mij,mkj->mki", batch.inverse, v[batch.nodes])
+        squares = np.einsum("mki,ij,mkj->mk", along, batch.shape, along)
+        fastest = max(fastest, float(np.sqrt(squares.max(initial=0.0))))
+    return 0.5 * h * fastest
+
+
 def divergence(fluid: Fluid, x: Array) -> float:
     """Root mean square of the divergence of the velocity over the fluid."""
     total = size = 0.0

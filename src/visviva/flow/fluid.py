@@ -27,6 +27,7 @@ from visviva.values import Number, VectorOrFunction
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -250,6 +251,11 @@ class Fluid(Meshed):
 
     def moving(self, x: Array, v: Array) -> Array:
         return self.velocities(x)
+
+    def gauges(self, system: System) -> dict[str, float]:
+        from visviva.flow.fields import courant
+
+        return {"CFL": courant(self, system.x, system.last_step)} if system.has_inertia else {}
 
     def widths(self) -> Mapping[str, int]:
         from visviva.flow.fields import widths

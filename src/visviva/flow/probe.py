@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.flow.faces import flux_weights
-from visviva.flow.fields import divergence, flow_field
+from visviva.flow.fields import courant, divergence, flow_field
 from visviva.flow.fluid import Fluid
 from visviva.flow.location import Place
 from visviva.measure import Reading
@@ -115,6 +115,34 @@ class FlowField(Reading):
         if self.field == "pressure":
             return float(self._place.pressures(system.x)[0])
         return self._place.of_nodes(flow_field(self.field)(self.fluid, system.x))[0]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Courant(Reading):
+    """Probe: largest part of a cell that a fluid passed in the last step (CFL number); 0 before the first.
+
+    Steps may be as long as accuracy allows: all schemes are implicit. About 1 resolves what the flow carries along.
+
+    Parameters
+    ----------
+    fluid : Fluid
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> square = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+    >>> stream = {"velocity": (2, 0, 0), "periodic": (("x0", "x1"), ("y0", "y1"))}
+    >>> air = vv.Fluid(mesh=square, density=1.0, viscosity=1.0, **stream)
+    >>> system = vv.System([air])
+    >>> _ = vv.simulate(system, until=0.1, step=0.1)
+    >>> round(vv.Courant(fluid=air)(system), 9)  # 2 times 0.1 in cells of 0.25
+    0.8
+    """
+
+    fluid: Fluid
+
+    def __call__(self, system: System) -> float:
+        return courant(self.fluid, system.x, system.last_step)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
