@@ -90,8 +90,9 @@ def after_few_steps(instructions: str) -> tuple[str, Array]:
     return name, np.array([float.fromhex(v) for v in values])
 
 
-def test_instruction_sets_agree() -> None:
-    (base, x), (best, y) = after_few_steps("base"), after_few_steps("")
+@pytest.mark.parametrize("instructions", ["", "v4"], ids=["chosen", "widest"])
+def test_instruction_sets_agree(instructions: str) -> None:
+    (base, x), (best, y) = after_few_steps("base"), after_few_steps(instructions)
     if base == best:
         pytest.skip(f"this machine has only {base}")
     system = vv.System(next(e for e in CATALOGUE if e.name == "chain").build())

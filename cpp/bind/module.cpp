@@ -7,7 +7,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include "core/dispatch.hpp"
+#include "core/instructions.hpp"
 #include "core/linear_choice.hpp"
 #include "core/solid_dispatch.hpp"
 #include "core/solid_term.hpp"
@@ -412,5 +412,5 @@ NB_MODULE(_core, m) {
     bind_step(m);
     bind_linear(m);
     bind_system(m);
-    m.def("instruction_set", [] { return std::string(kernels().name); });
+    m.def("instruction_set", [] { return std::string(name(instructions())); });
 }

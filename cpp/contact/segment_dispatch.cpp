@@ -1,28 +1,10 @@
-#include <cstring>
-
-#include "core/dispatch.hpp"
+#include "core/instructions.hpp"
 #include "segment.hpp"
 
 namespace visviva {
 
-namespace isa_base {
-extern const SegmentKernels segment_table;
-}
-#ifdef VISVIVA_X86
-namespace isa_v3 {
-extern const SegmentKernels segment_table;
-}
-namespace isa_v4 {
-extern const SegmentKernels segment_table;
-}
-#endif
+VISVIVA_DECLARE(SegmentKernels, segment_table)
 
-const SegmentKernels& segment_kernels() {
-#ifdef VISVIVA_X86
-    if (std::strcmp(kernels().name, "isa_v4") == 0) return isa_v4::segment_table;
-    if (std::strcmp(kernels().name, "isa_v3") == 0) return isa_v3::segment_table;
-#endif
-    return isa_base::segment_table;
-}
+const SegmentKernels& segment_kernels() { return VISVIVA_CHOOSE(segment_table, instructions()); }
 
 }  // namespace visviva

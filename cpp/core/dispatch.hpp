@@ -1,5 +1,4 @@
-// The kernels of the best instruction set of this processor, chosen once at load time.
-// VISVIVA_ISA=base|v3|v4 in the environment forces one.
+// The kernels of mechanisms, vectors and sparse products, for the instruction set chosen once at load time.
 #pragma once
 #include "block_lu.hpp"
 #include "block_rows.hpp"
@@ -10,8 +9,6 @@
 namespace visviva {
 
 struct Kernels {
-    const char* name;
-    int width;
     void (*strain_begin)(const StrainView&, const double* x);
     void (*strain_strains)(const StrainView&, const Step&, const Vectors&);
     void (*strain_residual)(const StrainView&, const Step&, const Vectors&, const Signals&, double* r);

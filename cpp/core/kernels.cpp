@@ -8,31 +8,13 @@
 #include "strain_kernel.hpp"
 #include "vector_kernel.hpp"
 
-#define VISVIVA_TEXT2(x) #x
-#define VISVIVA_TEXT(x) VISVIVA_TEXT2(x)
-
 namespace visviva::VISVIVA_ISA {
 
 extern const Kernels table;
-const Kernels table = {VISVIVA_TEXT(VISVIVA_ISA),
-                       W,
-                       strain_begin,
-                       strain_strains,
-                       strain_residual,
-                       strain_tangent,
-                       strain_ledger,
-                       inertia_residual,
-                       inertia_tangent,
-                       inertia_ledger,
-                       vector_update,
-                       vector_affine,
-                       vector_largest,
-                       vector_differences,
-                       rigid_force,
-                       rigid_balance,
-                       rigid_expand,
-                       {lu_factor, lu_solve},
-                       block_multiply<double>,
-                       block_multiply<float>};
+const Kernels table = {
+    strain_begin,          strain_strains,         strain_residual,      strain_tangent, strain_ledger,
+    inertia_residual,      inertia_tangent,        inertia_ledger,       vector_update,  vector_affine,
+    vector_largest,        vector_differences,     rigid_force,          rigid_balance,  rigid_expand,
+    {lu_factor, lu_solve}, block_multiply<double>, block_multiply<float>};
 
 }  // namespace visviva::VISVIVA_ISA
