@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body.coupling import RigidCoupling
 from visviva.body.solid import Solid
-from visviva.contact.surface import Surface
+from visviva.contact.surface import Surface, vertices_of
 from visviva.errors import InputError
 from visviva.load.support import Support
 
@@ -38,6 +38,7 @@ class Side:
     surface: Surface
     solid: Solid | None
     nodes: Ints
+    weights: sp.csr_array  # of the nodes in the vertices
 
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the vertices at the unknowns `x`."""
@@ -49,7 +50,7 @@ class Side:
         return places
 
     def ease(self, model: Model) -> Array:
-        """How easily the vertices (n, 3) move: the inverse of their mass, nothing for what is held."""
+        """How easily the nodes, or other vertices, (n, 3) move: the inverse of their mass, nothing for what is held."""
         if self.solid is None:
             return np.zeros_like(self.surface.constant)
         solid, nodes = self.solid, self.nodes
@@ -81,15 +82,21 @@ class Side:
 
 def sides_of(contact: Contact) -> Iterator[Side]:
     """Both surfaces, or the only one."""
+    import scipy.sparse as sp
+
     chosen = (
         (contact._surface, contact.first, contact.first_faces),
         (contact._facing, contact.second, contact.second_faces),
     )
     for surface, body, faces in chosen:
         solid = body if isinstance(body, Solid) else None
-        nodes = np.zeros(0, dtype=int) if solid is None else solid.faces(faces).nodes
-        if surface is not None:
-            yield Side(surface, solid, nodes)
+        if surface is None:
+            continue
+        if solid is None:
+            yield Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
+        else:
+            chosen_faces = solid.faces(faces)
+            yield Side(surface, solid, chosen_faces.nodes, vertices_of(chosen_faces))
 
 
 def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> float:
@@ -104,17 +111,23 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     InputError
         If nodes would have to move farther than a facet's `size`, or gaps cannot be opened.
     """
+    import scipy.sparse as sp
+
     (x, _), sides = model.initial, list(sides_of(contact))
     X = np.concatenate([side.positions(x) for side in sides])
     ease = np.concatenate([side.ease(model) for side in sides]).ravel()
+    to_vertices = sp.block_diag([side.weights for side in sides], format="csr")
+    by_nodes = sp.kron(to_vertices, sp.eye_array(3), format="csr")
     way, change = np.zeros_like(X), 0.0
     depth, G, gap = linearised(gaps, X)
+    G = G @ by_nodes
     for _ in range(ROUNDS):
         if max(depth.max(initial=0.0), change) <= RESOLVED * size:
             break
         last, way = way, smallest(G, G @ way.ravel() - gap, ease).reshape(X.shape)
         change = float(np.abs(way - last).max())
-        depth, G, gap = linearised(gaps, X + way)
+        depth, G, gap = linearised(gaps, X + to_vertices @ way)
+        G = G @ by_nodes
     moved = float(np.linalg.norm(way, axis=1).max(initial=0.0))
     if depth.max(initial=0.0) > RESOLVED * size or moved > size:
         place = ", ".join(f"{c:.4g}" for c in X[int(np.argmax(depth))])

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,11 @@ from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.errors import InputError
 from visviva.form import Vector
+from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,7 +33,10 @@ SUBFACETS: dict[str, tuple[tuple[int, ...], ...]] = {
     "quad8": ((0, 4, 7), (4, 1, 5), (5, 2, 6), (7, 6, 3), (4, 5, 6, 7)),
     "quad9": ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
 }
-"""Quadratic faces are cut into facets of their nodes (Puso, Laursen & Solberg 2008)."""
+"""Quadratic faces are cut into facets (Puso, Laursen & Solberg 2008)."""
+
+BEYOND = {"line3": 1 / 6, "tri6": 1 / 6, "quad8": 0.3, "quad9": 1 / 6}
+"""By so much of its edge's two corners the vertex in the middle of an edge lies beyond its node: see `lifted`."""
 
 
 NO_FACETS = np.zeros((0, 4), dtype=np.int64)
@@ -92,6 +100,43 @@ class Surface:
         return float(spans.max(initial=0.0))
 
 
+@cache
+def lifted(kind: str) -> Array:
+    """Weights (k, k) of a face's nodes in the vertices of its facets.
+
+    On straight edges vertices are where the nodes are; on curved ones those in the middle lie beyond them. A pressure
+    that is constant over the facets then acts on the nodes as it does on the face with its quadratic functions.
+    """
+    face = CELLS[kind]
+    T = np.eye(face.n_nodes)
+    for middle, corners in enumerate(face.middles, start=face.n_corners):
+        beyond = BEYOND[kind]
+        if len(corners) == 2:
+            T[middle, middle] += 2 * beyond
+            T[middle, list(corners)] = -beyond
+        else:  # along both directions of quad9
+            ends = slice(0, face.n_corners), slice(face.n_corners, middle)
+            T[middle, ends[0]], T[middle, ends[1]] = beyond**2, -beyond * (1 + 2 * beyond)
+            T[middle, middle] = (1 + 2 * beyond) ** 2
+    return T
+
+
+def vertices_of(faces: Faces) -> sp.csr_array:
+    """Weights (n, n) of the nodes of faces in the vertices of their facets."""
+    import scipy.sparse as sp
+
+    n = len(faces.nodes)
+    weights = sp.lil_array((n, n))
+    weights.setdiag(1.0)
+    for kind, cells in faces.cells.items():
+        T, number = lifted(kind), np.searchsorted(faces.nodes, cells)
+        for middle in range(CELLS[kind].n_corners, T.shape[0]):
+            for node in range(T.shape[0]):
+                if T[middle, node]:
+                    weights[number[:, middle], number[:, node]] = T[middle, node]
+    return weights.tocsr()
+
+
 def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface:
     """The surface of a solid given by faces, or the whole one of a rigid body or the ground."""
     if isinstance(component, Solid):
@@ -100,8 +145,10 @@ def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface
 
 
 def _of_solid(solid: Solid, faces: Faces) -> Surface:
-    forms = [[(int(u), 1.0)] for u in solid.node_unknowns(faces.nodes)]
-    return of_nodes(solid, faces, forms)
+    weights, unknowns = vertices_of(faces), solid.node_unknowns(faces.nodes)
+    ranges = pairwise(weights.indptr)
+    forms = [[(int(unknowns[weights.indices[k]]), float(weights.data[k])) for k in range(*r)] for r in ranges]
+    return replace(of_nodes(solid, faces, forms), places=np.asarray(weights @ solid.points[faces.nodes]))
 
 
 def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -> Surface:
