@@ -12,7 +12,7 @@ from matrices import Elasticity, block, matrix_of, scaled, shifted, torus, unsym
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva import _core, linear
+from visviva import _core, linear, multigrid
 from visviva.linear import Automatic, Choice, Direct, Iterative, Problem
 from visviva.solve import prepare
 
@@ -212,6 +212,51 @@ def test_conjugate_gradients_refuse_an_indefinite_matrix() -> None:
     assert s.factor(A.data)
     assert not s.solve(right_hand_side(A), np.zeros(A.shape[0]))
     assert "not positive definite" in s.message
+
+
+@needs_multigrid
+def test_aggregates_outlast_the_values_of_the_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
+    """New values cost products of matrices only, and what they give depends on nothing earlier."""
+    calls, make = [], multigrid.aggregates
+
+    def counted(*args: Any) -> Any:
+        calls.append(len(args[0]) - 1)
+        return make(*args)
+
+    monkeypatch.setattr(multigrid, "aggregates", counted)
+    body = block(8)
+    other = scaled(body.matrix, 1 + 0.05 * np.sin(np.arange(body.matrix.shape[0])))
+    choice = Iterative("cg", "multigrid", tolerance=1e-9).choose(
+        problem(other, symmetric=True, definite=True)
+    )
+    used, fresh = (solver(choice, body.matrix, body) for _ in range(2))
+    b = right_hand_side(other)
+    solve(used, body.matrix, b)
+    used.forget()
+    x = solve(used, other, b)
+    assert len(calls) == 1
+    assert np.linalg.norm(other @ x - b) < 1e-9 * np.linalg.norm(b)
+    assert np.array_equal(x, solve(fresh, other, b))
+    assert len(calls) == 2
+
+
+@needs_multigrid
+def test_multigrid_needs_few_iterations_whatever_the_mesh() -> None:
+    """Clamped cubes with rigid motions as near-null vectors."""
+    iterations = []
+    for n in (6, 12):
+        body = block(n)
+        s = solver(
+            Iterative("cg", "multigrid", tolerance=1e-8).choose(
+                problem(body.matrix, symmetric=True, definite=True)
+            ),
+            body.matrix,
+            body,
+        )
+        solve(s, body.matrix, right_hand_side(body.matrix))
+        iterations.append(s.iterations)
+    assert iterations[1] <= iterations[0] + 6
+    assert iterations[1] <= 25
 
 
 @needs_multigrid

@@ -26,26 +26,20 @@ nb::ndarray<nb::numpy, const T> constant(const T* data, std::initializer_list<st
     return {data, shape.size(), shape.begin(), nb::none()};
 }
 
-// Python writes blocks by rows, (block, row, column); the core by columns.
-BlockRows<double> rows_of(nb::handle parts) {
-    const auto row = nb::cast<Longs>(parts[0]), col = nb::cast<Longs>(parts[1]);
-    const auto value = nb::cast<Doubles>(parts[2]);
-    BlockRows<double> a;
-    a.rows = static_cast<int>(value.shape(1)), a.cols = static_cast<int>(value.shape(2));
-    if (a.rows > 6 || a.cols > 6) throw nb::value_error("multigrid takes at most 6 near-null vectors");
-    a.row.assign(row.data(), row.data() + row.size());
-    a.col.assign(col.data(), col.data() + col.size());
-    a.allocate();
-    for (std::size_t k = 0; k < a.col.size(); ++k)
-        for (int r = 0; r < a.rows; ++r)
-            for (int c = 0; c < a.cols; ++c)
-                a.block(k)[c * a.rows + r] = value.data()[(k * a.rows + r) * a.cols + c];
+Aggregates aggregates_of(nb::handle parts) {
+    const auto of = nb::cast<Ints>(parts[1]);
+    const auto block = nb::cast<Doubles>(parts[2]);
+    Aggregates a;
+    a.n = nb::cast<int>(parts[0]), a.cols = static_cast<int>(block.shape(2));
+    if (a.cols > 6) throw nb::value_error("multigrid takes at most 6 near-null vectors");
+    a.of.assign(of.data(), of.data() + of.size());
+    a.block.assign(block.data(), block.data() + block.size());
     return a;
 }
 
-// The function returns one tuple (matrix, prolongation, restriction) per grid, each None or a tuple
-// (row, col, values).
-GridBuilder builder_of(nb::object function) {
+// The function returns one tuple (number of aggregates, the aggregate of each block row, tentative blocks by
+// rows) per level but the coarsest.
+Aggregator aggregator_of(nb::object function) {
     if (function.is_none()) return {};
     // Copies of a choice are made and destroyed where the interpreter's lock may not be held.
     auto release = [](nb::object* f) {
@@ -55,17 +49,11 @@ GridBuilder builder_of(nb::object function) {
     const std::shared_ptr<nb::object> shared(new nb::object(std::move(function)), release);
     return [shared](const BlockRows<double>& a, const double* modes, int n_modes) {
         nb::gil_scoped_acquire gil;
-        const auto m = static_cast<std::size_t>(a.rows), k = static_cast<std::size_t>(n_modes);
-        const nb::object grids =
-            (*shared)(constant(a.row.data(), {a.row.size()}), constant(a.col.data(), {a.col.size()}),
-                      constant(a.value.data(), {a.col.size(), m, m}), constant(modes, {a.size(), k}));
-        std::vector<Grid> all;
-        for (nb::handle grid : grids) {
-            Grid g;
-            if (!grid[0].is_none()) g.matrix = rows_of(grid[0]);
-            if (!grid[1].is_none()) g.prolongation = rows_of(grid[1]), g.restriction = rows_of(grid[2]);
-            all.push_back(std::move(g));
-        }
+        const nb::object levels =
+            (*shared)(constant(a.row.data(), {a.row.size()}), constant(a.col.data(), {a.col.size()}), a.rows,
+                      constant(modes, {a.size(), static_cast<std::size_t>(n_modes)}));
+        std::vector<Aggregates> all;
+        for (nb::handle level : levels) all.push_back(aggregates_of(level));
         return all;
     };
 }
@@ -142,7 +130,7 @@ void bind_choice(nb::module_& m) {
         .def_rw("tolerance", &LinearChoice::tolerance)
         .def_rw("max_iterations", &LinearChoice::max_iterations)
         .def_rw("restart", &LinearChoice::restart)
-        .def("set_grids", [](LinearChoice& c, nb::object f) { c.grids = builder_of(f); });
+        .def("set_aggregator", [](LinearChoice& c, nb::object f) { c.aggregator = aggregator_of(f); });
 }
 
 void bind_solver(nb::module_& m) {

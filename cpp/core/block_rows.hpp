@@ -1,4 +1,4 @@
-// Sparse matrices of small dense blocks, and grids of multigrid made of them.
+// Sparse matrices of small dense blocks.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -30,11 +30,6 @@ struct BlockRows {
     const T* block(std::int64_t k) const { return value.data() + k * rows * cols; }
     void allocate() { value.assign(n_values() + padding, T(0)); }
     BlockView<T> view() const { return {rows, cols, row.data(), col.data(), value.data()}; }
-};
-
-// A level of multigrid: its matrix, and the way to the next coarser level (empty on the coarsest).
-struct Grid {
-    BlockRows<double> matrix, prolongation, restriction;
 };
 
 }  // namespace visviva

@@ -21,7 +21,7 @@ class Krylov : public LinearSolver {
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks);
-        preconditioning_->forget();
+        preconditioning_ = make_preconditioning(choice_);
         for (auto* v : {&b_, &x_, &r_}) v->assign(matrix_.size(), 0.0);
     }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "block_rows.hpp"
+#include "aggregation.hpp"
 #include "linear.hpp"
 
 namespace visviva {
@@ -13,9 +13,10 @@ enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
 enum class Preconditioner { none, diagonal, block, incomplete, multigrid, saddle, augmented };
 
-// Makes a hierarchy for a matrix and its near-null vectors ([block row * rows + r][mode]).
-using GridBuilder =
-    std::function<std::vector<Grid>(const BlockRows<double>& matrix, const double* modes, int n_modes)>;
+// Aggregates from level to level for the pattern of a matrix and its near-null vectors ([block row * rows +
+// r][mode]).
+using Aggregator =
+    std::function<std::vector<Aggregates>(const BlockRows<double>& matrix, const double* modes, int n_modes)>;
 
 struct LinearChoice {
     Backend backend = Backend::sparse_lu;
@@ -34,7 +35,7 @@ struct LinearChoice {
     double tolerance = 1e-6;  // of the residual, relative to the right-hand side
     int max_iterations = 500;
     int restart = 50;  // of GMRES
-    GridBuilder grids;
+    Aggregator aggregator;
 };
 
 // The first choice; where it fails, the next ones in their order.

@@ -1,11 +1,12 @@
-// One V-cycle of algebraic multigrid on grids that somebody else made. Smoothing is a Chebyshev polynomial in
-// the matrix with its diagonal blocks inverted: rows are independent, so results do not depend on who
-// computes them. The cycle runs in single precision, which is all a preconditioner needs and half the memory
-// traffic.
+// One V-cycle of algebraic multigrid on aggregates that somebody else made. Smoothing is a Chebyshev
+// polynomial in the matrix with its diagonal blocks inverted: rows are independent, so results do not depend
+// on who computes them. The cycle runs in single precision, which is all a preconditioner needs and half the
+// memory traffic.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "aggregation.hpp"
 #include "dispatch.hpp"
 #include "precondition.hpp"
 #include "scaled.hpp"
@@ -19,7 +20,9 @@ using Vector = std::vector<float>;
 constexpr int degree = 2;             // of the smoothing polynomial
 constexpr float lowest_share = 0.2F;  // of the spectrum's upper end that smoothing damps
 constexpr int power_steps = 12;
+constexpr double prolongation_weight = 4.0 / 3;  // over the largest eigenvalue
 constexpr double singular_ratio = 1e-12;
+constexpr std::size_t largest_coarsest = 4000;  // equations
 
 void multiply(const BlockRows<float>& a, const Vector& x, Vector& y) {
     kernels().block_multiply_single(a.view(), x.data(), y.data(), 0, a.n());
@@ -92,6 +95,9 @@ class Smoother {
         return residual_;
     }
 
+    // Of the smoothed prolongation, for a matrix without the factor.
+    const BlockRows<float>& inverse() const { return inverse_; }
+    double weight(double factor) const { return factor * prolongation_weight / (1.1 * largest_); }
     std::size_t size() const { return a_.size(); }
     double memory() const { return 4.0 * static_cast<double>(a_.value.size() + a_.col.size()); }
 
@@ -130,31 +136,31 @@ struct Level {
 
 class Multigrid : public Preconditioning {
   public:
-    explicit Multigrid(const LinearChoice& choice) : builder_(choice.grids) {}
+    explicit Multigrid(const LinearChoice& choice) : aggregator_(choice.aggregator) {}
 
     bool build(const NodeMatrix& matrix) override {
         if (!levels_.empty() && !outdated_) return kept_ = true;
         kept_ = outdated_ = false, usual_ = -1;
         levels_.clear();
-        if (!builder_) return message = "multigrid needs PyAMG: pip install pyamg", false;
+        if (!aggregator_) return message = "multigrid needs PyAMG: pip install pyamg", false;
         const auto& alone = matrix.algebraic();
         const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
         return mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
     }
 
     bool build(const BlockRows<double>& finest, const NodeMatrix& matrix) {
-        std::vector<Grid> grids = builder_(finest, matrix.modes().data(), matrix.n_modes());
+        if (!has_aggregates_) aggregates_ = aggregator_(finest, matrix.modes().data(), matrix.n_modes());
+        has_aggregates_ = true;
         scale_ = 0;
         for (double v : finest.value) scale_ = std::max(scale_, std::abs(v));
         scale_ = scale_ > 0 ? 1 / scale_ : 1;
-        for (std::size_t k = 0; k < grids.size(); ++k) {
-            const auto& a = k == 0 ? finest : grids[k].matrix;
-            if (k + 1 == grids.size()) return factor_coarsest(a);
-            levels_.push_back({Smoother(a, scale_), single(grids[k].prolongation, 1),
-                               single(grids[k].restriction, 1), Vector(a.size()), Vector(a.size()),
-                               Vector(a.size())});
+        BlockRows<double> coarse;
+        const BlockRows<double>* a = &finest;
+        for (const Aggregates& tentative : aggregates_) {
+            coarse = add_level(*a, tentative);
+            a = &coarse;
         }
-        return message = "multigrid got no grids", false;
+        return factor_coarsest(*a);
     }
 
     void apply(const double* r, double* z) override {
@@ -186,6 +192,15 @@ class Multigrid : public Preconditioning {
     }
 
   private:
+    // Returns the matrix of the next level.
+    BlockRows<double> add_level(const BlockRows<double>& a, const Aggregates& tentative) {
+        Smoother smoother(a, scale_);
+        const Prolongation p = smoothed(a, smoother.inverse(), smoother.weight(scale_), tentative);
+        levels_.push_back(
+            {std::move(smoother), p.up(), p.down(), Vector(a.size()), Vector(a.size()), Vector(a.size())});
+        return coarse_matrix(a, p);
+    }
+
     void cycle(std::size_t k) {
         if (k == levels_.size()) return solve_coarsest();
         Level& l = levels_[k];
@@ -199,6 +214,7 @@ class Multigrid : public Preconditioning {
     }
 
     bool factor_coarsest(const BlockRows<double>& a) {
+        if (a.size() > largest_coarsest) return message = "multigrid finds no coarser grid", false;
         const auto n = static_cast<Eigen::Index>(a.size());
         dense_.setZero(n, n);
         for (int i = 0; i < a.n(); ++i)
@@ -230,7 +246,9 @@ class Multigrid : public Preconditioning {
         Eigen::Map<Eigen::VectorXf>(coarse_x_.data(), n) = coarse_scale_.cwiseProduct(s).cast<float>();
     }
 
-    GridBuilder builder_;
+    Aggregator aggregator_;
+    std::vector<Aggregates> aggregates_;  // of the pattern, whatever the values
+    bool has_aggregates_ = false;
     std::vector<Level> levels_;
     double scale_ = 1;
     Eigen::MatrixXd dense_;

@@ -299,9 +299,9 @@ class Iterative(LinearOptions):
         c.preconditioner = getattr(_core.Preconditioner, preconditioner)
         c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
         if preconditioner in ("multigrid", "augmented"):
-            from visviva.multigrid import grids
+            from visviva.multigrid import aggregates
 
-            c.set_grids(grids)
+            c.set_aggregator(aggregates)
         return c
 
 

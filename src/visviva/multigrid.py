@@ -1,4 +1,4 @@
-"""Grids of algebraic multigrid by smoothed aggregation, from PyAMG; the cycle itself runs in the core."""
+"""Aggregates of algebraic multigrid by PyAMG; what depends on the values of a matrix is made in the core."""
 
 from __future__ import annotations
 
@@ -11,62 +11,52 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 COARSEST = 60
 """Blocks at which the coarsest grid is solved directly."""
+MOST_LEVELS = 10
 
 
-def grids(row: Ints, col: Ints, values: Array, modes: Array) -> list[tuple[Any, Any, Any]]:
-    """Grids for a matrix of blocks.
+def aggregates(row: Ints, col: Ints, m: int, modes: Array) -> list[tuple[int, NDArray[np.int32], Array]]:
+    """Aggregates from level to level of a matrix of blocks; they follow from its pattern alone.
 
     Parameters
     ----------
     row, col : array of int
         Compressed rows of the blocks.
-    values : array, (n_blocks, m, m)
-        Blocks, each by columns.
+    m : int
+        Rows and columns of a block.
     modes : array, (n, n_modes)
         Near-null vectors; none means one constant per row of a block.
 
     Returns
     -------
-    list of (matrix, prolongation, restriction)
-        Each a tuple (row, col, values by rows); the first matrix and the last ways down are None.
+    list of (number, of, tentative)
+        For every level but the coarsest: how many aggregates there are, to which one a block row belongs or -1 (n,),
+        and the blocks of the tentative prolongation (n, rows, columns).
+
+    Examples
+    --------
+    >>> aggregates(np.array([0, 1]), np.array([0]), 1, np.ones((1, 1)))  # nothing to make coarser
+    []
     """
-    import pyamg
     import scipy.sparse as sp
+    from pyamg.aggregation.aggregate import standard_aggregation
+    from pyamg.aggregation.tentative import fit_candidates
 
-    n = (len(row) - 1) * values.shape[1]
-    blocks = np.ascontiguousarray(values.transpose(0, 2, 1))
-    matrix = sp.bsr_matrix((blocks, np.array(col), np.array(row)), shape=(n, n))
-    state = np.random.get_state()  # noqa: NPY002 - PyAMG draws from the global generator
-    np.random.seed(0)  # noqa: NPY002
-    try:
-        hierarchy = pyamg.smoothed_aggregation_solver(
-            matrix,
-            B=np.array(modes) if modes.shape[1] else None,
-            strength=("symmetric", {"theta": 0.0}),
-            improve_candidates=None,
-            max_coarse=COARSEST,
-            presmoother=None,
-            postsmoother=None,
-        )
-    finally:
-        np.random.set_state(state)  # noqa: NPY002
-    return [
-        (
-            _parts(level.A) if k > 0 else None,
-            _parts(getattr(level, "P", None)),
-            _parts(getattr(level, "R", None)),
-        )
-        for k, level in enumerate(hierarchy.levels)
-    ]
-
-
-def _parts(matrix: Any) -> tuple[Ints, Ints, Array] | None:
-    if matrix is None:
-        return None
-    blocks = matrix if matrix.format == "bsr" else matrix.tobsr((1, 1))
-    blocks.sort_indices()
-    return (
-        blocks.indptr.astype(np.int64),
-        blocks.indices.astype(np.int64),
-        np.ascontiguousarray(blocks.data, dtype=float),
-    )
+    n = len(row) - 1
+    pattern: Any = sp.csr_array((np.ones(len(col), bool), col.astype(np.int32), row.astype(np.int32)), (n, n))
+    B = np.array(modes) if modes.shape[1] else np.tile(np.eye(m), (n, 1))
+    levels: list[tuple[int, NDArray[np.int32], Array]] = []
+    while n > COARSEST and len(levels) < MOST_LEVELS - 1:
+        groups = standard_aggregation(pattern)[0]
+        number = groups.shape[1]
+        if groups.nnz == 0 or number == n:
+            break
+        Q, B = fit_candidates(groups, B)
+        joined = np.flatnonzero(np.diff(groups.indptr))
+        of = np.full(n, -1, np.int32)
+        of[joined] = groups.indices
+        tentative = np.zeros((n, *Q.blocksize))
+        tentative[joined] = Q.data
+        levels.append((number, of, tentative))
+        way = pattern @ groups.astype(bool)
+        pattern, n = sp.csr_array(way.T @ (pattern @ way)), number
+    return levels
