@@ -88,12 +88,65 @@ def test_le10_thick_plate() -> None:
     assert stress[2] == pytest.approx(-1.0, abs=0.02)
 
 
-def simply_supported_plate(cell: str, counts: tuple[int, int, int], hard: bool = False) -> vv.System:
+THIN = 0.05
+
+
+def plate_frequency(square: float) -> float:
+    """Frequency of a mode of the plate 10 x 10 x 0.05 by its number omega a^2 sqrt(rho h / D)."""
+    stiffness, mass = 200e9 * THIN**3 / (12 * (1 - 0.3**2)), 8000.0 * THIN
+    return float(square / 100 * np.sqrt(stiffness / mass) / (2 * np.pi))
+
+
+def free_plate(n: int) -> vv.System:
+    """FV12: n x n bricks of second order."""
+    mesh = vv.BoxMesh(size=(10, 10, THIN), counts=(n, n, 1), cell="hex20")
+    return vv.System(
+        [vv.Solid(mesh=mesh, material=vv.LinearElastic(young=200e9, poisson=0.3), density=8000.0)]
+    )
+
+
+def test_fv12_free_square_plate() -> None:
+    """FV12: six rigid motions, then 1.622 2.360 2.922 4.190 4.190 7.356 7.356 7.668 Hz.
+
+    Bricks so thin approach them from above, slowly: on 8 x 8 the first five are 1.2 % too high, the pair 3.8 %.
+    """
+    published = np.array([1.622, 2.360, 2.922, 4.190, 4.190, 7.356, 7.356, 7.668])
+    found = vv.modes(free_plate(8), n=14).frequencies
+    assert np.abs(found[:6]).max() < 1e-2
+    errors = found[6:] / published - 1
+    assert errors.min() > 0
+    assert errors[:5].max() < 0.013
+    assert errors.max() < 0.04
+
+
+def test_t13_simply_supported_thin_plate() -> None:
+    """Test 13: 2.377 5.961 5.961 9.483 12.133 12.133 15.468 15.468 Hz; exact are the numbers pi^2 (m^2 + n^2).
+
+    The published figures above the first are those of the mesh of the benchmark, up to 2.1 % off the exact ones.
+    """
+    published = [2.377, 5.961, 5.961, 9.483, 12.133, 12.133, 15.468, 15.468]
+    pairs = [(1, 1), (1, 2), (2, 1), (2, 2), (1, 3), (3, 1), (2, 3), (3, 2)]
+    exactly = [plate_frequency(np.pi**2 * (m * m + n * n)) for m, n in pairs]
+    assert exactly[0] == pytest.approx(published[0], abs=1e-3)
+    errors = []
+    for n in (8, 12):
+        system = simply_supported_plate("hex20", (n, n, 1), hard=True, thickness=THIN)
+        found = vv.modes(system, n=8).frequencies
+        errors.append(found / exactly - 1)
+    assert errors[1].min() > 0
+    assert errors[1].max() < 0.026
+    assert errors[0].max() / errors[1].max() > 2.5
+    assert found == pytest.approx(published, rel=0.022)
+
+
+def simply_supported_plate(
+    cell: str, counts: tuple[int, int, int], hard: bool = False, thickness: float = 1.0
+) -> vv.System:
     """FV52: 10 x 10 x 1, E = 200e9, rho = 8000; edges of the lower face held in z.
 
     `hard`: instead the sides cannot move along themselves, as those of the plates of theory.
     """
-    mesh = vv.BoxMesh(size=(10, 10, 1), counts=counts, cell=cell).build()
+    mesh = vv.BoxMesh(size=(10, 10, thickness), counts=counts, cell=cell).build()
     X = mesh.points
     solid = vv.Solid(mesh=mesh, material=vv.LinearElastic(young=200e9, poisson=0.3), density=8000.0)
     side = np.abs(X[:, :2] - 5) > 5 - 1e-9
