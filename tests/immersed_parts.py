@@ -43,11 +43,18 @@ def patch(
     )
 
 
-def carried(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) -> Components:
+def carried(
+    cell: str = "quad4", n: int = 6, scale: float = 1.0, damping: float = 0.0, **options: Any
+) -> Components:
     """A block that swirls in a closed box."""
     fluid = box(cell, n, scale)
     solid = patch(fluid.dimension, scale=scale, **options)
-    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]
+    return [
+        fluid,
+        vv.NoSlip(fluid=fluid, faces="all"),
+        solid,
+        vv.Immersed(solid=solid, fluid=fluid, damping=damping),
+    ]
 
 
 def large(cell: str, **options: Any) -> Components:

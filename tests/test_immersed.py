@@ -129,6 +129,54 @@ def test_a_held_solid_at_rest_weighs_less_by_the_fluid_it_displaces(density: flo
     assert force[0] == pytest.approx(0.0, abs=1e-3)
 
 
+# --- solution -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("cell", ["quad4", "tri6", "hex8"])
+def test_positions_and_forces_leave_the_equations_in_all_directions(cell: str) -> None:
+    """What is left to solve has the unknowns of the fluid alone; with stabilised elements its diagonal lasts."""
+    parts = carried(cell, 4)
+    fluid, solid = part(parts, vv.Fluid), part(parts, vv.Solid)
+    system = vv.System(parts)
+    system.step(0.01)
+    free = sum(int(np.sum(~f.fixed)) for f in system.model.fields if f.component is fluid)
+    assert system.core.n_eliminated == solid.dimension * len(solid.points)
+    assert system.core.n_equations == free
+    assert system._linear_problem().has_diagonal == fluid.is_stabilised
+
+
+def stiff(**options: Any) -> tuple[vv.System, vv.Result]:
+    """A stiff strip that swirls in a closed box in long steps."""
+    damping, newton = options.pop("damping", 0.0), options.pop("newton", None)
+    fluid = box("quad4", 12)
+    mesh = vv.RectangleMesh(size=(0.02, 0.4), counts=(2, 16), origin=(0.3, 0.3))
+    steel = vv.NeoHooke(young=1e4, poisson=0.4)
+    solid = vv.Solid(mesh=mesh, material=steel, density=1.0, formulation="enhanced", **options)
+    immersed = vv.Immersed(solid=solid, fluid=fluid, damping=damping)
+    system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, immersed], newton or vv.Newton())
+    return system, vv.simulate(system, until=0.5, step=0.025)
+
+
+def test_damping_takes_what_swings_and_the_books_say_how_much() -> None:
+    """Velocities of the fluid near a stiff strip swing from step to step; with damping less than half as much."""
+
+    def swing(result: vv.Result) -> float:
+        fluid = part(result.system.components, vv.Fluid)
+        v = np.array([fluid.velocities(x) for x in result.states[-4:]])
+        return float(np.abs(v[3] - 3 * v[2] + 3 * v[1] - v[0]).max())
+
+    (_, free), (_, damped) = stiff(), stiff(damping=0.1)
+    ledger = damped.ledger
+    assert np.abs(ledger["imbalance"]).max() < 1e-12 * ledger["total"][0]
+    assert np.abs(free.ledger["work_immersed damping"]).max() == 0
+    assert -0.05 * ledger["total"][0] < ledger["work_immersed damping"][-1] < 0
+    assert swing(damped) < 0.5 * swing(free)
+
+
+def test_every_step_begins_with_so_many_tangents() -> None:
+    system = vv.System(carried(), vv.Newton(tangents=2))
+    reports = [system.step(0.01) for _ in range(3)]
+    assert all(r.factorizations >= 2 for r in reports)
+
+
 # --- the whole ----------------------------------------------------------------------------------------------
 def test_resumed_bit_by_bit(tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
@@ -153,6 +201,7 @@ def outside() -> list[Component]:
 
 
 BAD: dict[str, tuple[Callable[[], Any], str]] = {
+    "damping beyond the end": (lambda: carried(damping=0.6), "damping = 0.6 is not a number from 0 to 0.5"),
     "outside of the fluid": (lambda: vv.System(outside()), r"lies outside of Fluid.*at \(1.05, 0.4\)"),
     "plane solid in a cube": (
         lambda: vv.Immersed(solid=patch(), fluid=box("hex8", 2)),

@@ -42,9 +42,9 @@ Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t d
 
 void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
-        .def("__init__", [](ImmersedTerm* t, int dim, int width, const Array<int>& position,
+        .def("__init__", [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& position,
                             const Array<int>& multiplier, nb::object interpolate) {
-            new (t) ImmersedTerm({dim, width, vector_of(position), vector_of(multiplier)},
+            new (t) ImmersedTerm({dim, width, damping, vector_of(position), vector_of(multiplier)},
                                  interpolation_of(std::move(interpolate), position.size(), dim, width));
         });
 }

@@ -318,21 +318,22 @@ static void bind_system(nb::module_& m) {
                      [](const System& s) { return s.solver() ? s.solver()->message() : std::string(); })
         .def("solve",
              [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
-                double keep_factor) {
+                double keep_factor, int n_tangents) {
                  nb::gil_scoped_release release;
-                 return s.solve(step, signals_of(signals), {tolerance, max_iterations, keep_factor});
+                 return s.solve(step, signals_of(signals),
+                                {tolerance, max_iterations, keep_factor, n_tangents});
              })
         .def(
             "advance",
             [](System& s, const Step& step, nb::object signals, double tolerance, int max_iterations,
-               double keep_factor) {
+               double keep_factor, int n_tangents) {
                 const Signals given =
                     signals.is_none() ? s.no_signals() : signals_of(nb::cast<Doubles>(signals));
                 nb::gil_scoped_release release;
-                return s.advance(step, given, {tolerance, max_iterations, keep_factor});
+                return s.advance(step, given, {tolerance, max_iterations, keep_factor, n_tangents});
             },
             nb::arg("step"), nb::arg("signals").none(), nb::arg("tolerance"), nb::arg("max_iterations"),
-            nb::arg("keep_factor"))
+            nb::arg("keep_factor"), nb::arg("n_tangents") = 0)
         .def("accept",
              [](System& s, const Step& step, const Doubles& signals, bool ledger) {
                  nb::gil_scoped_release release;

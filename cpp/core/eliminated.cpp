@@ -7,9 +7,9 @@
 namespace visviva {
 
 Elimination::Elimination(const Csr& full, const std::vector<Dependence>& dependences,
-                         const std::vector<char>& fixed)
+                         const std::vector<char>& fixed, const std::vector<int>& node)
     : full_(&full), kept_(full.n, -1), own_(full.n, 0.0) {
-    choose(dependences, fixed);
+    choose(dependences, fixed, node);
     number();
     expand();
     find_pattern();
@@ -21,9 +21,12 @@ std::int64_t Elimination::place(int row, int col) const {
     return found != end && *found == col ? found - full_->col.begin() : -1;
 }
 
-void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed) {
+void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
+                         const std::vector<int>& node) {
     enum : char { none, depends, supports };
     const Csr& f = *full_;
+    std::vector<char> listed(fixed.size(), 0);
+    for (const Dependence& d : dependences) listed[d.unknown] = 1;
     std::vector<char> role(f.n, none);
     for (const Dependence& d : dependences) {
         if (fixed[d.unknown]) continue;
@@ -33,7 +36,9 @@ void Elimination::choose(const std::vector<Dependence>& dependences, const std::
         bool chained = false;
         for (auto e = f.row[multiplier]; e < f.row[multiplier + 1]; ++e) {
             const int other = f.col[e];
-            if (other == unknown || other == multiplier || fixed[f.unknown[other]]) continue;
+            const int u = f.unknown[other];
+            if (other == unknown || other == multiplier || fixed[u]) continue;
+            if (listed[u] && node[u] == node[d.unknown]) continue;  // zero, the node's pattern alone
             chained = chained || role[other] == depends;
             links_.push_back({other, e, place(other, multiplier), 0, 0});
         }
@@ -86,16 +91,40 @@ void Elimination::expand() {
     }
 }
 
+void Elimination::make_rows(std::vector<int>& seen) {
+    const Csr& f = *full_;
+    row_of_.assign(f.n, -1);
+    for (int k = 0; k < left_.n; ++k)
+        for (const Part& feed : feeds_[k]) {
+            const int i = feed.equation;
+            if (plain_[k] || row_of_[i] >= 0) continue;
+            row_of_[i] = static_cast<int>(rows_.size());
+            Row row{i, {}, {}};
+            for (auto e = f.row[i]; e < f.row[i + 1]; ++e)
+                for (const Part& p : parts_[f.col[e]])
+                    if (seen[p.equation] != i) seen[p.equation] = i, row.col.push_back(p.equation);
+            row.value.resize(row.col.size());
+            rows_.push_back(std::move(row));
+        }
+}
+
 void Elimination::find_pattern() {
     const Csr& f = *full_;
     left_.row.assign(1, 0);
     std::vector<int> seen(left_.n, -1), cols;
+    make_rows(seen);
+    std::fill(seen.begin(), seen.end(), -1);
     for (int k = 0; k < left_.n; ++k) {
         cols.clear();
-        for (const Part& feed : feeds_[k])
-            for (auto e = f.row[feed.equation]; e < f.row[feed.equation + 1]; ++e)
-                for (const Part& p : parts_[f.col[e]])
-                    if (seen[p.equation] != k) seen[p.equation] = k, cols.push_back(p.equation);
+        if (plain_[k]) {
+            const int i = feeds_[k][0].equation;
+            for (auto e = f.row[i]; e < f.row[i + 1]; ++e)
+                if (kept_[f.col[e]] >= 0) cols.push_back(kept_[f.col[e]]);
+        } else {
+            for (const Part& feed : feeds_[k])
+                for (int col : rows_[row_of_[feed.equation]].col)
+                    if (seen[col] != k) seen[col] = k, cols.push_back(col);
+        }
         std::sort(cols.begin(), cols.end());
         left_.col.insert(left_.col.end(), cols.begin(), cols.end());
         left_.row.push_back(static_cast<std::int64_t>(left_.col.size()));
@@ -111,10 +140,19 @@ void Elimination::read_factors() {
         }
 }
 
+void Elimination::multiply(Row& row) {
+    const Csr& f = *full_;
+    for (std::size_t k = 0; k < row.col.size(); ++k) place_[row.col[k]] = static_cast<std::int64_t>(k);
+    std::fill(row.value.begin(), row.value.end(), 0.0);
+    for (auto e = f.row[row.equation]; e < f.row[row.equation + 1]; ++e)
+        for (const Part& p : parts_[f.col[e]]) row.value[place_[p.equation]] += moves(p) * full_values_[e];
+}
+
 bool Elimination::eliminate(const double* values) {
     const Csr& f = *full_;
     full_values_ = values;
     read_factors();
+    for (Row& row : rows_) multiply(row);
     double* to = values_.data();
     for (int k = 0; k < left_.n; ++k, to = values_.data() + left_.row[k]) {
         if (plain_[k]) {
@@ -125,10 +163,11 @@ bool Elimination::eliminate(const double* values) {
         }
         std::fill(to, values_.data() + left_.row[k + 1], 0.0);
         for (auto e = left_.row[k]; e < left_.row[k + 1]; ++e) place_[left_.col[e]] = e;
-        for (const Part& feed : feeds_[k])
-            for (auto e = f.row[feed.equation]; e < f.row[feed.equation + 1]; ++e)
-                for (const Part& p : parts_[f.col[e]])
-                    values_[place_[p.equation]] += loads(feed) * moves(p) * values[e];
+        for (const Part& feed : feeds_[k]) {
+            const Row& row = rows_[row_of_[feed.equation]];
+            for (std::size_t c = 0; c < row.col.size(); ++c)
+                values_[place_[row.col[c]]] += loads(feed) * row.value[c];
+        }
     }
     return true;
 }

@@ -7,7 +7,7 @@
 
 namespace visviva {
 
-/// An unknown that the constraint of a multiplier gives.
+/// An unknown that the constraint of a multiplier gives, and that by no other such unknown of its own node.
 struct Dependence {
     int unknown, multiplier;
 };
@@ -16,7 +16,10 @@ class Elimination {
   public:
     /// Fixed unknowns among the others do not move. A dependence that meets an earlier one (it depends on
     /// what that gives, or gives what that depends on) stays among the equations.
-    Elimination(const Csr& full, const std::vector<Dependence>& dependences, const std::vector<char>& fixed);
+    /// node[unknown]: first unknown of its mesh node; patterns couple nodes, whether their entries vanish or
+    /// not.
+    Elimination(const Csr& full, const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
+                const std::vector<int>& node);
 
     const Csr& left() const { return left_; }
     const std::vector<int>& kept() const { return kept_; }
@@ -47,7 +50,14 @@ class Elimination {
         std::int64_t row, col;     // places of its own weights in the constraint
         int begin, end;            // links
     };
-    void choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed);
+    // Of K T
+    struct Row {
+        int equation;  // of the full system
+        std::vector<int> col;
+        std::vector<double> value;
+    };
+    void choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
+                const std::vector<int>& node);
     void number();
     void expand();
     void read_factors();
@@ -55,6 +65,8 @@ class Elimination {
     double loads(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].loads; }
     std::int64_t place(int row, int col) const;
     void find_pattern();
+    void make_rows(std::vector<int>& seen);
+    void multiply(Row& row);
     double along(int row, const std::vector<double>& d) const;
 
     const Csr* full_;
@@ -66,6 +78,8 @@ class Elimination {
     std::vector<std::vector<Part>> feeds_;  // equation of what is left <- full equations
     std::vector<char> plain_;               // ... whether its row is copied as it is
     std::vector<int> touched_;              // full equations that couple with given unknowns
+    std::vector<Row> rows_;                 // those that rows which are not plain are made of
+    std::vector<int> row_of_;               // full equation -> its row, or -1
     std::vector<double> values_, own_;      // own_: what given unknowns move by themselves, by equation
     std::vector<std::int64_t> place_;
     const double* full_values_ = nullptr;

@@ -75,7 +75,7 @@ static void renew(std::shared_ptr<T>& kept, T&& value) {
 void System::reduce() {
     const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
     if (local) renew(condensation_, Condensation(csr_, element_));
-    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_));
+    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_, node_));
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
@@ -345,7 +345,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.worst_unknown = solver_->singular_unknown();
         return report;
     }
-    bool refresh = stale_factor_ || full || !same_matrix(step, factored_) ||
+    bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     int fresh = options.max_iterations, latest = -1;  // first and last iteration that made a tangent
     // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
@@ -415,7 +415,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             return report;
         }
         confirmed = done;
-        refresh = full || (rho > options.keep_factor && !done);
+        refresh = full || k + 1 < options.n_tangents || (rho > options.keep_factor && !done);
         last = size;
     }
     if (last <= 1e-12 && constraint_error() > 100 * last + noise_)

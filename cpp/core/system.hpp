@@ -20,6 +20,8 @@ struct NewtonOptions {
     // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full
     // Newton.
     double keep_factor = 0.3;
+    // So many iterations at the start of every step make tangents of their own.
+    int n_tangents = 0;
     // A step that took more iterations than this lets the next one begin with a new factorisation.
     static constexpr int many_iterations = 4;
 };

@@ -27,9 +27,9 @@ double ImmersedTerm::velocity(const double* v, int first, int i) const {
     return sum;
 }
 
-double ImmersedTerm::velocity_at(const Context& c, int first, int i) const {
+double ImmersedTerm::carrying(const Context& c, int first, int i) const {
     const double v0 = velocity(c.vectors.x0, first, i), v1 = velocity(c.vectors.x1, first, i);
-    return v0 + c.step.theta * (v1 - v0);
+    return v0 + share(c.step) * (v1 - v0);
 }
 
 // Interpolation in the middle of the predicted step keeps the second order, and makes the motion linear in
@@ -126,7 +126,7 @@ void ImmersedTerm::set_positions(const std::int64_t* positions) {
 void ImmersedTerm::residual(const Context& c, double* r) {
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
     each([&](int, int q, int m, int first, int i) {
-        r[m] += x1[q] - x0[q] - c.step.h * velocity_at(c, first, i);
+        r[m] += x1[q] - x0[q] - c.step.h * carrying(c, first, i);
         r[q] += x1[m];
         for (int e = first; e < first + nodes_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
     });
@@ -135,7 +135,7 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
-    const double h = c.step.h * c.step.theta;
+    const double h = c.step.h * share(c.step);
     each([&](int k, int, int, int first, int) {
         const std::vector<int>& all = coupled_[k / nodes_.dim];
         values[position_[at]] += 1, values[position_[at + 1]] += 1;
@@ -149,14 +149,16 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
     });
 }
 
-// What the fluid does on the solid and the solid on the fluid; the defect is how far nodes have moved
-// otherwise.
+// What the fluid does on the solid and the solid on the fluid, and what is lost where nodes go ahead; the
+// defect is how far nodes have moved otherwise.
 void ImmersedTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
     each([&](int, int q, int m, int first, int i) {
-        const double apart = x1[q] - x0[q] - c.step.h * velocity_at(c, first, i);
+        const double apart = x1[q] - x0[q] - c.step.h * carrying(c, first, i);
+        const double ahead = c.step.h * nodes_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
         sums.work[account[0]] -= x1[m] * apart;
+        sums.work[account[1]] -= x1[m] * ahead;
         defect[0] = std::max(defect[0], std::abs(apart));
         defect[1] = std::max(defect[1], std::abs(v1[q] - velocity(x1, first, i)));
     });

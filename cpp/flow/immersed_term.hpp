@@ -1,4 +1,5 @@
-// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I v_theta.
+// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I (v_theta +
+// damping (v1 - v0)).
 // The multipliers are the forces that the fluid passes on to the solid.
 #pragma once
 #include <functional>
@@ -14,6 +15,7 @@ using Interpolation = std::function<void(const double* places, bool must, int* u
 /// Nodes: first unknowns of their positions and multipliers; each follows `width` velocities.
 struct ImmersedNodes {
     int dim, width;
+    double damping;
     std::vector<int> position, multiplier;
     int n() const { return static_cast<int>(position.size()); }
 };
@@ -41,7 +43,8 @@ class ImmersedTerm : public Term {
     bool is_coupled(int node, int unknown) const;
     void couple_ahead(const double* x0, const double* x1);
     double velocity(const double* v, int first, int i) const;
-    double velocity_at(const Context&, int first, int i) const;
+    double carrying(const Context&, int first, int i) const;
+    double share(const Step& step) const { return step.theta + nodes_.damping; }
 
     ImmersedNodes nodes_;
     Interpolation interpolate_;

@@ -46,6 +46,9 @@ class Newton:
     keep_factor : float
         A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a
         new tangent in every iteration.
+    tangents : int
+        So many iterations at the start of every step make tangents of their own, whatever the contraction: where
+        steps are predicted badly, the first tangent is not worth keeping.
     null_space : bool or None
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     regularization : float
@@ -58,6 +61,7 @@ class Newton:
     tolerance: float = 1e-13
     max_iterations: int = 25
     keep_factor: float = 0.3
+    tangents: int = 0
     null_space: bool | None = None
     regularization: float = 1e-13
     linear: LinearOptions | None = None
@@ -67,6 +71,7 @@ class Newton:
             ("tolerance", 1e-300, 1.0),
             ("max_iterations", 1, 1e9),
             ("keep_factor", 0.0, 1.0),
+            ("tangents", 0, 1e9),
             ("regularization", 0.0, 1.0),
         ):
             value = getattr(self, name)
@@ -317,9 +322,15 @@ class System:
             n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
             has_inertia=self.has_inertia,
             regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
-            has_diagonal=all(not f.multiplier and (f.order > 0 or not f.symmetric) for f in fields)
-            and not all(f.symmetric for f in fields),
+            has_diagonal=not symmetric and self._has_diagonal(),
         )
+
+    def _has_diagonal(self) -> bool:
+        """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
+        fields = [f for f in self.model.fields if not f.is_local]
+        free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
+        others = all(f.order > 0 or not f.symmetric for f in fields if not f.multiplier)
+        return others and free == self.core.n_eliminated
 
     def _modes(self) -> Array:
         """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
@@ -448,7 +459,8 @@ class System:
         newton = self.newton
         try:
             self.prescribe(step)
-            report = solve(step, signals, newton.tolerance, newton.max_iterations, self._keep_factor)
+            options = newton.tolerance, newton.max_iterations, self._keep_factor, newton.tangents
+            report = solve(step, signals, *options)
         except BaseException:  # a user's function has raised
             self.core.discard()
             raise

@@ -29,5 +29,6 @@ FLOW = [
         for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
     ],
     Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
+    Entry("immersed, damped", lambda: large("quad4", damping=0.1), NOTHING, h=0.02, steps=10),
     Entry("immersed, enhanced", lambda: large("quad4", formulation="enhanced"), NOTHING, h=0.02, steps=10),
 ]

@@ -59,6 +59,7 @@ def study(
     lower_young: float = 5.6e6,
     until: float = 2.1,
     step: float = 0.01,
+    damping: float = 0.05,
 ) -> vv.Study:
     """Flaps of other stiffness, as Gil's third example (`lower_young` = 11.2e6), bend one more than the other."""
     channel = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=COUNTS[mesh], cell="quad4")
@@ -75,12 +76,16 @@ def study(
     for solid, wall in zip(flaps, ("y0", "y1"), strict=True):
         side = str(solid.name).split()[0]
         clamp = vv.Fixed(solid=solid, nodes=wall, name=f"{side} clamp")
-        parts += [solid, clamp, vv.Immersed(solid=solid, fluid=blood, name=f"{side} flap in blood")]
+        parts += [
+            solid,
+            clamp,
+            vv.Immersed(solid=solid, fluid=blood, damping=damping, name=f"{side} flap in blood"),
+        ]
         node, start = tip(solid), solid.points[tip(solid)]
         probes[f"{side}_tip"] = lambda s, b=solid, n=node, X=start: b.positions(s.x)[n] - X
         probes[f"{side}_area"] = lambda s, b=solid: b.volume(s.x)
     probes["gap_flow"] = lambda s: through(blood, *flaps, s.x)
-    newton = vv.Newton(tolerance=1e-9, keep_factor=0.05)
+    newton = vv.Newton(tolerance=1e-9, keep_factor=0.3, tangents=2)
     system = vv.System(parts, newton)
     return vv.Study(
         system,
