@@ -89,6 +89,8 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
         partial(pair, enforcement="penalty", stiffness=1e12),
         "swamps the bodies' stiffness",
     ),
+    "negative damping": (partial(pair, enforcement="penalty", damping=-1.0), "damping = -1 is negative"),
+    "damping of multipliers": (partial(pair, damping=1.0), "damping needs enforcement='penalty'"),
     "negative stiffness": (partial(pair, stiffness=-1.0), "stiffness = -1 is not positive"),
     "another dimension": (
         lambda: against(vv.Solid(mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)), material=RUBBER)),

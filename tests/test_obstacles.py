@@ -65,6 +65,21 @@ def test_ball_on_a_spring_floor() -> None:
     assert system.value(ball.point().position)[0] == pytest.approx(0.7, abs=1e-9)
 
 
+@pytest.mark.parametrize("damping", [5.0, 40.0])
+def test_damped_impact_leaves_the_velocity_of_a_damped_spring(damping: float) -> None:
+    """A body on a spring and a damper that do not pull (Schwager & Poeschel 2007); what is lost is booked."""
+    ball = vv.RigidBody(shape=vv.Sphere(radius=0.1), mass=1.0, position=(0, 0, 0.1), velocity=(0, 0, -1))
+    contact = vv.Contact(first=ball, second=vv.Plane(), enforcement="penalty", stiffness=1e4, damping=damping)
+    system = vv.System([ball, contact.second, contact])  # type: ignore[list-item]
+    result = vv.simulate(system, until=0.05, step=5e-5)
+    beta, omega0 = damping / 2, 100.0
+    omega = np.sqrt(omega0**2 - beta**2)
+    left = np.exp(-beta / omega * (np.pi - np.arctan2(2 * beta * omega, omega**2 - beta**2)))
+    assert system.v[2] == pytest.approx(left, rel=1e-3)
+    result.assert_conserved("energy", tolerance=1e-11)
+    assert np.diff(result.ledger["total"]).max() < 1e-13
+
+
 def test_balls_collide_head_on() -> None:
     """Equal balls exchange their velocities."""
     one, two = (

@@ -314,7 +314,7 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
         return;
     }
     if (!has_multipliers() && is_discrete(c.step)) {
-        press_discretely(A);
+        press_discretely(A, c);
     } else if (!has_multipliers()) {
         if (gap_theta < slack(A, c)) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
     } else {
@@ -329,8 +329,14 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
     active_[A] = dS_gap_[A] != 0;
 }
 
-// S (gap1 - gap0) = W(gap0) - W(gap1) for W = k / 2 <-gap>^2
-void ContactTerm::press_discretely(int A) {
+double ContactTerm::potential(int A, double gap) const {
+    const double depth = std::min(gap, 0.0);
+    return 0.5 * options_.stiffness[A] * depth * depth;
+}
+
+// S (gap1 - gap0) = W(gap0) - W(gap1) for W = k / 2 <-gap>^2, and what a damper takes of penetration; both
+// together do not pull.
+void ContactTerm::press_discretely(int A, const Context& c) {
     const double k = options_.stiffness[A], a = std::min(gap0_[A], 0.0), b = std::min(gap1_[A], 0.0);
     const double change = gap1_[A] - gap0_[A];
     if (a == gap0_[A] && b == gap1_[A]) {
@@ -339,6 +345,11 @@ void ContactTerm::press_discretely(int A) {
         S_[A] = 0.5 * k * (a - b) * (a + b) / change;
         dS_gap_[A] = -(k * b + S_[A]) / change;
     }
+    if (options_.damping.empty() || c.step.motion[0][0] == 0) return;
+    const double rate = options_.damping[A] / c.step.h;
+    S_[A] -= rate * (b - a);
+    if (b < 0) dS_gap_[A] -= rate;
+    if (S_[A] <= 0) S_[A] = dS_gap_[A] = 0;
 }
 
 // --- forces
@@ -548,8 +559,10 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
-        const double depth = std::min(gap1_[A], 0.0);
-        if (!has_multipliers()) sums.energy[energy_account] += 0.5 * options_.stiffness[A] * depth * depth;
+        if (!has_multipliers()) sums.energy[energy_account] += potential(A, gap1_[A]);
+        if (!options_.damping.empty())
+            sums.work[work_account] +=
+                S_[A] * (gap1_[A] - gap0_[A]) + potential(A, gap1_[A]) - potential(A, gap0_[A]);
         if (has_friction()) book_friction(A, c, sums);
         if (!active_[A]) continue;
         force(A, c, f);

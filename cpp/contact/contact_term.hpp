@@ -25,6 +25,7 @@ struct ContactOptions {
     std::vector<int> multiplier;    // unknown of each gap; empty: penalty
     std::vector<double> stiffness;  // of each gap: pressure per weighted gap
     bool conserving = false;        // gaps that are closed must not close further, open ones may
+    std::vector<double> damping;    // of each gap: pressure per rate of penetration, beside a penalty
     FrictionOptions friction;
 };
 
@@ -111,7 +112,8 @@ class ContactTerm : public Term {
     void book(const Context&, LedgerSums&);
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
     void press(int A, const Context&, double gap_theta);
-    void press_discretely(int A);
+    void press_discretely(int A, const Context&);
+    double potential(int A, double gap) const;
     void force(int A, const Context&, Eigen::VectorXd& f) const;
     Eigen::MatrixXd stiffness(int A, const Context&, const Eigen::VectorXd& g1) const;
     const std::vector<std::int64_t>& places(int A);

@@ -2,7 +2,7 @@
 // Schur complement S = E - C D^-1 B, which is factored. Saddle: [D B; C E]. Where steps are short D is close
 // to K, and a few iterations do. Augmented: [K B; 0 S] with multigrid for K. Pressures of contact augment K
 // in statics, and then D^-1 is as good as K^-1 between their columns, whatever the mesh (Benzi, Golub &
-// Liesen 2005, section 8.1).
+// Liesen 2005).
 #include <Eigen/SparseLU>
 #include <algorithm>
 

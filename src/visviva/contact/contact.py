@@ -54,6 +54,10 @@ class Contact(Component):
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
         of rigid bodies.
+    damping : float
+        With a penalty in dynamics: pressure per rate of penetration. Impacts then lose energy at a rate that is chosen,
+        booked as work of contact: of a body of mass m on a spring k alone, the share of velocity that is left follows
+        from damping / 2 sqrt(k m). Needs the scheme `EnergyMomentum`.
     impact : {'dissipative', 'conserving'}
         With multipliers in dynamics: 'dissipative' closes gaps exactly, which takes the energy of impact of the
         surface's nodes; 'conserving' lets a gap close freely within the step in which it does and only then holds
@@ -100,6 +104,7 @@ class Contact(Component):
     formulation: Literal["mortar", "node-to-segment"] = "mortar"
     enforcement: Literal["multipliers", "penalty"] = "multipliers"
     stiffness: Number | None = None
+    damping: Number = 0.0
     impact: Literal["dissipative", "conserving"] = "dissipative"
     friction: Number = 0.0
     tangential: Literal["multipliers", "penalty"] = "multipliers"
@@ -119,6 +124,10 @@ class Contact(Component):
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
                 "formulation='node-to-segment'"
             )
+        if not self.damping >= 0:
+            raise InputError(f"{self.label}: damping = {self.damping:g} is negative: it would add energy")
+        if self.damping > 0 and self.enforcement != "penalty":
+            raise InputError(f"{self.label}: damping needs enforcement='penalty', not {self.enforcement!r}")
         for name in ("stiffness", "tangential_stiffness", "reach"):
             value = getattr(self, name)
             if value is not None and not value > 0:
@@ -179,6 +188,7 @@ class Contact(Component):
             self.friction,
             np.array(along, dtype=np.int32),
             tangential / self._surface.areas,
+            self.damping / self._surface.areas if self.damping > 0 else np.zeros(0),
         )
         self.term.name = self.label
         work = model.account(self, "contact", "dissipation")
@@ -225,6 +235,10 @@ class Contact(Component):
         return pair
 
     def start(self, system: System, scheme: Scheme) -> None:
+        if self.damping > 0 and scheme.has_inertia and not scheme.discrete_gradient:
+            raise InputError(
+                f"{self.label}: damping = {self.damping:g} needs the scheme EnergyMomentum(), not {scheme!r}"
+            )
         if self._started or self.initial == "press" or system.time > 0:
             return
         self._started = True
