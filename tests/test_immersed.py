@@ -171,6 +171,16 @@ def test_damping_takes_what_swings_and_the_books_say_how_much() -> None:
     assert swing(damped) < 0.5 * swing(free)
 
 
+def test_the_tangent_of_the_start_finds_the_same_motion() -> None:
+    """Newton's tangent decides the way to the solution alone."""
+    ends = []
+    for tangent in ("exact", "start"):
+        system, _ = stiff(tangent=tangent, newton=vv.Newton(tolerance=1e-12, tangents=2))
+        ends.append(part(system.components, vv.Solid).positions(system.x))
+    assert np.abs(ends[0] - part(system.components, vv.Solid).points).max() > 0.05
+    assert np.allclose(*ends, rtol=0, atol=1e-10)
+
+
 def test_every_step_begins_with_so_many_tangents() -> None:
     system = vv.System(carried(), vv.Newton(tangents=2))
     reports = [system.step(0.01) for _ in range(3)]

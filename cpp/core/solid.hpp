@@ -18,8 +18,9 @@ struct SolidView {
     int n_nodes = 0, n_points = 0;  // per element
     int dim = 3, n_par = 0;
     MaterialKind kind{};
-    bool small = false;      // strains linear in the displacements
-    bool symmetric = false;  // tangents symmetrised for solvers that need it
+    bool small = false;         // strains linear in the displacements
+    bool symmetric = false;     // tangents symmetrised for solvers that need it
+    bool start_stress = false;  // geometric stiffness under discrete gradients by the stress of the start
     bool damped = false;
     bool plane_stress = false;        // in two dimensions: no stress across the plane
     const int* index = nullptr;       // [node] first unknown of the node

@@ -39,11 +39,22 @@ struct SolidTangent {
             e.strains(q, p);
             e.template stress<true>(q, p);
             if (forces) e.add_forces(q, p, r, smallest);
+            if (e.v.start_stress && e.step.stress == Stress::discrete_gradient) take_start_stress(p);
             moduli(p, e.volume(q), A + 81 * (q - first));
         }
         int a = 0;
         for (; a + rows <= e.nodes(); a += rows) add_rows<rows>(first, end, a);
         if (a < e.nodes()) add_rows<1>(first, end, a);
+    }
+
+    // A trial state of a thin solid holds stress that the next iteration takes away again; its geometric
+    // stiffness would lead astray.
+    VISVIVA_INLINE void take_start_stress(SolidPoint& p) const {
+        V par[material_max_parameters];
+        for (int k = 0; k < e.v.n_par; ++k) par[k] = e.parameter(k);
+        Response start;
+        e.template response<false>(p.c0, par, start);
+        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * start.s[k];
     }
 
     template <int n>

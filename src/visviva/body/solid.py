@@ -68,6 +68,10 @@ class Solid(Attachable, Meshed):
         Rayleigh damping: forces ``mass_damping * M v``, and stresses ``stiffness_damping`` times the moduli of small
         strains times the rate of Green's strain, which leave rigid motions alone. With 'F-bar' and 'mixed' the shear
         modulus alone counts: viscosity of the volume would lock.
+    tangent : {'exact', 'start'}
+        'start' takes the stress in the geometric stiffness from the start of the step: Newton's iteration then
+        converges linearly, but from far away, and needs few tangents. For thin stiff solids in long steps of
+        the energy-momentum scheme; others, and 'F-bar' and 'mixed', do not heed it.
 
     Examples
     --------
@@ -88,6 +92,7 @@ class Solid(Attachable, Meshed):
     lumped: bool = False
     mass_damping: Number = 0.0
     stiffness_damping: Number = 0.0
+    tangent: Literal["exact", "start"] = "exact"
 
     has_directions = False
 
@@ -106,6 +111,10 @@ class Solid(Attachable, Meshed):
             raise InputError(
                 f"{self.label}: plane='stress' needs second derivatives inside the core; take one of its materials "
                 "instead of a UserMaterial, or a thin three-dimensional mesh"
+            )
+        if self.tangent == "start" and self.material.energy is not None:
+            raise InputError(
+                f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
             )
         forms.check(self)
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
@@ -253,6 +262,7 @@ class Solid(Attachable, Meshed):
         )
         term.name = self.label
         term.set_plane_stress(self.plane == "stress")
+        term.set_start_stress(self.tangent == "start")
         if self.formulation == "F-bar":
             middle = forms.centre(self, cell, nodes)
             hoop = None if middle.hoop is None else middle.hoop[:, 0]
