@@ -130,6 +130,11 @@ class System {
     void prepare_predictor();
     void predict(const Step&);
     bool lead(const Context&);
+    void start(const Step&);
+    bool renew_tangent(const Context&, bool assembled);
+    std::string singular() const;
+    Report failed(Report, const std::string& reason, int unknown);
+    Report succeeded(Report, const Context&, bool renewed);
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
     void update_rates(const Step&);
