@@ -149,6 +149,7 @@ static void bind_solid(nb::module_& m) {
         .def("set_symmetric", &SolidTerm::set_symmetric)
         .def("set_start_stress", &SolidTerm::set_start_stress)
         .def("set_plane_stress", &SolidTerm::set_plane_stress)
+        .def("set_thermal", [](SolidTerm& t, Doubles strain) { t.set_thermal(strain.data()); })
         .def(
             "set_centre",
             [](SolidTerm& t, const Doubles& gradients, nb::object hoop) {

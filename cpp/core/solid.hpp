@@ -27,6 +27,7 @@ struct SolidView {
     const double* G = nullptr;        // [point][node][dim] gradients of the shape functions in the reference
     const double* H = nullptr;        // [point][node] weights of the hoop stretch, or null
     const double* w = nullptr;        // [point] reference volume
+    const double* thermal = nullptr;  // [point] strain that heat alone would leave, or null
     const double* mass = nullptr;     // [a <= b] packed
     const double* par = nullptr;      // [parameter]
     const double* damping = nullptr;  // [3]: per mass, bulk-like and shear viscosity (lambda, mu)

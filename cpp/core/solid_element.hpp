@@ -102,20 +102,32 @@ struct SolidElement {
         }
     }
 
+    VISVIVA_INLINE V thermal(int q) const { return vload(v.thermal + point(q)); }
+
+    // Strain from the place that heat alone would lead to: C / stretch^2 - I, or twice the small strain less
+    // that of heat.
+    VISVIVA_INLINE void elastic_strain(int q, const V* F, V* c) const {
+        strain(F, c);
+        if (!v.thermal) return;
+        const V e = thermal(q), shrink = v.small ? broadcast(1.0) : 1.0 / ((1.0 + e) * (1.0 + e));
+        const V less = v.small ? 2.0 * e : e * (2.0 + e) * shrink;
+        for (int k = 0; k < 6; ++k) c[k] = shrink * c[k] - (k < 3 ? less : V{});
+    }
+
     VISVIVA_INLINE void strains(int q, SolidPoint& p) const {
         V F0[9];
         gradient(x1, q, 1.0, p.F1);
-        strain(p.F1, p.c1);
+        elastic_strain(q, p.F1, p.c1);
         p.det = v.small ? broadcast(1.0) : determinant(p.F1);
         if (!ends) {
             gradient(x0, q, 1.0, F0);
-            strain(F0, p.c0);
+            elastic_strain(q, F0, p.c0);
         }
         for (int k = 0; k < 9; ++k) p.Ft[k] = ends ? p.F1[k] : F0[k] + step.theta * (p.F1[k] - F0[k]);
         if (ends)
             for (int k = 0; k < 6; ++k) p.ct[k] = p.c1[k];
         else if (step.stress == Stress::at_theta)
-            strain(p.Ft, p.ct);
+            elastic_strain(q, p.Ft, p.ct);
         if (v.damped) {
             V u[solid_max_nodes * D];
             for (int a = 0; a < nodes(); ++a)
@@ -197,7 +209,16 @@ struct SolidElement {
             step.stress == Stress::discrete_gradient ? discrete_gradient<tangent>(par, p)
                                                      : at_theta<tangent>(par, p);
         }
+        if (v.thermal && !v.small) heat<tangent>(q, p);
         if (v.damped) viscous_stress(p);
+    }
+
+    // The energy is that per volume of the heated material: stretch^3 W(C / stretch^2).
+    template <bool tangent>
+    VISVIVA_INLINE void heat(int q, SolidPoint& p) const {
+        const V stretch = 1.0 + thermal(q), inverse = 1.0 / stretch;
+        for (int k = 0; k < 6; ++k) p.S[k] *= stretch;
+        for (int k = 0; tangent && k < 36; ++k) p.T[k] *= inverse;
     }
 
     // Derivatives by the six components count an off-diagonal pair once, those by the tensor each of both.
@@ -217,18 +238,21 @@ struct SolidElement {
     }
 
     VISVIVA_INLINE V energy(int q, const V* c1, const V* par) const {
-        if (v.kind == MaterialKind::user) return vload(v.user_W + point(q));
+        const V stretch = v.thermal && !v.small ? 1.0 + thermal(q) : broadcast(1.0);
+        const V volume = stretch * stretch * stretch;
+        if (v.kind == MaterialKind::user) return volume * vload(v.user_W + point(q));
         Response r;
         response<false>(c1, par, r);
-        return r.W;
+        return volume * r.W;
     }
 
     // F33 of plane stress
-    VISVIVA_INLINE V across(const V* c1, const V* par) const {
+    VISVIVA_INLINE V across(int q, const V* c1, const V* par) const {
         Response r;
         V c33;
         plane_stress<false>(v.kind, c1, par, r, c33);
-        return v.small ? 1.0 + 0.5 * c33 : vsqrt(1.0 + c33);
+        const V e = v.thermal ? thermal(q) : V{};
+        return v.small ? 1.0 + 0.5 * c33 + e : (1.0 + e) * vsqrt(1.0 + c33);
     }
 
     // S of Kelvin and Voigt: isotropic in the rate of Green's strain, dE/dt = sym(F^T dF/dt)

@@ -33,7 +33,8 @@ void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int 
 void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                    double* values) {
     const bool symmetric = v.symmetric || (step.stress == Stress::at_theta && !v.damped);
-    const bool spatial = symmetric && step.stress == Stress::at_theta && isotropic(v.kind) && !v.damped;
+    const bool spatial =
+        symmetric && step.stress == Stress::at_theta && isotropic(v.kind) && !v.damped && !v.thermal;
     each_element(v, step, x, begin, end, [=, &v]<int D, int N>(const SolidElement<D, N>& e) {
         if constexpr (D == 3)
             if (spatial) {
@@ -104,7 +105,7 @@ void solid_strains(const SolidView& v, const Step& step, const Vectors& x, doubl
         for (int q = 0; q < e.v.n_points; ++q) {
             V F0[9], F1[9], Ft[9], c[6];
             auto put = [&](const V* F, double* to) {
-                e.strain(F, c);
+                e.elastic_strain(q, F, c);
                 for (int k = 0; k < 6; ++k) vstore(to + k * stride + e.point(q), k < 3 ? 1.0 + c[k] : c[k]);
             };
             e.gradient(e.x0, q, 1.0, F0), e.gradient(e.x1, q, 1.0, F1);
@@ -126,7 +127,7 @@ void solid_fields(const SolidView& v, const Step& step, const Vectors& x, int be
             e.strains(q, p);
             e.template stress<false>(q, p);
             e.gradient(e.x1, q, 1.0, row);
-            if (D == 2 && e.v.plane_stress) row[8] = e.across(p.c1, par);
+            if (D == 2 && e.v.plane_stress) row[8] = e.across(q, p.c1, par);
             for (int k = 0; k < 6; ++k) row[9 + k] = p.S[k];
             row[15] = e.energy(q, p.c1, par);
             put_rows(row, solid_field_rows, (e.block - begin) * L8 + e.lane, e.v.n_points * solid_field_rows,

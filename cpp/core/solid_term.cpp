@@ -61,6 +61,11 @@ void SolidTerm::set_centre(const double* gradients, const double* hoop) {
     mixed_ = &mixed_kernels(view_.dim, true);
 }
 
+void SolidTerm::set_thermal(const double* strain) {
+    interleave(thermal_, strain, view_.n_points, view_.n);
+    view_.thermal = thermal_.data();
+}
+
 void SolidTerm::set_pressure(const double* shape, const double* compliance, int measure, bool multiplier) {
     const int np = view_.n_pressures;
     interleave(shape_, shape, view_.n_points * np, view_.n);

@@ -31,6 +31,7 @@ class SolidTerm : public Term {
     void set_centre(const double* gradients, const double* hoop);
     // Mixed: [element][point][pressure] and [element][pressure][pressure]; see SolidView
     void set_pressure(const double* shape, const double* compliance, int measure, bool multiplier);
+    void set_thermal(const double* strain);  // [element][point]
     void set_plane_stress(bool on) { view_.plane_stress = on; }
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
@@ -73,7 +74,7 @@ class SolidTerm : public Term {
     SolidView view_;
     const MixedKernels* mixed_ = nullptr;
     LawCallback callback_;
-    Aligned<double> G_, H_, w_, mass_, par_, damping_, out_, smallest_;
+    Aligned<double> G_, H_, w_, thermal_, mass_, par_, damping_, out_, smallest_;
     Aligned<double> centre_G_, centre_H_, shape_, compliance_;
     Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
     std::vector<int> index_, pressure_index_, slots_;  // slots: nodes, then pressures

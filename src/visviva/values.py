@@ -83,6 +83,25 @@ VectorOrFunction = Annotated[
 ]
 
 
+def _number_or_function(value: Any) -> Any:
+    if callable(value):
+        return value
+    if isinstance(value, bool | str) or _array(value).ndim:
+        raise ValueError(f"expected a number or a Python function, not {value!r}")
+    return float(value)
+
+
+def _plain_number(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return value
+
+
+NumberOrFunction = Annotated[
+    Any, BeforeValidator(_number_or_function), PlainSerializer(_plain_number), WithJsonSchema(NUMBER)
+]
+
+
 def _nodes(value: Any) -> Any:
     if isinstance(value, str):
         return value

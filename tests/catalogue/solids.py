@@ -107,6 +107,19 @@ MATERIALS = {
 }
 HOOKE = vv.LinearElastic(young=100.0, poisson=0.3)
 
+HEATED: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("bricks", "hex8", {}),
+    ("plane stress", "quad4", {"plane": "stress"}),
+    ("enhanced", "hex8", {"formulation": "enhanced"}),
+    ("fibres", "tet10", {"material": MATERIALS["Holzapfel-Gasser-Ogden"]}),
+)
+
+
+def heat(X: Array) -> Array:
+    """A thermal strain of place."""
+    return np.asarray(0.1 + 0.05 * np.sin(X[:, 0] + X[:, 1]))
+
+
 INCOMPRESSIBLE: Any = {"formulation": "mixed", "material": vv.NeoHooke(shear=10.0, poisson=0.5)}
 
 SOLIDS = [
@@ -277,6 +290,15 @@ SOLIDS = [
         ALL,
         steps=50,
         analytic=False,
+    ),
+    *(
+        Entry(
+            f"solid, heated, {name}",
+            partial(flying, cell, (1, 1, 1), thermal_strain=heat, **more),
+            ALL,
+            steps=50,
+        )
+        for name, cell, more in HEATED
     ),
     Entry("solid, Hooke", lambda: flying("hex8", (1, 1, 1), material=HOOKE), ENERGY | LINEAR, steps=50),
     Entry("solid, lumped", lambda: flying("hex8", (1, 1, 1), lumped=True), ALL, steps=50),

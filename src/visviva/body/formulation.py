@@ -66,6 +66,11 @@ def check(solid: Solid) -> None:
             f"{label}: formulation={kind!r} needs one of the core's materials, not a UserMaterial; take "
             "formulation='enhanced' or 'displacement'"
         )
+    if kind != "enhanced" and (callable(solid.thermal_strain) or solid.thermal_strain):
+        raise InputError(
+            f"{label}: formulation={kind!r} does not know thermal_strain; take formulation='enhanced', or "
+            "'displacement' with cells of second order"
+        )
     if kind == "mixed":
         _check_pressures(solid)
 

@@ -20,12 +20,13 @@ from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
 from visviva.material.base import Material
+from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
 from visviva.meshed import Meshed
-from visviva.values import Number, Vector3, VectorOrFunction
+from visviva.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -62,6 +63,9 @@ class Solid(Attachable, Meshed):
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
     angular_velocity : (3,)
         Initial rotation about the centre of mass.
+    thermal_strain : float, or a function of reference positions (n, 3) with values (n,)
+        Expansion coefficient times rise of temperature: the strain, the same in all directions, that heat alone would
+        leave. Finite strains are measured from there, ``(1 + e)^3 W(C / (1 + e)^2)``. It does not change in time.
     lumped : bool
         Diagonal mass matrix instead of the consistent one.
     mass_damping, stiffness_damping : float
@@ -89,6 +93,7 @@ class Solid(Attachable, Meshed):
     thickness: Number = 1.0
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
+    thermal_strain: NumberOrFunction = 0.0
     lumped: bool = False
     mass_damping: Number = 0.0
     stiffness_damping: Number = 0.0
@@ -117,6 +122,10 @@ class Solid(Attachable, Meshed):
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
             )
         forms.check(self)
+        if not callable(self.thermal_strain) and not self.thermal_strain > -1:
+            raise InputError(
+                f"{self.label}: thermal_strain = {self.thermal_strain:g} leaves no volume; it must exceed -1"
+            )
         if self.grid.dimension == 2 and self.axisymmetric and self.grid.points[:, 0].min() < 0:
             raise InputError(f"{self.label}: an axisymmetric mesh has points at negative radius")
 
@@ -263,6 +272,8 @@ class Solid(Attachable, Meshed):
         term.name = self.label
         term.set_plane_stress(self.plane == "stress")
         term.set_start_stress(self.tangent == "start")
+        if callable(self.thermal_strain) or self.thermal_strain:
+            term.set_thermal(self._thermal(cell, nodes))
         if self.formulation == "F-bar":
             middle = forms.centre(self, cell, nodes)
             hoop = None if middle.hoop is None else middle.hoop[:, 0]
@@ -286,6 +297,20 @@ class Solid(Attachable, Meshed):
         self.terms.append(term)
         self.volumes.append(g.volume)
         return term
+
+    def _thermal(self, cell: str, nodes: Ints) -> Array:
+        """Thermal strains (m, q) at the points of elements."""
+        N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
+        if not callable(self.thermal_strain):
+            return np.full((len(nodes), len(N)), float(self.thermal_strain))
+        X = (N @ self.points[nodes]).reshape(-1, 3)
+        strain = np.array(self.thermal_strain(X), dtype=float)
+        if strain.shape != (len(X),) or not np.all(strain > -1):
+            raise InputError(
+                f"{self.label}: the function thermal_strain gave shape {strain.shape} or values that do not all exceed "
+                f"-1 for positions {X.shape}; give strains, shape ({len(X)},)"
+            )
+        return strain.reshape(len(nodes), len(N))
 
     def _damping(self, n: int) -> Array:
         lam, mu = self.material.lame
