@@ -39,7 +39,7 @@ struct SolidTangent {
             e.strains(q, p);
             e.template stress<true>(q, p);
             if (forces) e.add_forces(q, p, r, smallest);
-            if (e.v.start_stress && e.step.stress == Stress::discrete_gradient) take_start_stress(p);
+            if (e.v.start_stress && e.step.stress == Stress::discrete_gradient) take_start_stress(q, p);
             moduli(p, e.volume(q), A + 81 * (q - first));
         }
         int a = 0;
@@ -49,12 +49,13 @@ struct SolidTangent {
 
     // A trial state of a thin solid holds stress that the next iteration takes away again; its geometric
     // stiffness would lead astray.
-    VISVIVA_INLINE void take_start_stress(SolidPoint& p) const {
+    VISVIVA_INLINE void take_start_stress(int q, SolidPoint& p) const {
         V par[material_max_parameters];
         for (int k = 0; k < e.v.n_par; ++k) par[k] = e.parameter(k);
         Response start;
         e.template response<false>(p.c0, par, start);
-        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * start.s[k];
+        const V stretch = e.v.thermal && !e.v.small ? 1.0 + e.thermal(q) : broadcast(1.0);
+        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * stretch * start.s[k];
     }
 
     template <int n>
