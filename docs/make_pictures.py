@@ -82,12 +82,12 @@ def draw_contact() -> Path:
 
 
 def draw_valve(files: Path | None = None) -> Path:
-    """Run two flaps on the coarse mesh, or take a run's files; streamlines beside the way of the tips."""
+    """Run two flaps, about five minutes, or take a run's files; streamlines beside the way of the tips."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         if files is None:
             files = here / "valve"
-            run(valve.study(mesh="coarse"), files, progress=False, pictures=False)
+            run(valve.study(), files, progress=False, pictures=False)
         snapshot(
             files / "trajectory.vtkhdf",
             here / "left.png",
