@@ -1,5 +1,6 @@
 """Pictures of flow: streamlines where a fluid moves, plain colours of what swims in it."""
 
+import numpy as np
 import pytest
 from immersed_parts import carried
 
@@ -8,6 +9,7 @@ from output.scenes import drawers, read_image
 from visviva.output import Trajectory, stage
 from visviva.output.coloring import Coloring
 from visviva.output.picture import snapshot
+from visviva.output.streamlines import StreamFunction
 
 
 @pytest.fixture(scope="module")
@@ -36,3 +38,18 @@ def test_streamlines_are_white_lines_on_the_colours(swirl, tmp_path, monkeypatch
         white[field] = float((inside.min(axis=2) > 0.75).mean())
     assert white["displacement"] == 0.0
     assert (white["velocity"] > 0.002) == with_pyvista
+
+
+def test_stream_function_of_a_vortex() -> None:
+    """Against the closed form, to second order in the cells; constant along the walls of a closed box."""
+
+    def error(n: int) -> float:
+        mesh = vv.RectangleMesh(size=(1, 1), counts=(n, n), cell="tri3").build()
+        x, y = np.pi * mesh.points.T
+        exact = np.sin(x) ** 2 * np.sin(y) ** 2 / np.pi
+        velocities = np.stack([np.sin(x) ** 2 * np.sin(2 * y), -np.sin(2 * x) * np.sin(y) ** 2], axis=1)
+        psi = StreamFunction(mesh.points, mesh.cells["tri3"])(velocities)
+        return float(np.abs(psi - psi[0] - exact).max())
+
+    assert error(16) < 0.05 / np.pi
+    assert error(32) < 0.3 * error(16)

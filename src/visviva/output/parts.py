@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,12 @@ from numpy.typing import NDArray
 from visviva.output.coloring import COLORS, Coloring
 from visviva.output.skin import skin
 from visviva.output.stage import INK, Scene
+from visviva.output.streamlines import StreamFunction, levels
 from visviva.output.surface import Surface
 
 SHARP = 35.0  # degrees between neighbouring faces above which an edge is drawn as one
 SUN = np.array([-0.35, 0.25, -1.0])  # direction in which shadows fall
-APART = 0.012  # distance of streamlines, of the size of what flows
+LINES = 24  # streamlines
 LIFT = 0.0012  # of the way to the eye
 GLOSS: dict[str, Any] = {"ambient": 0.3, "diffuse": 0.8, "specular": 0.25, "specular_power": 25}
 
@@ -68,11 +70,16 @@ class Edges(Part):
 
 
 class Streamlines(Part):
-    """Streamlines of a plane fluid, evenly spaced, before its faces."""
+    """Streamlines of a plane fluid, in even density, before its faces."""
 
     def __init__(self, surface: int, mesh: Any, ids: NDArray[np.int64], lines: Any) -> None:
         super().__init__(surface, mesh, ids)
         self._lines = lines
+
+    @cached_property
+    def _function(self) -> StreamFunction:
+        triangles = self._mesh.triangulate().regular_faces
+        return StreamFunction(self._mesh.points[:, :2], triangles)
 
     def stream(self, velocities: NDArray[np.float64] | None) -> None:
         import pyvista
@@ -80,19 +87,8 @@ class Streamlines(Part):
         if velocities is None or not np.any(velocities):
             self._lines.copy_from(pyvista.PolyData())
             return
-        velocities = velocities[self._ids]
-        self._mesh["velocity"] = velocities
-        start = self._mesh.points[np.argmax(np.linalg.norm(velocities, axis=1))]
-        size = np.sqrt(self._mesh.area / self._mesh.n_cells)  # of a cell, in which distances count
-        apart = max(2.0, APART * self._mesh.length / size)
-        found = self._mesh.streamlines_evenly_spaced_2D(
-            vectors="velocity",
-            start_position=start,
-            separating_distance=apart,
-            step_length=0.3,
-            step_unit="cl",
-            compute_vorticity=False,
-        )
+        self._mesh["stream function"] = psi = self._function(velocities[self._ids])
+        found = self._mesh.contour(levels(psi, LINES), scalars="stream function")
         self._lines.copy_from(
             pyvista.PolyData(found.points + np.array([0, 0, LIFT * self._mesh.length]), lines=found.lines)
         )
