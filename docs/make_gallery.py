@@ -70,7 +70,7 @@ def make_page(name: str) -> str:
     module = example(name)
     parameters = getattr(module, "GALLERY", {})
     study = module.study(**parameters)
-    study.until = min(study.until, LONGEST)
+    study.until, study.movie = min(study.until, LONGEST), False
     with tempfile.TemporaryDirectory() as scratch:
         files = Path(scratch) / name
         result = run(study, files, progress=False)

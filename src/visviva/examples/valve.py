@@ -94,6 +94,8 @@ def study(
         step,
         probes=probes,
         fields=("velocity", "pressure", "von_mises"),
+        moments=(0.3, 0.8),
+        movie=True,
         title="Two flaps in a channel",
         notes=__doc__,
     )
