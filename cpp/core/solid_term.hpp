@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "slots.hpp"
 #include "solid.hpp"
 #include "solid_dispatch.hpp"
 #include "term.hpp"
@@ -37,7 +38,7 @@ class SolidTerm : public Term {
     void pattern(std::vector<std::pair<int, int>>&) const override {}
     void set_positions(const std::int64_t*) override {}
     std::int64_t n_entries() const override { return 0; }
-    void couple(Pattern& pattern) const override;
+    void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
     bool wants_rates() const override { return view_.damped; }
     void residual(const Context&, double* r) override;
@@ -65,22 +66,15 @@ class SolidTerm : public Term {
     void call_back(const Context&, bool want_tangent);
     using At = void (*)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
     void at_rest(At, const double* x, int begin, int end, std::int64_t per_element, double* out);
-    void colour_tasks();
-    template <class F>
-    void for_tasks(F f) const;
 
-    int n_slots() const { return view_.n_nodes + view_.n_pressures; }
-
+    Slots slots_;  // nodes, then pressures
     SolidView view_;
     const MixedKernels* mixed_ = nullptr;
     LawCallback callback_;
     Aligned<double> G_, H_, w_, thermal_, mass_, par_, damping_, out_, smallest_;
     Aligned<double> centre_G_, centre_H_, shape_, compliance_;
     Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
-    std::vector<int> index_, pressure_index_, slots_;  // slots: nodes, then pressures
-    std::vector<std::int64_t> row_, length_;
-    std::vector<std::uint16_t> offset_;
-    std::vector<std::vector<int>> colours_;  // first blocks of tasks that touch different nodes
+    std::vector<int> index_, pressure_index_;
 };
 
 }  // namespace visviva

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "dispatch.hpp"
+#include "parallel.hpp"
 #include "pattern.hpp"
 
 namespace visviva {
@@ -182,7 +183,7 @@ double System::iterate(const Step& step) {
 
 void System::evaluate_residual(const Context& c, bool all, bool with_fused_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_fused_tangents) std::fill(values_.begin(), values_.end(), 0.0);
+    if (with_fused_tangents) set_zero(values_);
     for (const auto& term : terms_)
         if (with_fused_tangents && term->is_fused())
             term->linearise(c, r_.data(), values_.data());
@@ -192,7 +193,7 @@ void System::evaluate_residual(const Context& c, bool all, bool with_fused_tange
 
 void System::evaluate_tangent(const Context& c, bool inner, bool has_fused_tangents) {
     if (!has_fused_tangents) {
-        std::fill(values_.begin(), values_.end(), 0.0);
+        set_zero(values_);
         for (const auto& term : terms_)
             if (term->is_fused()) term->tangent(c, values_.data());
     }

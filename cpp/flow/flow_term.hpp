@@ -4,9 +4,9 @@
 #include <functional>
 #include <limits>
 
+#include "core/slots.hpp"
 #include "core/term.hpp"
 #include "flow.hpp"
-#include "slots.hpp"
 
 namespace visviva {
 

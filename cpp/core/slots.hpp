@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/aligned.hpp"
-#include "core/parallel.hpp"
-#include "core/pattern.hpp"
+#include "aligned.hpp"
+#include "parallel.hpp"
+#include "pattern.hpp"
 
 namespace visviva {
 
@@ -35,7 +35,11 @@ class Slots {
     void connect(const Pattern& pattern);
 
     int n() const { return n_; }
+    int n_slots() const { return n_slots_; }
     int n_blocks() const { return n_blocks_; }
+    int unknown(int element, int slot) const {
+        return unknown(element / slot_lanes, slot, element % slot_lanes);
+    }
     const int* index() const { return index_.data(); }              // [block][slot][8]
     const std::int64_t* row() const { return row_.data(); }         // the same: start of the row or -1
     const std::int64_t* length() const { return length_.data(); }   // of a row of the slot
@@ -46,18 +50,18 @@ class Slots {
     void for_tasks(F f) const {
         for (const auto& colour : colours_)
             parallel_for(static_cast<int>(colour.size()),
-                         [&](int i) { f(colour[i], std::min(colour[i] + task_blocks, n_blocks_)); });
+                         [&](int i) { f(colour[i], std::min(colour[i] + task_blocks_, n_blocks_)); });
     }
 
   private:
-    static constexpr int task_blocks = 16;
     int unknown(int block, int slot, int lane) const {
         return index_[(static_cast<std::size_t>(block) * n_slots_ + slot) * slot_lanes + lane];
     }
     bool couples(int a, int b) const { return a < apart_ || b < apart_; }
+    int n_tasks() const { return (n_blocks_ + task_blocks_ - 1) / task_blocks_; }
     void colour_tasks();
 
-    int n_, n_slots_, apart_, n_blocks_;
+    int n_, n_slots_, apart_, n_blocks_, task_blocks_;
     std::vector<int> index_;
     std::vector<std::int64_t> row_, length_;
     std::vector<std::uint16_t> offset_;

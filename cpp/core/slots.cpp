@@ -4,29 +4,38 @@ namespace visviva {
 
 namespace {
 constexpr int L8 = slot_lanes;
-}
+// Two tasks share rows of the matrix, which then come from memory twice: tasks are as large as leaves some of
+// one colour to each of a few threads. Meshes numbered at random need small ones.
+constexpr int fewest_blocks = 16, most_tasks = 16, fewest_of_a_colour = 4;
+}  // namespace
 
 Slots::Slots(const int* index, int n, int n_slots, int apart)
     : n_(n), n_slots_(n_slots), apart_(apart), n_blocks_((n + L8 - 1) / L8) {
     in_lanes(index_, index, n_slots, n);
+    task_blocks_ = std::max(fewest_blocks, (n_blocks_ + most_tasks - 1) / most_tasks);
     colour_tasks();
+    while (task_blocks_ > fewest_blocks &&
+           n_tasks() < fewest_of_a_colour * static_cast<int>(colours_.size())) {
+        task_blocks_ = std::max(fewest_blocks, task_blocks_ / 2);
+        colour_tasks();
+    }
 }
 
 void Slots::colour_tasks() {
-    const int n_tasks = (n_blocks_ + task_blocks - 1) / task_blocks;
+    colours_.clear();
     const int last = index_.empty() ? 0 : *std::max_element(index_.begin(), index_.end());
     std::vector<std::vector<char>> used(last + 1);  // per unknown: colours that touch it
-    for (int t = 0; t < n_tasks; ++t) {
+    for (int t = 0; t < n_tasks(); ++t) {
         const std::int64_t size = static_cast<std::int64_t>(n_slots_) * L8;
-        const auto first = index_.begin() + t * task_blocks * size,
-                   end = index_.begin() + std::min<std::int64_t>((t + 1) * task_blocks, n_blocks_) * size;
+        const auto first = index_.begin() + t * task_blocks_ * size,
+                   end = index_.begin() + std::min<std::int64_t>((t + 1) * task_blocks_, n_blocks_) * size;
         std::vector<char> taken(colours_.size() + 1, 0);
         for (auto u = first; u != end; ++u)
             for (std::size_t c = 0; c < used[*u].size(); ++c) taken[c] |= used[*u][c];
         const auto colour =
             static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
         if (colour == colours_.size()) colours_.push_back({});
-        colours_[colour].push_back(t * task_blocks);
+        colours_[colour].push_back(t * task_blocks_);
         for (auto u = first; u != end; ++u) {
             used[*u].resize(std::max(used[*u].size(), colour + 1), 0);
             used[*u][colour] = 1;
