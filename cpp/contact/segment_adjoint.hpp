@@ -5,7 +5,8 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// Adjoints of an outline's coefficients: x, y, z, u, v of both facets, and corners of the polygon.
+/// Adjoints of an outline's coefficients: x, y, z, u, v of both facets, and corners of the polygon with
+/// its centroid.
 template <class T>
 struct OutlineAdjoint {
     T f1[5][4], f2[5][4];
@@ -87,13 +88,12 @@ inline PointAdjoint<T> back(const Outline<T>& o, const Covectors& u, const Local
 
 /// Adjoints of all coefficients for K sets of covectors; `also(w, l1, gap)` sees every point.
 template <class T, int K, class Also>
-inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>* bar, Also also) {
-    bool any = false;
-    for (int k = 1; k + 1 < o.polygon.n; ++k) {
-        const Planar<T>&a = o.polygon.p[0], ab = o.polygon.p[k] - a, ac = o.polygon.p[k + 1] - a;
+inline void back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>* bar, Also also) {
+    const int n = o.polygon.n;
+    for (int k = 0; k < n; ++k) {
+        const int next = o.polygon.after(k);
+        const Planar<T>&a = o.polygon.p[n], ab = o.polygon.p[k] - a, ac = o.polygon.p[next] - a;
         const T whole = 0.5 * cross(ab, ac), area = o.weight * whole;
-        if (!(value(whole) > o.least)) continue;
-        any = true;
         T area_bar[K] = {};
         for (const TrianglePoint& g : triangle_points) {
             const Planar<T> p = {a.x + g.a * ab.x + g.b * ac.x, a.y + g.a * ab.y + g.b * ac.y};
@@ -105,7 +105,7 @@ inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>*
                 const PointAdjoint<T> r = back(o, u[s], l1, l2, w, gap, bar[s]);
                 add_to(area_bar[s], g.w * r.w);
                 const double share[3] = {1 - g.a - g.b, g.a, g.b};
-                const int corner[3] = {0, k, k + 1};
+                const int corner[3] = {n, k, next};
                 for (int c = 0; c < 3; ++c)
                     add_to(bar[s].p[corner[c]].x, share[c] * r.p.x),
                         add_to(bar[s].p[corner[c]].y, share[c] * r.p.y);
@@ -117,11 +117,10 @@ inline bool back_all(const Outline<T>& o, const Covectors* u, OutlineAdjoint<T>*
             const T bx = half * ac.y, by = (-1.0) * (half * ac.x), cx = (-1.0) * (half * ab.y),
                     cy = half * ab.x;
             Planar<T>* p = bar[s].p;
-            add_to(p[k].x, bx), add_to(p[k].y, by), add_to(p[k + 1].x, cx), add_to(p[k + 1].y, cy);
-            add_to(p[0].x, (-1.0) * (bx + cx)), add_to(p[0].y, (-1.0) * (by + cy));
+            add_to(p[k].x, bx), add_to(p[k].y, by), add_to(p[next].x, cx), add_to(p[next].y, cy);
+            add_to(p[n].x, (-1.0) * (bx + cx)), add_to(p[n].y, (-1.0) * (by + cy));
         }
     }
-    return any;
 }
 
 }  // namespace visviva::VISVIVA_ISA

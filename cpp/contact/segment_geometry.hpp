@@ -142,11 +142,32 @@ inline void corner_shapes(int n, const Local<T>& l, T* N) {
     }
 }
 
-/// The common polygon of two convex ones, the second given clockwise (Sutherland & Hodgman 1974).
+/// The common polygon of two convex ones, the second given clockwise (Sutherland & Hodgman 1974). Behind its
+/// corners stands its centroid, about which it is cut into triangles: they change smoothly where corners come
+/// and go, and so do integrals that are not exact.
 template <class T>
 struct Polygon {
     Planar<T> p[2 * segment_corners];
     int n = 0;
+
+    int after(int k) const { return k + 1 < n ? k + 1 : 0; }
+
+    // False where there is no area.
+    bool find_centroid(double least) {
+        T area = cross(p[1] - p[0], p[2] - p[0]);
+        Planar<T> moment = {area * ((p[1].x - p[0].x) + (p[2].x - p[0].x)),
+                            area * ((p[1].y - p[0].y) + (p[2].y - p[0].y))};
+        for (int k = 2; k + 1 < n; ++k) {
+            const Planar<T> b = p[k] - p[0], c = p[k + 1] - p[0];
+            const T part = cross(b, c);
+            area = area + part;
+            moment = {moment.x + part * (b.x + c.x), moment.y + part * (b.y + c.y)};
+        }
+        if (!(value(area) > 2 * least)) return false;
+        const T i = (1.0 / 3) * reciprocal(area);
+        p[n] = {p[0].x + i * moment.x, p[0].y + i * moment.y};
+        return true;
+    }
 
     void clip(const Planar<T>& a, const Planar<T>& b, double slack) {
         const Polygon old = *this;
@@ -209,7 +230,6 @@ struct Outline {
     Polygon<T> polygon;
     Facet<T> f1, f2;
     T weight;
-    double least;  // smaller triangles count as none
 };
 
 template <class T>
@@ -245,9 +265,8 @@ inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<
     polygon.n = n1;
     for (int k = 0; k < n1; ++k) polygon.p[k] = q1[k];
     for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k) polygon.clip(q2[(k + 1) % n2], q2[k], 1e-12 * size);
-    if (polygon.n < 3) return {};
-    return Outline<T>{polygon, Facet<T>::make(first, q1, n1), Facet<T>::make(second, q2, n2), *w,
-                      1e-14 * size};
+    if (polygon.n < 3 || !polygon.find_centroid(1e-14 * size)) return {};
+    return Outline<T>{polygon, Facet<T>::make(first, q1, n1), Facet<T>::make(second, q2, n2), *w};
 }
 
 /// Calls each(weight, N of the first facet, N of the second, x2 - x1) at every quadrature point of a segment.
@@ -255,12 +274,10 @@ template <class T, class F>
 inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int n2, double reach, F each) {
     const auto o = outline(first, n1, second, n2, reach);
     if (!o) return false;
-    bool any = false;
-    for (int k = 1; k + 1 < o->polygon.n; ++k) {
-        const Planar<T>&a = o->polygon.p[0], ab = o->polygon.p[k] - a, ac = o->polygon.p[k + 1] - a;
+    const Polygon<T>& polygon = o->polygon;
+    for (int k = 0; k < polygon.n; ++k) {
+        const Planar<T>&a = polygon.p[polygon.n], ab = polygon.p[k] - a, ac = polygon.p[polygon.after(k)] - a;
         const T area = 0.5 * cross(ab, ac);
-        if (!(value(area) > o->least)) continue;
-        any = true;
         for (const TrianglePoint& g : triangle_points) {
             const Planar<T> p = {a.x + g.a * ab.x + g.b * ac.x, a.y + g.a * ab.y + g.b * ac.y};
             const Local<T> l1 = inverted(o->f1, p), l2 = inverted(o->f2, p);
@@ -269,7 +286,7 @@ inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int 
             each(g.w * (o->weight * area), N1, N2, o->f2.position(l2) - o->f1.position(l1));
         }
     }
-    return any;
+    return true;
 }
 
 /// Points and weights on (0, 1), exact to fifth order.

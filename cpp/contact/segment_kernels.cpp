@@ -150,9 +150,9 @@ Facet<T> values(const Facet<R>& f) {
 }
 template <class T, class R>
 Outline<T> values(const Outline<R>& o) {
-    Outline<T> r{{}, values<T>(o.f1), values<T>(o.f2), stripped(o.weight), o.least};
+    Outline<T> r{{}, values<T>(o.f1), values<T>(o.f2), stripped(o.weight)};
     r.polygon.n = o.polygon.n;
-    for (int k = 0; k < o.polygon.n; ++k)
+    for (int k = 0; k <= o.polygon.n; ++k)
         r.polygon.p[k] = {stripped(o.polygon.p[k].x), stripped(o.polygon.p[k].y)};
     return r;
 }
@@ -175,17 +175,17 @@ bool differentiate_3d(const FacetPair& p, Seed coordinate, const Covectors* u, A
     const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
     if (!o) return false;
     OutlineAdjoint<T> bar[K] = {};
-    const bool any = back_all<T, K>(values<T>(*o), u, bar, also);
-    for (int s = 0; any && s < K; ++s) {
+    back_all<T, K>(values<T>(*o), u, bar, also);
+    for (int s = 0; s < K; ++s) {
         seed(o->f1, bar[s].f1, s), seed(o->f2, bar[s].f2, s);
         add_to(R::tape().adjoint(o->weight.id, s), bar[s].weight);
-        for (int k = 0; k < o->polygon.n; ++k) {
+        for (int k = 0; k <= o->polygon.n; ++k) {
             add_to(R::tape().adjoint(o->polygon.p[k].x.id, s), bar[s].p[k].x);
             add_to(R::tape().adjoint(o->polygon.p[k].y.id, s), bar[s].p[k].y);
         }
     }
     R::tape().walk_back(N);
-    return any;
+    return true;
 }
 
 // The same for edges, all of it on the tape.
@@ -246,12 +246,12 @@ bool gradient_3d(const FacetPair& p, const Covectors* u, Also also, Segment& s) 
     const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
     if (!o) return false;
     OutlineAdjoint<double> bar[facet_corners] = {};
-    if (!back_all<double, facet_corners>(values<double>(*o), u, bar, also)) return false;
+    back_all<double, facet_corners>(values<double>(*o), u, bar, also);
     for (int a = 0; a < p.n_first; ++a) {
         double* g = s.g[a];
         std::fill_n(g, N, 0.0);
         chain(o->f1, bar[a].f1, g), chain(o->f2, bar[a].f2, g), chain(o->weight, bar[a].weight, g);
-        for (int k = 0; k < o->polygon.n; ++k)
+        for (int k = 0; k <= o->polygon.n; ++k)
             chain(o->polygon.p[k].x, bar[a].p[k].x, g), chain(o->polygon.p[k].y, bar[a].p[k].y, g);
     }
     return true;

@@ -20,9 +20,10 @@ void add(double weight, const double* N1, int n1, const double* N2, int n2, std:
 
 void add_triangle(const once::Outline<double>& o, int k, const FacetPair& pair,
                   const std::vector<RulePoint>& rule, std::vector<SegmentPoint>& out) {
-    const Planar<double>&a = o.polygon.p[0], ab = o.polygon.p[k] - a, ac = o.polygon.p[k + 1] - a;
+    const once::Polygon<double>& polygon = o.polygon;
+    const Planar<double>&a = polygon.p[polygon.n], ab = polygon.p[k] - a,
+          ac = polygon.p[polygon.after(k)] - a;
     const double area = 0.5 * cross(ab, ac);
-    if (!(area > o.least)) return;
     for (const RulePoint& g : rule) {
         const Planar<double> p = {a.x + g.a * ab.x + g.b * ac.x, a.y + g.a * ab.y + g.b * ac.y};
         double N1[facet_corners], N2[facet_corners];
@@ -46,7 +47,7 @@ void add_points(const FacetPair& pair, const std::vector<RulePoint>& rule, std::
         return;
     }
     const auto o = once::outline(x, pair.n_first, second, pair.n_second, pair.reach);
-    for (int k = 1; o && k + 1 < o->polygon.n; ++k) add_triangle(*o, k, pair, rule, out);
+    for (int k = 0; o && k < o->polygon.n; ++k) add_triangle(*o, k, pair, rule, out);
 }
 
 }  // namespace visviva
