@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solid_parts import block
 
 import visviva as vv
-from visviva.model import Field
+from visviva.field import Field
 
 Array = NDArray[np.float64]
 

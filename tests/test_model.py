@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva import model
+from visviva import stencil
 
 
 def bodies(n: int) -> list[vv.RigidBody]:
@@ -19,8 +19,8 @@ def bodies(n: int) -> list[vv.RigidBody]:
 
 def test_equal_bodies_share_the_stencil_of_their_rigidity(monkeypatch: pytest.MonkeyPatch) -> None:
     compiled = []
-    stencil = model.stencil
-    monkeypatch.setattr(model, "stencil", lambda strains: compiled.append(strains) or stencil(strains))
+    compile_strains = stencil.stencil
+    monkeypatch.setattr(stencil, "stencil", lambda s: compiled.append(s) or compile_strains(s))
     system = vv.System(bodies(20))
     assert len(compiled) == 1
     assert len(system.model.elements) == 20

@@ -69,6 +69,7 @@ from .mesh.generate import (
 )
 from .mesh.mesh import Mesh
 from .mesh.read import MeshFile
+from .newton import Newton, StepFailure
 from .probe import (
     Displacement,
     Extreme,
@@ -95,7 +96,7 @@ from .scheme import (
 from .solve import march, simulate
 from .statics import equilibrium
 from .study import Study
-from .system import Newton, StepFailure, System
+from .system import System
 from .term import Term
 from .timefunction import TimeFunction
 from .user import Constraint, GeneralizedForce, Potential, UserTerm

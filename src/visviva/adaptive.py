@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError
-from visviva.system import StepFailure
+from visviva.newton import StepFailure
 
 if TYPE_CHECKING:
     from visviva.scheme import Scheme

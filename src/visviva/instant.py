@@ -24,7 +24,7 @@ from visviva import _core
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.model import Prescription
+    from visviva.field import Prescription
     from visviva.system import System
 
 Array = NDArray[np.float64]

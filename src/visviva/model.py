@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from visviva import _core
 from visviva.batch import along, book, strain_batch
 from visviva.errors import InputError
-from visviva.form import Form, Strain, Vector, strain
+from visviva.field import Field, Prescription
+from visviva.form import Form, Strain, strain
 from visviva.law import Law, LawKind
 from visviva.timefunction import TimeFunction
 
@@ -25,121 +25,12 @@ Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)
-class Field:
-    """A block of unknowns with its order in time: 2 motion, 1 transport, 0 algebraic.
-
-    Attributes
-    ----------
-    start, size : int
-        The unknowns ``start ... start + size - 1`` of the system.
-    scale : float
-        A change of this size is large (length of the model, 1 for directors and angles); 0: not judged.
-    stage : int
-        Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 couples only those.
-    block : object
-        Unknowns of equal block are eliminated together; by default the component.
-    fixed : bool array
-        Unknowns that keep their values and have no equation.
-    node : int
-        So many consecutive unknowns make up a node of a mesh.
-    definite : bool
-        Whether the energy is least in them; not so for pressures.
-    element : int array (size,)
-        The only element that touches each unknown, which is eliminated with that element's equations before the
-        others are solved; -1 if several do. An element's own unknowns follow each other.
-    amount : bool
-        Of order 1: whether the ledger counts what they store by itself (heat), not by half its square as for
-        velocities. It decides what flows in through those that are held.
-    symmetric : bool
-        Whether the tangent is so, in statics at least; not where something is carried along.
-    """
-
-    component: Component
-    name: str
-    order: int
-    start: int
-    values: Array
-    rates: Array
-    scale: Array
-    stage: int
-    multiplier: bool
-    block: Any
-    fixed: NDArray[np.bool_]
-    node: int = 1
-    definite: bool = True
-    amount: bool = True
-    symmetric: bool = True
-    element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
-
-    def __post_init__(self) -> None:
-        if len(self.element) == 0:
-            self.element = np.full(self.size, -1, dtype=np.int32)
-
-    @property
-    def is_local(self) -> bool:
-        """Whether elements eliminate all of its unknowns."""
-        return self.size > 0 and bool(np.all(self.element >= 0))
-
-    @property
-    def size(self) -> int:
-        return len(self.values)
-
-    @property
-    def unknowns(self) -> range:
-        return range(self.start, self.start + self.size)
-
-    @property
-    def supply(self) -> int:
-        """What held unknowns take in from the force r that holds them, see the core's `Supply`."""
-        return 0 if self.order != 1 else 1 + self.amount
-
-    def form(self, k: int = 0) -> Form:
-        """The `k`-th unknown as a form."""
-        return Form(((self.start + k, 1.0),))
-
-    def vector(self, node: int = 0) -> Vector:
-        """Three unknowns as a vector."""
-        return Vector.of(self.start + 3 * node)
-
-
-@dataclass(eq=False)
 class Account:
     """A place in the ledger: whose energy or work of which kind."""
 
     component: int
     kind: str
     category: str  # kinetic, potential, work, dissipation, constraint
-
-
-@dataclass(eq=False)
-class Prescription:
-    """Fixed unknowns that move as a function of time says.
-
-    Attributes
-    ----------
-    unknowns : int array (k,)
-    values : callable
-        Their values (k,) at a time.
-    rates : callable
-        Their rates (k,) just after a time.
-    account : int
-        Where the work of what moves them is booked.
-    supply : int
-        See `Field.supply`.
-    """
-
-    component: Component
-    unknowns: NDArray[np.int32]
-    values: Callable[[float], Array]
-    rates: Callable[[float], Array]
-    account: int
-    supply: int
-
-    def acceleration(self, time: float) -> Array:
-        """Second derivatives (k,) of the values just after a time, by differences forward."""
-        d = 1e-3 * max(1.0, abs(time))
-        f = [self.values(time + k * d) for k in range(5)]
-        return (35 * f[0] - 104 * f[1] + 114 * f[2] - 56 * f[3] + 11 * f[4]) / (12 * d * d)
 
 
 @dataclass(eq=False)
@@ -450,130 +341,3 @@ class Model:
         exact = listed if all(isinstance(s, Strain) for s in listed) else [strain(s) for s in listed]
         number = self.index(component)
         self.elements.append(Element(exact, law, multipliers, signals or [-1], account, number, shift))
-
-
-# --- hand-over to the core ----------------------------------------------------------------------------------
-
-
-@dataclass(eq=False)
-class Stencil:
-    """Strains as the core wants them: numbered forms, products, and the unknowns they need."""
-
-    unknowns: list[int]
-    weights: list[float]
-    y_const: list[float]
-    e_const: list[float]
-    forms: tuple[tuple[int, int], ...]
-    quad: tuple[tuple[int, int, int], ...]
-    coefficients: tuple[float, ...]
-    lin: tuple[tuple[int, int], ...]
-
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        """What is equal for all stencils of a batch."""
-        counts = len(self.unknowns), len(self.y_const), len(self.e_const)
-        return (*counts, self.forms, self.quad, self.coefficients, self.lin)
-
-
-def stencil(strains: Sequence[Strain]) -> Stencil:
-    """Compile the strains of an element."""
-    forms: dict[Form, int] = {}
-    unknowns: dict[int, int] = {}
-
-    def number(form: Form) -> int:
-        row = forms.setdefault(form, len(forms))
-        if row == len(forms) - 1:
-            for u, _ in form.weights:
-                unknowns.setdefault(u, len(unknowns))
-        return row
-
-    quad, coefficients, lin = [], [], []
-    for i, e in enumerate(strains):
-        for c, a, b in e.products:
-            quad.append((i, number(a), number(b)))
-            coefficients.append(c)
-        if e.linear.weights:
-            lin.append((i, number(Form(e.linear.weights))))
-    entries = sorted([(unknowns[u], row, w) for form, row in forms.items() for u, w in form.weights])
-    return Stencil(
-        list(unknowns),
-        [w for _, _, w in entries],
-        [f.constant for f in forms],
-        [e.linear.constant for e in strains],
-        tuple([(row, col) for col, row, _ in entries]),
-        tuple(quad),
-        tuple(coefficients),
-        tuple(lin),
-    )
-
-
-def _columns(rows: Sequence[Sequence[float]], dtype: type = np.float64) -> NDArray[Any]:
-    """From one row per element to element-fastest storage."""
-    return np.ascontiguousarray(np.array(rows, dtype=dtype).reshape(len(rows), -1).T)
-
-
-def strain_terms(model: Model) -> list[_core.Term]:
-    """Batches of equal stencils, in order of first appearance."""
-    groups: dict[tuple[Any, ...], list[tuple[Stencil, Element]]] = defaultdict(list)
-    rigidity = {unknown for body in model.rigid for unknown in body[12:]}
-    compiled: dict[int, tuple[Stencil, tuple[Any, ...]]] = {}  # by identity: many elements share strains
-    for element in model.elements:
-        known = compiled.get(id(element.strains))
-        if known is None:
-            s = stencil(element.strains)
-            known = compiled[id(element.strains)] = s, s.structure
-        s, structure = known
-        law, n_multipliers = element.law, len(element.multipliers)
-        like = law.kind, len(law.parameters), law.callback, n_multipliers, len(element.signals)
-        groups[not rigidity.isdisjoint(element.multipliers), like, structure].append((s, element))
-    return [strain_term(model, is_rigidity, members) for (is_rigidity, *_), members in groups.items()]
-
-
-def strain_term(model: Model, is_rigidity: bool, members: list[tuple[Stencil, Element]]) -> _core.Term:
-    """One batch."""
-    s, first = members[0]
-    stencils, elements = zip(*members, strict=True)
-    index = [[u + e.shift for u in s.unknowns] + list(e.multipliers) for s, e in members]
-    n_multipliers = len(first.multipliers)
-    term = _core.StrainTerm(
-        [len(s.unknowns), len(s.y_const), len(s.e_const), n_multipliers, first.law.kind],
-        np.array(s.forms, dtype=np.int32).reshape(-1, 2),
-        np.array(s.quad, dtype=np.int32).reshape(-1, 3),
-        np.array(s.coefficients, dtype=float),
-        np.array(s.lin, dtype=np.int32).reshape(-1, 2),
-        np.ones(len(s.lin)),
-        _columns(index, np.int32),
-        _columns([s.weights for s in stencils]),
-        _columns([s.y_const for s in stencils]),
-        _columns([s.e_const for s in stencils]),
-        _columns([e.law.parameters for e in elements]),
-        _columns([e.signals for e in elements], np.int32),
-    )
-    if first.law.callback is not None:
-        term.set_callback(first.law.callback)
-    term.is_rigidity = is_rigidity
-    term.name = model.components[first.component].label
-    book(term, [e.account for e in elements], [e.component for e in elements], len(members))
-    return term
-
-
-def inertia_terms(model: Model) -> list[_core.Term]:
-    """Batches of equal mass stencils."""
-    groups: dict[tuple[Any, ...], list[tuple[Any, ...]]] = defaultdict(list)
-    for key, *rest in model.masses:
-        groups[key].append(tuple(rest))
-    terms: list[_core.Term] = []
-    for (order, nodes, dim, pairs, positions), members in groups.items():
-        index, mass, account, component = (list(c) for c in zip(*members, strict=True))
-        term = _core.InertiaTerm(
-            order,
-            nodes,
-            dim,
-            np.array(pairs, dtype=np.int32),
-            _columns(mass),
-            _columns(index, np.int32),
-            np.array(positions, dtype=np.int32),
-        )
-        book(term, account, component, len(members))
-        terms.append(term)
-    return terms

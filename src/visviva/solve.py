@@ -14,9 +14,10 @@ from visviva.adaptive import Adaptive, adaptive_steps
 from visviva.errors import InputError
 from visviva.freedom import refuse_free
 from visviva.ledger import Bookkeeper
+from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
-from visviva.system import StepFailure, System
+from visviva.system import System
 
 Array = NDArray[np.float64]
 

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from visviva.errors import InputError, RunError
 from visviva.instant import Instant, instant
 from visviva.ledger import Bookkeeper
+from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import NONE, Static
 from visviva.solve import begin, keep, record
-from visviva.system import StepFailure, System
+from visviva.system import System
 
 Array = NDArray[np.float64]
 

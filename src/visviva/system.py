@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, RunError, VisvivaError
+from visviva.field import Field
 from visviva.form import Form, Strain, Vector
-from visviva.linear import Automatic, LinearOptions, Problem, rigid_motions
-from visviva.model import Field, Model, inertia_terms, strain_terms
+from visviva.linear import Automatic, Problem, rigid_motions
+from visviva.model import Model
+from visviva.newton import Newton, StepFailure
 from visviva.scheme import EnergyMomentum, Scheme, Static
+from visviva.stencil import inertia_terms, strain_terms
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -33,85 +36,12 @@ STATIC = 100.0
 
 
 @dataclass(frozen=True)
-class Newton:
-    """How a step's equations are solved.
-
-    Parameters
-    ----------
-    tolerance : float
-        Largest estimated error of an accepted iterate, relative to each unknown's own scale and to how far
-        the step goes.
-    max_iterations : int
-        After this many the step has failed.
-    keep_factor : float
-        A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a
-        new tangent in every iteration.
-    tangents : int
-        So many iterations at the start of every step make tangents of their own, whatever the contraction: where
-        steps are predicted badly, the first tangent is not worth keeping.
-    null_space : bool or None
-        Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
-    regularization : float
-        Taken off the scaled diagonal of redundant constraints, so that the tangent stays regular.
-    linear : Automatic, Direct or Iterative
-        How the linear systems are solved; None chooses by size and kind of the system. What was chosen, and
-        why, stands in `System.linear_explanation`.
-    """
-
-    tolerance: float = 1e-13
-    max_iterations: int = 25
-    keep_factor: float = 0.3
-    tangents: int = 0
-    null_space: bool | None = None
-    regularization: float = 1e-13
-    linear: LinearOptions | None = None
-
-    def __post_init__(self) -> None:
-        for name, least, most in (
-            ("tolerance", 1e-300, 1.0),
-            ("max_iterations", 1, 1e9),
-            ("keep_factor", 0.0, 1.0),
-            ("tangents", 0, 1e9),
-            ("regularization", 0.0, 1.0),
-        ):
-            value = getattr(self, name)
-            if not least <= value <= most:
-                raise InputError(f"Newton: {name} = {value} is not a number from {least:g} to {most:g}")
-
-
-@dataclass(frozen=True)
 class Attempt:
     """A step whose equations are solved, with the prescribed functions it saw and the core's report."""
 
     step: Any
     signals: Array
     report: Any
-
-
-class StepFailure(RunError):
-    """A step that did not converge.
-
-    Attributes
-    ----------
-    component, unknown : str
-        Where the last increment was largest.
-    increments : list of float
-        Relative size of the increment in every iteration.
-    trouble : str
-        What components found wrong with the last iterate, such as an inverted element.
-    """
-
-    def __init__(self, system: System, time: float, h: float, report: Any) -> None:
-        self.component, self.unknown = system.describe(report.worst_unknown)
-        self.increments = list(report.increments)
-        self.time, self.h, self.reason = time, h, report.reason
-        self.trouble = system.trouble()
-        history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
-        super().__init__(
-            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; worst is {self.unknown} "
-            f"of {self.component}; relative increments ... {history}. {self.trouble}Try a smaller step, or look at "
-            f"this component's data near t = {time:.4g}"
-        )
 
 
 class System:

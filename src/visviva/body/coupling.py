@@ -16,7 +16,8 @@ from visviva.form import Form, Strain, Vector, dot
 from visviva.values import FaceSet
 
 if TYPE_CHECKING:
-    from visviva.model import Field, Model
+    from visviva.field import Field
+    from visviva.model import Model
 
 Array = NDArray[np.float64]
 

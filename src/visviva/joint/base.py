@@ -18,7 +18,8 @@ from visviva.point import Frame, Point, refuse_uncomposed
 from visviva.values import Vector3
 
 if TYPE_CHECKING:
-    from visviva.model import Field, Model
+    from visviva.field import Field
+    from visviva.model import Model
 
 Array = NDArray[np.float64]
 

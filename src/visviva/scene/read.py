@@ -15,10 +15,11 @@ from visviva.arguments import ArgumentError, told
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, nearest
 from visviva.gallery import Source, plain_value
+from visviva.newton import Newton
 from visviva.scene import language
 from visviva.scene.text import Document, Key, parse
 from visviva.scheme import Scheme
-from visviva.system import Newton, System
+from visviva.system import System
 
 if TYPE_CHECKING:
     from visviva.study import Study

@@ -13,8 +13,8 @@ from pydantic import TypeAdapter
 
 from visviva.adaptive import Adaptive
 from visviva.component import settings
+from visviva.newton import Newton
 from visviva.scene import language
-from visviva.system import Newton
 from visviva.values import VECTOR_SCHEMA
 
 Schema = dict[str, Any]

@@ -13,11 +13,12 @@ from visviva.component import Component
 from visviva.errors import InputError
 from visviva.measure import Reading
 from visviva.mesh.mesh import Mesh
+from visviva.newton import Newton
 from visviva.output.files import replacing, reporting
 from visviva.point import Frame, Point
 from visviva.scene import language
 from visviva.scheme import Scheme
-from visviva.system import Newton, System
+from visviva.system import System
 from visviva.timefunction import TimeFunction
 
 if TYPE_CHECKING:

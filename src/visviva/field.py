@@ -1,0 +1,126 @@
+"""Fields of unknowns, and what moves those that are fixed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.form import Form, Vector
+
+if TYPE_CHECKING:
+    from visviva.component import Component
+
+Array = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Field:
+    """A block of unknowns with its order in time: 2 motion, 1 transport, 0 algebraic.
+
+    Attributes
+    ----------
+    start, size : int
+        The unknowns ``start ... start + size - 1`` of the system.
+    scale : float
+        A change of this size is large (length of the model, 1 for directors and angles); 0: not judged.
+    stage : int
+        Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 couples only those.
+    block : object
+        Unknowns of equal block are eliminated together; by default the component.
+    fixed : bool array
+        Unknowns that keep their values and have no equation.
+    node : int
+        So many consecutive unknowns make up a node of a mesh.
+    definite : bool
+        Whether the energy is least in them; not so for pressures.
+    element : int array (size,)
+        The only element that touches each unknown, which is eliminated with that element's equations before the
+        others are solved; -1 if several do. An element's own unknowns follow each other.
+    amount : bool
+        Of order 1: whether the ledger counts what they store by itself (heat), not by half its square as for
+        velocities. It decides what flows in through those that are held.
+    symmetric : bool
+        Whether the tangent is so, in statics at least; not where something is carried along.
+    """
+
+    component: Component
+    name: str
+    order: int
+    start: int
+    values: Array
+    rates: Array
+    scale: Array
+    stage: int
+    multiplier: bool
+    block: Any
+    fixed: NDArray[np.bool_]
+    node: int = 1
+    definite: bool = True
+    amount: bool = True
+    symmetric: bool = True
+    element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+
+    def __post_init__(self) -> None:
+        if len(self.element) == 0:
+            self.element = np.full(self.size, -1, dtype=np.int32)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether elements eliminate all of its unknowns."""
+        return self.size > 0 and bool(np.all(self.element >= 0))
+
+    @property
+    def size(self) -> int:
+        return len(self.values)
+
+    @property
+    def unknowns(self) -> range:
+        return range(self.start, self.start + self.size)
+
+    @property
+    def supply(self) -> int:
+        """What held unknowns take in from the force r that holds them, see the core's `Supply`."""
+        return 0 if self.order != 1 else 1 + self.amount
+
+    def form(self, k: int = 0) -> Form:
+        """The `k`-th unknown as a form."""
+        return Form(((self.start + k, 1.0),))
+
+    def vector(self, node: int = 0) -> Vector:
+        """Three unknowns as a vector."""
+        return Vector.of(self.start + 3 * node)
+
+
+@dataclass(eq=False)
+class Prescription:
+    """Fixed unknowns that move as a function of time says.
+
+    Attributes
+    ----------
+    unknowns : int array (k,)
+    values : callable
+        Their values (k,) at a time.
+    rates : callable
+        Their rates (k,) just after a time.
+    account : int
+        Where the work of what moves them is booked.
+    supply : int
+        See `Field.supply`.
+    """
+
+    component: Component
+    unknowns: NDArray[np.int32]
+    values: Callable[[float], Array]
+    rates: Callable[[float], Array]
+    account: int
+    supply: int
+
+    def acceleration(self, time: float) -> Array:
+        """Second derivatives (k,) of the values just after a time, by differences forward."""
+        d = 1e-3 * max(1.0, abs(time))
+        f = [self.values(time + k * d) for k in range(5)]
+        return (35 * f[0] - 104 * f[1] + 114 * f[2] - 56 * f[3] + 11 * f[4]) / (12 * d * d)
