@@ -12,6 +12,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,53 @@ class FlowCase:
     def profile(self, y: Array) -> Array:
         """Velocity along the channel at unit strength."""
         return 4.0 * y * (self.height - y) / self.height**2
+
+
+class Discretisation(Protocol):
+    """The case in a code that leaves Newton's method to its user."""
+
+    case: FlowCase
+
+    def begin(self, t: float) -> None:
+        """The state becomes that of the start of a step, with the inflow of its end."""
+
+    def assemble(self) -> None:
+        """Residual and tangent."""
+
+    def advance(self) -> tuple[float, float]:
+        """Solves and takes the increment off; sizes of the velocities in it, and of the velocities."""
+
+    def answer(self) -> float:
+        """Velocity along the channel in its middle."""
+
+
+MOST = 20
+"""Iterations of a step."""
+
+
+def march(flow: Discretisation) -> Record:
+    """March the case by Newton's method."""
+    record, case = Record(), flow.case
+    for k in range(case.steps):
+        with record.timed("cpu"):
+            flow.begin((k + 1) * case.step)
+            iterate(flow, record)
+        record.steps += 1
+    record.note(flow.answer())
+    return record
+
+
+def iterate(flow: Discretisation, record: Record) -> None:
+    """Newton's method for one step."""
+    for _ in range(MOST):
+        with record.timed("assembly"):
+            flow.assemble()
+        with record.timed("solution"):
+            change, whole = flow.advance()
+        record.iterations += 1
+        if change <= flow.case.tolerance * whole:
+            return
+    raise RuntimeError(f"no convergence in {MOST} iterations")
 
 
 Run = Callable[[FlowCase, str], Record]

@@ -25,7 +25,7 @@ def end(parts: list[Any], linear: Any, scheme: vv.Scheme) -> Array:
 
 
 @pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.Static()], ids=str)
-@pytest.mark.parametrize("preconditioner", ["saddle", "incomplete"])
+@pytest.mark.parametrize("preconditioner", ["saddle", "incomplete", "commutator"])
 @pytest.mark.parametrize(
     ("make", "cell"), [(stream, "quad9"), (enclosed, "quad9"), (stream, "hex27"), (stream, "tri3")]
 )

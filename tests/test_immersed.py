@@ -33,7 +33,7 @@ def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
     vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
     places = np.random.default_rng(1).uniform(0.0, 1.0, (40, fluid.dimension))
     v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
-    unknowns, weights = Transfer(fluid).at(places)
+    unknowns, weights = Transfer(fluid).at(fluid.at(places))
     nodes = (unknowns - fluid.flow.start) // fluid.dimension
     expected = (
         np.pad(places, ((0, 0), (0, 3 - fluid.dimension)))
@@ -52,7 +52,7 @@ def test_quadratic_velocities_are_exact_away_from_the_boundary() -> None:
     def field(X: Array) -> Array:
         return np.asarray(X[:, 0] ** 2 - 3 * X[:, 0] * X[:, 1] + 2 * X[:, 1] ** 2)
 
-    unknowns, weights = Transfer(fluid).at(places)
+    unknowns, weights = Transfer(fluid).at(fluid.at(places))
     found = np.sum(weights * field(fluid.points)[(unknowns - fluid.flow.start) // 2], axis=1)
     assert np.allclose(found, field(places), rtol=0, atol=1e-13)
 

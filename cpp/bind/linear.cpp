@@ -115,7 +115,8 @@ void bind_choice(nb::module_& m) {
         .value("incomplete", Preconditioner::incomplete)
         .value("multigrid", Preconditioner::multigrid)
         .value("saddle", Preconditioner::saddle)
-        .value("augmented", Preconditioner::augmented);
+        .value("augmented", Preconditioner::augmented)
+        .value("commutator", Preconditioner::commutator);
     nb::class_<LinearChoice>(m, "LinearChoice")
         .def(nb::init<>())
         .def_rw("backend", &LinearChoice::backend)

@@ -11,7 +11,7 @@ enum class Backend { sparse_lu, cholesky, pardiso, krylov };
 // What is known of the matrix. Definite: symmetric and positive definite.
 enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
-enum class Preconditioner { none, diagonal, block, incomplete, multigrid, saddle, augmented };
+enum class Preconditioner { none, diagonal, block, incomplete, multigrid, saddle, augmented, commutator };
 
 // Aggregates from level to level for the pattern of a matrix and its near-null vectors ([block row * rows +
 // r][mode]).

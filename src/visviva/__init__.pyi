@@ -11,9 +11,10 @@ from .contact.probe import ContactArea, ContactForce, ContactGap, ContactPressur
 from .contact.tying import Tie
 from .eigenmodes import Modes, modes
 from .errors import InputError, RunError, VisvivaError
-from .flow.boundary import FluidTraction, FreeSlip, NoSlip, Outlet, VelocityBoundary
+from .flow.boundary import FreeSlip, NoSlip, VelocityBoundary
 from .flow.fluid import Fluid
 from .flow.immersed import Immersed
+from .flow.opening import FluidTraction, Outlet
 from .flow.probe import Courant, Divergence, FlowField, FlowForce, FlowRate
 from .formula import Formula
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch

@@ -37,6 +37,9 @@ TINY = 10_000
 DENSE_ROWS = 40
 """So many entries per row mean a three-dimensional mesh, whose factors fill."""
 
+DENSE_ROWS_OF_FLOWS = 50
+"""The same for velocities with pressures."""
+
 LARGE = 15_000
 """From so many equations of a three-dimensional mesh multigrid is as fast as factors, and faster in compact bodies."""
 
@@ -53,6 +56,10 @@ FEW_SADDLE = 40
 PRESSED, CLOSE = 5000, 1e-4
 """From so many equations of a three-dimensional mesh GMRES with multigrid is faster than factors where pressures of
 contact stand beside them in statics, and its tolerance: hardly an iteration more of Newton's."""
+
+
+LARGE_FLOW, CLOSE_FLOW = 15_000, 1e-3
+"""From so many equations of a flow in space GMRES is faster than factors, and its tolerance: Newton goes on anyway."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +89,8 @@ class Problem:
         Taken off the scaled diagonal of redundant constraints.
     has_diagonal : bool
         Of unsymmetric tangents: no entry of the diagonal vanishes.
+    has_flow : bool
+        Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
     """
 
     n: int
@@ -95,6 +104,7 @@ class Problem:
     has_inertia: bool = False
     regularization: float = 0.0
     has_diagonal: bool = False
+    has_flow: bool = False
 
     @property
     def kind(self) -> _core.MatrixKind:
@@ -119,6 +129,11 @@ class Problem:
         """The static tangent of a three-dimensional mesh with contact pressures."""
         pressed = self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0 and not self.has_inertia
         return pressed and self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
+
+    @property
+    def is_large_flow(self) -> bool:
+        """A flow in space whose factors fill."""
+        return self.has_flow and self.n >= LARGE_FLOW and self.n_entries > DENSE_ROWS_OF_FLOWS * self.n
 
     @property
     def is_small(self) -> bool:
@@ -244,8 +259,9 @@ class Iterative(LinearOptions):
         "auto": conjugate gradients for symmetric positive definite tangents, else GMRES.
     preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented"}
         "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
-        pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "incomplete":
-        block ILU(0); "multigrid": smoothed aggregation
+        pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "commutator":
+        flows, block triangular with incomplete factors of the velocities and the least-squares commutator of the
+        pressures (SIMPLE where elements are stabilised); "incomplete": block ILU(0); "multigrid": smoothed aggregation
         (``pip install visviva[amg]``), best for statics. "auto" takes
         multigrid where it can, else blocks.
     tolerance : float
@@ -262,7 +278,7 @@ class Iterative(LinearOptions):
 
     method: Literal["auto", "cg", "gmres", "bicgstab"] = "auto"
     preconditioner: Literal[
-        "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented"
+        "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented", "commutator"
     ] = "auto"
     tolerance: float = 1e-6
     max_iterations: int = 500
@@ -270,7 +286,9 @@ class Iterative(LinearOptions):
 
     def __post_init__(self) -> None:
         _one_of(self.method, "method", ("auto", "cg", "gmres", "bicgstab"))
-        known = ("auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented")
+        known = (
+            "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented", "commutator"
+        )  # fmt: skip
         _one_of(self.preconditioner, "preconditioner", known)
         if not 0 < self.tolerance < 1:
             raise InputError(f"tolerance = {self.tolerance} of a linear solver is not between 0 and 1")
@@ -298,6 +316,7 @@ class Iterative(LinearOptions):
         c.method = getattr(_core.KrylovMethod, method)
         c.preconditioner = getattr(_core.Preconditioner, preconditioner)
         c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
+        c.library = mkl_library()
         if preconditioner in ("multigrid", "augmented"):
             from visviva.multigrid import aggregates
 
@@ -310,7 +329,8 @@ class Automatic(LinearOptions):
     """Choose by size, kind of the matrix and what is installed.
 
     Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
-    should that fail, by factors; everything else by factors. In time steps, conjugate gradients with the diagonal
+    should that fail, by factors, large flows in space by GMRES with the commutator of the pressures; everything else by
+    factors. In time steps, conjugate gradients with the diagonal
     alone come first: where steps are short they need a few iterations only. They do so too under discrete gradients,
     the tangents of which are not quite symmetric: what is not is small beside the mass then, and the residual is
     looked at. Where multigrid takes over, GMRES takes the place of conjugate gradients.
@@ -334,6 +354,16 @@ class Automatic(LinearOptions):
         if problem.symmetric and problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
             first.append(
                 Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW_SADDLE)
+            )
+        if problem.is_large_flow:
+            first.append(
+                Iterative(
+                    method="gmres",
+                    preconditioner="commutator",
+                    tolerance=CLOSE_FLOW,
+                    max_iterations=300,
+                    restart=100,
+                )
             )
         if problem.is_pressed and has_multigrid():
             first.append(

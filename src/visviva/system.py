@@ -253,6 +253,7 @@ class System:
             has_inertia=self.has_inertia,
             regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
             has_diagonal=not symmetric and self._has_diagonal(),
+            has_flow=not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields),
         )
 
     def _has_diagonal(self) -> bool:

@@ -1,4 +1,4 @@
-"""Conditions at the boundary of a fluid: walls, prescribed velocities, slip, outlets and tractions."""
+"""Conditions at the boundary of a fluid that hold velocities: walls, prescribed velocities, slip."""
 
 from __future__ import annotations
 
@@ -8,25 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva import _core
 from visviva.component import Component, settings
 from visviva.errors import InputError, RunError
-from visviva.flow.faces import FlowFaces, flow_faces, flux_weights
+from visviva.flow.faces import flow_faces, flux_weights
 from visviva.flow.fluid import Fluid
 from visviva.form import Form
 from visviva.load.force import guarded
-from visviva.timefunction import OfTime, forward_rate
-from visviva.values import FaceSet, Motion, VectorOrFunction
+from visviva.timefunction import forward_rate
+from visviva.values import FaceSet, Motion
 
 if TYPE_CHECKING:
     from visviva.model import Model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-
-SURGE = 10.0
-"""Fluid that comes in through an opening this many times as fast as anything at the start is told of."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -244,135 +239,3 @@ class FreeSlip(FluidBoundary):
     def _through(self, node: int, normal: Array) -> Form:
         first = int(self.fluid.node_unknowns(node))
         return Form(tuple((first + c, float(n)) for c, n in enumerate(normal) if n != 0.0))
-
-
-@dataclass(config=settings, eq=False, kw_only=True)
-class Open(FluidBoundary):
-    """Base of faces with tractions; kinetic energy leaves through them, and none enters."""
-
-    rank: ClassVar[int] = 3
-    is_developed: ClassVar[bool] = False
-    """Whether parallel streams pass undisturbed."""
-
-    @property
-    def is_open(self) -> bool:
-        return True
-
-    def traction_at(self, time: float, p: FlowFaces) -> Array:
-        """Force per area (m, q, 3) on the fluid."""
-        raise NotImplementedError
-
-    def trouble(self, x: Array) -> str:
-        """Where fluid comes in much faster than anything moved at the start."""
-        v, usual = self.fluid.velocities(x)[:, : self.fluid.dimension], float(np.max(self.fluid.flow.scale))
-        fastest, place = 0.0, np.zeros(3)
-        for p in flow_faces(self.fluid.grid, self.chosen):
-            outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)
-            into = -np.sum(np.einsum("mqk,mkd->mqd", p.N, v[p.nodes]) * outward, axis=2)
-            if into.max(initial=0.0) > fastest:
-                fastest, place = float(into.max()), p.X.reshape(-1, 3)[np.argmax(into)]
-        if fastest < SURGE * usual:
-            return ""
-        where = place[: self.fluid.dimension].round(6).tolist()
-        return (
-            f"{self.label}: fluid comes back in at {where} with {fastest:.3g}, where {usual:.3g} was the largest "
-            "speed at the start; move this boundary downstream of the eddies, raise what is outside slower, or shorten "
-            "the step"
-        )
-
-    def contribute(self, model: Model) -> None:
-        model.index(self.fluid)
-        self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
-        for p in flow_faces(self.fluid.grid, self.chosen):
-            viscosity = self.fluid.viscosity if self.is_developed else 0.0
-            index = np.ascontiguousarray(self.fluid.node_unknowns(p.nodes))
-            term = _core.OpenTerm(self.fluid.density, viscosity, index, p.N, p.gradients, p.normal)
-            load = self._loader(p)
-            self._loads.append(load)
-            term.set_load(load, p.normal.size)
-            term.name = self.label
-            term.book_open(model.account(self, "traction", "work"), model.account(self, "outflow", "work"))
-            model.batch(term)
-
-    def _loader(self, p: FlowFaces) -> Any:
-        def load(time: float, values: Array) -> None:
-            values[:] = self.traction_at(time, p)[:, :, : self.fluid.dimension].ravel()
-
-        return load
-
-
-@dataclass(config=settings, eq=False, kw_only=True)
-class Outlet(Open):
-    """An opening against a pressure, through which parallel streams leave undisturbed ("do nothing").
-
-    Parameters
-    ----------
-    fluid : Fluid
-    faces : str or Faces
-        Name of a set of faces.
-    pressure : number, expression, table or callable
-        Outside, as a function of time, see `TimeFunction`.
-
-    Notes
-    -----
-    ``mu dv/dn - p n = -pressure n``, and where fluid comes back ``- rho/2 (v.n)- v`` besides, which takes off the
-    kinetic energy that it would bring (the directional do-nothing condition of Braack & Mucha 2014).
-
-    Examples
-    --------
-    >>> import visviva as vv
-    >>> water = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), density=1.0, viscosity=1.0)
-    >>> ends = [vv.Outlet(fluid=water, faces="x0", pressure="sin(t)"), vv.Outlet(fluid=water, faces="x1")]
-    >>> walls = [vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1")]
-    >>> system = vv.System([water, *ends, *walls])
-    """
-
-    pressure: OfTime = 0.0
-    is_developed: ClassVar[bool] = True
-
-    def traction_at(self, time: float, p: FlowFaces) -> Array:
-        outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)
-        found = np.zeros(p.X.shape)
-        found[:, :, : self.fluid.dimension] = -self.pressure(time) * outward
-        return found
-
-
-@dataclass(config=settings, eq=False, kw_only=True)
-class FluidTraction(Open):
-    """Faces on which a force per area acts: Cauchy's stress times the outward normal.
-
-    Parameters
-    ----------
-    fluid : Fluid
-    faces : str or Faces
-        Name of a set of faces, or 'all'.
-    traction : (3,) or callable
-        Force per area; or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
-
-    Examples
-    --------
-    >>> import visviva as vv
-    >>> water = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), density=1.0, viscosity=1.0)
-    >>> system = vv.System([water, vv.FluidTraction(fluid=water, faces="all", traction=lambda t, X: -X[:, 1:2] * X)])
-    """
-
-    traction: VectorOrFunction
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        given = callable(self.traction)
-        self._function = guarded(self.label, "traction", self.traction) if given else None
-        if not given and self.fluid.dimension == 2 and self.traction[2] != 0:
-            raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
-
-    def traction_at(self, time: float, p: FlowFaces) -> Array:
-        if self._function is None:
-            return np.broadcast_to(self.traction, p.X.shape)
-        places = p.X.reshape(-1, 3)
-        found = np.asarray(self._function(time, places), dtype=float)
-        if found.shape != places.shape or not np.isfinite(found).all():
-            raise RunError(
-                f"{self.label}: its traction has shape {found.shape} for positions {places.shape}, or is not finite at "
-                f"t = {time:g}"
-            )
-        return found.reshape(p.X.shape)

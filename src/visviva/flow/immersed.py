@@ -18,6 +18,7 @@ from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.flow.fluid import Fluid
+from visviva.flow.location import Place
 from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Cells = NDArray[np.int64]
 
 LEAKY = 1.5
 """Elements of solids that are larger than the cells around them by this factor let the fluid pass."""
@@ -105,7 +107,10 @@ class Immersed(Component):
 
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion
-        places = self.fluid.at(self._inside(self.solid.grid.points, InputError))
+        points = self.solid.grid.points
+        found = self.fluid.location.find(points)
+        self._refuse_outside(points, found[0], InputError)
+        places = Place(self.fluid, points, found)
         start = places.of_nodes(self.fluid.initial_velocities()).ravel()
         motion.rates[:] = np.where(motion.fixed, motion.rates, start)
         model.refresh(motion)
@@ -131,7 +136,7 @@ class Immersed(Component):
         self._displace(model)
         self._compare_sizes(places.cells)
 
-    def _compare_sizes(self, cells: NDArray[np.int64]) -> None:
+    def _compare_sizes(self, cells: Cells) -> None:
         """Warn where the fluid could pass between the nodes of the solid."""
         d = self.solid.dimension
         solid, fluid = (
@@ -148,27 +153,26 @@ class Immersed(Component):
 
     def _finder(self, transfer: Transfer) -> Callable[[Array, bool], tuple[Ints, Array]]:
         def find(places: Array, must: bool) -> tuple[Ints, Array]:
-            inside = self.fluid.location.find(places)[0] >= 0
-            if must and not inside.all():
-                self._inside(places, RunError)
+            cells, xi = self.fluid.location.find(places)
+            inside = cells >= 0
+            if must:
+                self._refuse_outside(places, cells, RunError)
             unknowns = np.full((len(places), transfer.width), -1, dtype=np.int32)
             weights = np.zeros(unknowns.shape)
-            unknowns[inside], weights[inside] = transfer.at(places[inside])
+            unknowns[inside], weights[inside] = transfer.at(
+                Place(self.fluid, places[inside], (cells[inside], xi[inside]))
+            )
             return unknowns, weights
 
         return find
 
-    def _inside(self, places: Array, error: type[VisvivaError]) -> Array:
-        cells, _ = self.fluid.location.find(places)
-        if np.any(cells < 0):
-            k = int(np.argmin(cells))
-            where = ", ".join(f"{c:.4g}" for c in places[k])
-            system = getattr(self, "_system", lambda: None)()
-            when = "" if system is None else f" in the step from t = {system.time:g}"
-            raise error(
-                f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}"
-            )
-        return places
+    def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
+        if np.all(cells >= 0):
+            return
+        where = ", ".join(f"{c:.4g}" for c in places[np.argmin(cells)])
+        system = getattr(self, "_system", lambda: None)()
+        when = "" if system is None else f" in the step from t = {system.time:g}"
+        raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}")
 
     # --- the fluid that is not there --------------------------------------------------------------------------
     def _masses(self, cell: str) -> Array:

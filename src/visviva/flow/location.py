@@ -117,7 +117,7 @@ class Location:
 
 
 class Place:
-    """Places in a fluid.
+    """Places in a fluid; `found` is what `Location.find` gave, if it was asked before.
 
     Attributes
     ----------
@@ -138,9 +138,9 @@ class Place:
         If a place is outside of the fluid.
     """
 
-    def __init__(self, fluid: Fluid, places: Array) -> None:
+    def __init__(self, fluid: Fluid, places: Array, found: tuple[Ints, Array] | None = None) -> None:
         self.fluid, self.places = fluid, places
-        self.cells, xi = fluid.location.find(places)
+        self.cells, xi = found or fluid.location.find(places)
         if np.any(self.cells < 0):
             k = int(np.argmin(self.cells))
             raise InputError(f"{fluid.label}: the place {places[k].tolist()} lies outside of its mesh")

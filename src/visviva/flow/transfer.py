@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
     from visviva.flow.fluid import Fluid
+    from visviva.flow.location import Place
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -39,25 +40,24 @@ class Transfer:
         self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in fluid.grid.cells)
         self.width = self._width()
 
-    def at(self, places: Array) -> tuple[Ints, Array]:
-        """First unknowns (n, width) of velocities at places (n, d) inside, and their weights."""
+    def at(self, places: Place) -> tuple[Ints, Array]:
+        """First unknowns (n, width) of velocities at places, and their weights."""
         if not self._linear:
-            found = self.fluid.at(places)
-            return np.ascontiguousarray(found.unknowns), found.weights
+            return np.ascontiguousarray(places.unknowns), places.weights
         rows = self._rows(places)
-        nodes, weights = np.zeros((2, len(places), self.width))
+        nodes, weights = np.zeros((2, rows.shape[0], self.width))
         nodes[:] = rows.indices[rows.indptr[:-1], None]  # what a place has less than others weighs nothing
         count = np.diff(rows.indptr)
-        place, number = np.repeat(np.arange(len(places)), count), np.arange(rows.nnz)
+        place, number = np.repeat(np.arange(rows.shape[0]), count), np.arange(rows.nnz)
         number -= np.repeat(rows.indptr[:-1], count)
         nodes[place, number], weights[place, number] = rows.indices, rows.data
         return np.ascontiguousarray(self.fluid.node_unknowns(nodes.astype(int))), weights
 
-    def _rows(self, places: Array) -> sp.csr_array:
+    def _rows(self, found: Place) -> sp.csr_array:
         """Weights (n, n_nodes) of nodal velocities."""
         import scipy.sparse as sp
 
-        found, X = self.fluid.at(places), self.fluid.grid.points
+        places, X = found.places, self.fluid.grid.points
         n, k = found.nodes.shape
         place, shape = np.repeat(np.arange(n), k), (n, len(X))
         away = 0.5 * (places[:, None, :] - X[found.nodes])
