@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 import visviva as vv
 from visviva.output.plot import STYLE
-from visviva.output.stage import PALETTE
+from visviva.output.scene import PALETTE
 from visviva.solve import advance, begin
 
 TARGET = Path(__file__).resolve().parent / "pictures" / "schemes.png"

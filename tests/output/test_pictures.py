@@ -12,6 +12,7 @@ from visviva.output import (
 )
 from visviva.output.picture import picture, snapshot
 from visviva.output.plot import energy_plot
+from visviva.output.scene import Scene
 
 
 def test_energy_plot_leaves_matplotlib_alone(tmp_path):
@@ -93,7 +94,7 @@ def test_camera_sees_every_point():
     rng = np.random.default_rng(5)
     for scale in ([1, 1, 1], [20, 1, 1], [1, 1, 30], [1, 1e-9, 1], [1, 1, 0]):
         cloud = rng.normal(size=(200, 3)) * scale + [100, 0, 0]
-        scene = stage.Scene((MARK,), cloud, size=(1280, 720))
+        scene = Scene((MARK,), cloud, size=(1280, 720))
         eye, target, up = (np.array(vector) for vector in scene.fitted_camera(30.0))
         back = (eye - target) / np.linalg.norm(eye - target)
         right = np.cross(up, back) / np.linalg.norm(np.cross(up, back))

@@ -13,7 +13,8 @@ from visviva.errors import InputError, RunError
 from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
 from visviva.output.picture import time_label, trails_until
-from visviva.output.stage import NO_STREAMS, Camera, Scene, open_stage
+from visviva.output.scene import NO_STREAMS, Camera, Scene
+from visviva.output.stage import open_stage
 from visviva.output.trajectory import Trajectory
 
 Image = NDArray[np.uint8]

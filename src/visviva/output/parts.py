@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.output.coloring import COLORS, Coloring
+from visviva.output.scene import INK, Scene
 from visviva.output.skin import skin
-from visviva.output.stage import INK, Scene
 from visviva.output.streamlines import StreamFunction, levels
 from visviva.output.surface import Surface
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
-from visviva.output.stage import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values, open_stage
+from visviva.output.scene import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
+from visviva.output.stage import open_stage
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 

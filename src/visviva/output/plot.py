@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
-from visviva.output.stage import INK, PALETTE
+from visviva.output.scene import INK, PALETTE
 from visviva.output.tables import read_table
 
 Columns = Mapping[str, NDArray[np.float64]]

@@ -11,7 +11,7 @@ from typing import Any
 from visviva.errors import InputError
 from visviva.output.coloring import Coloring
 from visviva.output.picture import time_label, trails_until
-from visviva.output.stage import INK, NO_STREAMS, Scene
+from visviva.output.scene import INK, NO_STREAMS, Scene
 from visviva.output.trajectory import Trajectory
 
 
