@@ -60,3 +60,27 @@ def carried(
 def large(cell: str, **options: Any) -> Components:
     """So large that random displacements turn no element inside out."""
     return carried(cell, 3, 10.0, **{"counts": (2, 1, 1), **options})
+
+
+def body(
+    cell: str = "quad4", n: int = 6, scale: float = 1.0, damping: float = 0.0, **options: Any
+) -> Components:
+    """A rigid block that swirls in a closed box."""
+    fluid = box(cell, n, scale)
+    size, place = scale * np.array((0.3, 0.2, 0.25)), scale * np.array((0.62, 0.5, 0.52))
+    if fluid.dimension == 2:
+        size[2], place[2] = 1.0, 0.0
+    given = {"density": 1.5, "shape": vv.Box(size=tuple(size)), "position": place, **options}
+    block = vv.RigidBody(**given)
+    wet = vv.ImmersedBody(body=block, fluid=fluid, damping=damping)
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), block, wet]
+
+
+def flap(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) -> Components:
+    """The same, hinged to the ground at its left side, with a spring and a damper that turn it back."""
+    parts, ground = body(cell, n, scale, **options), vv.Ground()
+    block: Any = parts[2]
+    at = block.position - scale * np.array((0.15, 0.0, 0.0))
+    hinge = vv.Revolute(a=ground, b=block, at=at)
+    spring, damper = vv.JointSpring(joint=hinge, stiffness=0.02), vv.JointDamper(joint=hinge, damping=0.001)
+    return [*parts, ground, hinge, spring, damper]

@@ -71,7 +71,7 @@ def test_without_stress_and_with_the_fluids_density_nothing_changes() -> None:
 
 
 def test_nodes_move_along_streamlines_to_second_order() -> None:
-    """In a steady straining flow, x = x0 exp(t): the error falls by four as the step is halved."""
+    """In a steady straining flow, x = x0 exp(t): the error falls by four or more as the step is halved."""
 
     def straining(t: float, X: Array) -> Array:
         return (X - [0.5, 0.5, 0.0]) * [1.0, -1.0, 0.0]
@@ -91,8 +91,8 @@ def test_nodes_move_along_streamlines_to_second_order() -> None:
         vv.simulate(system, until=0.4, step=h)
         exact = (solid.points - [0.5, 0.5, 0]) * [np.exp(0.4), np.exp(-0.4), 1] + [0.5, 0.5, 0]
         errors.append(np.abs(solid.positions(system.x) - exact).max())
-    assert errors[-1] < 2e-4
-    assert all(3.8 < a / b < 4.6 for a, b in pairwise(errors))
+    assert errors[-1] < 1e-5
+    assert all(a / b > 3.8 for a, b in pairwise(errors))
 
 
 # --- balances -----------------------------------------------------------------------------------------------
@@ -266,3 +266,15 @@ def test_start_is_the_velocity_of_the_fluid() -> None:
     system = vv.System(parts)
     solid = part(parts, vv.Solid)
     assert np.allclose(solid.velocities(system.v), vortex(solid.points), rtol=0, atol=0.05)
+
+
+def test_velocities_of_the_start_last() -> None:
+    """The check before the first step leaves them alone, so that nothing swings from step to step."""
+    parts = carried("quad9", 4)
+    system = vv.System(parts)
+    solid = part(parts, vv.Solid)
+    before = solid.velocities(system.v)
+    system.check()
+    assert np.abs(solid.velocities(system.v) - before).max() == 0
+    system.step(1e-3)
+    assert np.allclose(solid.velocities(system.v), before, rtol=0, atol=0.02)

@@ -42,9 +42,12 @@ Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t d
 
 void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
-        .def("__init__", [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& position,
-                            const Array<int>& multiplier, nb::object interpolate) {
-            new (t) ImmersedTerm({dim, width, damping, vector_of(position), vector_of(multiplier)},
-                                 interpolation_of(std::move(interpolate), position.size(), dim, width));
+        .def("__init__", [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
+                            const Array<double>& weight, const Array<int>& multiplier,
+                            nb::object interpolate) {
+            const int n = static_cast<int>(multiplier.size()), terms = static_cast<int>(vector.size()) / n;
+            new (t) ImmersedTerm(
+                {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
+                interpolation_of(std::move(interpolate), n, dim, width));
         });
 }

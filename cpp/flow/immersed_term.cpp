@@ -6,24 +6,23 @@
 
 namespace visviva {
 
-ImmersedTerm::ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate)
-    : nodes_(std::move(nodes)), interpolate_(std::move(interpolate)) {
-    const std::size_t n = static_cast<std::size_t>(nodes_.n());
-    now_.unknown.assign(n * nodes_.width, -1), now_.weight.assign(n * nodes_.width, 0.0);
+ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate)
+    : points_(std::move(points)), interpolate_(std::move(interpolate)) {
+    const std::size_t n = static_cast<std::size_t>(points_.n());
+    now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
     at_tangent_ = now_;
-    start_.assign(n * nodes_.dim, 0.0), places_ = start_;
+    start_.assign(n * points_.dim, 0.0), places_ = start_;
 }
 
 template <class F>
 void ImmersedTerm::each(F f) const {
-    for (int k = 0; k < nodes_.n(); ++k)
-        for (int i = 0; i < nodes_.dim; ++i)
-            f(k * nodes_.dim + i, nodes_.position[k] + i, nodes_.multiplier[k] + i, k * nodes_.width, i);
+    for (int k = 0; k < points_.n(); ++k)
+        for (int i = 0; i < points_.dim; ++i) f(k, i, points_.multiplier[k] + i, k * points_.width);
 }
 
 double ImmersedTerm::velocity(const double* v, int first, int i) const {
     double sum = 0;
-    for (int e = first; e < first + nodes_.width; ++e) sum += now_.weight[e] * v[now_.unknown[e] + i];
+    for (int e = first; e < first + points_.width; ++e) sum += now_.weight[e] * v[now_.unknown[e] + i];
     return sum;
 }
 
@@ -36,17 +35,20 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
 // the velocities. It stays through all iterations and attempts of a step.
 bool ImmersedTerm::search(const double* x0, const double* x1) {
     bool same = true, moves = false;
-    each([&](int k, int q, int, int, int) {
-        same = same && start_[k] == x0[q];
-        moves = moves || x1[q] != x0[q];
+    each([&](int k, int i, int, int) {
+        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
+        same = same && start_[k * points_.dim + i] == from, moves = moves || to != from;
     });
     if (!coupled_.empty() && same && (ahead_ || !moves)) return false;
     ahead_ = moves;
-    each([&](int k, int q, int, int, int) { start_[k] = x0[q], places_[k] = 0.5 * (x0[q] + x1[q]); });
+    each([&](int k, int i, int, int) {
+        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
+        start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = 0.5 * (from + to);
+    });
     interpolate_(places_.data(), true, now_.unknown.data(), now_.weight.data());
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
-        known = is_coupled(static_cast<int>(e) / nodes_.width, now_.unknown[e]);
+        known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
     if (!known) couple_ahead(x0, x1);
     return !known;
 }
@@ -75,23 +77,25 @@ bool ImmersedTerm::read_memory(const double*& m) {
     return true;
 }
 
-bool ImmersedTerm::is_coupled(int node, int unknown) const {
-    return std::binary_search(coupled_[node].begin(), coupled_[node].end(), unknown);
+bool ImmersedTerm::is_coupled(int point, int unknown) const {
+    return std::binary_search(coupled_[point].begin(), coupled_[point].end(), unknown);
 }
 
 // The pattern lasts for some steps if it holds what comes next.
 void ImmersedTerm::couple_ahead(const double* x0, const double* x1) {
     constexpr int steps = 3;
-    coupled_.assign(nodes_.n(), {});
+    coupled_.assign(points_.n(), {});
     std::vector<int> unknown = now_.unknown;
     std::vector<double> weight = now_.weight, places = places_;
     for (int step = 0; step <= steps; ++step) {
         if (step > 0) {
-            each([&](int k, int q, int, int, int) { places[k] += x1[q] - x0[q]; });
+            each([&](int k, int i, int, int) {
+                places[k * points_.dim + i] += points_.value(x1, k, i) - points_.value(x0, k, i);
+            });
             interpolate_(places.data(), false, unknown.data(), weight.data());
         }
         for (std::size_t e = 0; e < unknown.size(); ++e)
-            if (unknown[e] >= 0) coupled_[e / nodes_.width].push_back(unknown[e]);
+            if (unknown[e] >= 0) coupled_[e / points_.width].push_back(unknown[e]);
     }
     for (auto& all : coupled_) {
         std::sort(all.begin(), all.end());
@@ -103,9 +107,10 @@ void ImmersedTerm::couple_ahead(const double* x0, const double* x1) {
 template <class F>
 void ImmersedTerm::each_coupled(F f) const {
     if (coupled_.empty()) return;
-    each([&](int k, int q, int m, int, int i) {
-        f(m, q), f(q, m);
-        for (int v : coupled_[k / nodes_.dim]) f(m, v + i), f(v + i, m);
+    each([&](int k, int i, int m, int) {
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            f(m, points_.vector[t] + i), f(points_.vector[t] + i, m);
+        for (int v : coupled_[k]) f(m, v + i), f(v + i, m);
     });
 }
 
@@ -125,10 +130,11 @@ void ImmersedTerm::set_positions(const std::int64_t* positions) {
 
 void ImmersedTerm::residual(const Context& c, double* r) {
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
-    each([&](int, int q, int m, int first, int i) {
-        r[m] += x1[q] - x0[q] - c.step.h * carrying(c, first, i);
-        r[q] += x1[m];
-        for (int e = first; e < first + nodes_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
+    each([&](int k, int i, int m, int first) {
+        r[m] += points_.value(x1, k, i) - points_.value(x0, k, i) - c.step.h * carrying(c, first, i);
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            r[points_.vector[t] + i] += points_.weight[t] * x1[m];
+        for (int e = first; e < first + points_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
     });
 }
 
@@ -136,16 +142,17 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
     const double h = c.step.h * share(c.step);
-    each([&](int k, int, int, int first, int) {
-        const std::vector<int>& all = coupled_[k / nodes_.dim];
-        values[position_[at]] += 1, values[position_[at + 1]] += 1;
-        for (int e = first; e < first + nodes_.width; ++e) {
+    each([&](int k, int, int, int first) {
+        const std::vector<int>& all = coupled_[k];
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            for (int both = 0; both < 2; ++both) values[position_[at++]] += points_.weight[t];
+        for (int e = first; e < first + points_.width; ++e) {
             const auto place = std::lower_bound(all.begin(), all.end(), now_.unknown[e]) - all.begin();
-            const std::size_t to = at + 2 + 2 * static_cast<std::size_t>(place);
+            const std::size_t to = at + 2 * static_cast<std::size_t>(place);
             values[position_[to]] -= h * now_.weight[e];
             values[position_[to + 1]] -= now_.weight[e];
         }
-        at += 2 + 2 * all.size();
+        at += 2 * all.size();
     });
 }
 
@@ -154,13 +161,14 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
 void ImmersedTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
-    each([&](int, int q, int m, int first, int i) {
-        const double apart = x1[q] - x0[q] - c.step.h * carrying(c, first, i);
-        const double ahead = c.step.h * nodes_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
+    each([&](int k, int i, int m, int first) {
+        const double moved = points_.value(x1, k, i) - points_.value(x0, k, i);
+        const double apart = moved - c.step.h * carrying(c, first, i);
+        const double ahead = c.step.h * points_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
         sums.work[account[0]] -= x1[m] * apart;
         sums.work[account[1]] -= x1[m] * ahead;
         defect[0] = std::max(defect[0], std::abs(apart));
-        defect[1] = std::max(defect[1], std::abs(v1[q] - velocity(x1, first, i)));
+        defect[1] = std::max(defect[1], std::abs(points_.value(v1, k, i) - velocity(x1, first, i)));
     });
 }
 

@@ -1,5 +1,6 @@
-// Nodes of a solid that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I (v_theta +
-// damping (v1 - v0)).
+// Points of a body that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I (v_theta +
+// damping (v1 - v0)). A node of a solid is an unknown itself, a point of a rigid body a sum of its origin and
+// directors.
 // The multipliers are the forces that the fluid passes on to the solid.
 #pragma once
 #include <functional>
@@ -12,17 +13,25 @@ namespace visviva {
 /// weights. Outside of it unknowns are -1, or an exception is thrown if they `must` be inside.
 using Interpolation = std::function<void(const double* places, bool must, int* unknown, double* weight)>;
 
-/// Nodes: first unknowns of their positions and multipliers; each follows `width` velocities.
-struct ImmersedNodes {
-    int dim, width;
+/// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
+/// multiplier and follows `width` velocities.
+struct ImmersedPoints {
+    int dim, terms, width;
     double damping;
-    std::vector<int> position, multiplier;
-    int n() const { return static_cast<int>(position.size()); }
+    std::vector<int> vector;
+    std::vector<double> weight;
+    std::vector<int> multiplier;
+    int n() const { return static_cast<int>(multiplier.size()); }
+    double value(const double* x, int point, int i) const {
+        double sum = 0;
+        for (int t = point * terms; t < (point + 1) * terms; ++t) sum += weight[t] * x[vector[t] + i];
+        return sum;
+    }
 };
 
 class ImmersedTerm : public Term {
   public:
-    ImmersedTerm(ImmersedNodes nodes, Interpolation interpolate);
+    ImmersedTerm(ImmersedPoints points, Interpolation interpolate);
 
     bool search(const double* x0, const double* x1) override;
     void write_memory(std::vector<double>& memory) const override;
@@ -35,26 +44,26 @@ class ImmersedTerm : public Term {
     void ledger(const Context&, const double* v1, LedgerSums&) override;
 
   private:
-    /// f(number of the component, unknown of its position, multiplier, first velocity, component)
+    /// f(point, component, multiplier, first velocity)
     template <class F>
     void each(F f) const;
     template <class F>
     void each_coupled(F f) const;
-    bool is_coupled(int node, int unknown) const;
+    bool is_coupled(int point, int unknown) const;
     void couple_ahead(const double* x0, const double* x1);
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
-    double share(const Step& step) const { return step.theta + nodes_.damping; }
+    double share(const Step& step) const { return step.theta + points_.damping; }
 
-    ImmersedNodes nodes_;
+    ImmersedPoints points_;
     Interpolation interpolate_;
-    // [node][width] first unknowns of velocities, and their weights
+    // [point][width] first unknowns of velocities, and their weights
     struct Weights {
         std::vector<int> unknown;
         std::vector<double> weight;
     };
     Weights now_, at_tangent_;
-    std::vector<std::vector<int>> coupled_;  // per node: all velocities in the pattern, sorted
+    std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
     std::vector<double> start_, places_;
     bool ahead_ = false;  // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;

@@ -14,6 +14,7 @@ from .errors import InputError, RunError, VisvivaError
 from .flow.boundary import FreeSlip, NoSlip, VelocityBoundary
 from .flow.fluid import Fluid
 from .flow.immersed import Immersed
+from .flow.immersed_body import ImmersedBody
 from .flow.opening import FluidTraction, Outlet
 from .flow.probe import Courant, Divergence, FlowField, FlowForce, FlowRate
 from .formula import Formula
@@ -160,6 +161,7 @@ __all__ = [
     "HollowTorusMesh",
     "HolzapfelGasserOgden",
     "Immersed",
+    "ImmersedBody",
     "InputError",
     "Iterative",
     "JointCoordinate",

@@ -45,6 +45,8 @@ class Field:
         velocities. It decides what flows in through those that are held.
     symmetric : bool
         Whether the tangent is so, in statics at least; not where something is carried along.
+    lasting : bool
+        Of multipliers: whether their constraints speak of one instant, and not of what happens in a step alone.
     """
 
     component: Component
@@ -62,6 +64,7 @@ class Field:
     definite: bool = True
     amount: bool = True
     symmetric: bool = True
+    lasting: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
 
     def __post_init__(self) -> None:

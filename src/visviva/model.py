@@ -100,6 +100,7 @@ class Model:
         element: ArrayLike = (),
         amount: bool = True,
         symmetric: bool = True,
+        lasting: bool = True,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -127,6 +128,7 @@ class Model:
             definite,
             amount,
             symmetric,
+            lasting,
             local,
         )
         self.fields.append(new)
@@ -199,10 +201,20 @@ class Model:
         return x, v
 
     def multipliers(
-        self, component: Component, name: str, n: int, *, stage: int = 1, block: Any = None
+        self,
+        component: Component,
+        name: str,
+        n: int,
+        *,
+        stage: int = 1,
+        block: Any = None,
+        lasting: bool = True,
     ) -> Field:
         """Unknown multipliers of `n` constraints."""
-        return self.field(component, name, np.zeros(n), order=0, stage=stage, multiplier=True, block=block)
+        zero = np.zeros(n)
+        return self.field(
+            component, name, zero, order=0, stage=stage, multiplier=True, block=block, lasting=lasting
+        )
 
     @property
     def n_unknowns(self) -> int:

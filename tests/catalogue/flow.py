@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from flow_parts import enclosed, stream, torus
-from immersed_parts import large
+from immersed_parts import body, flap, large
 
 from catalogue.entry import NOTHING, Entry
 
@@ -31,4 +31,12 @@ FLOW = [
     Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
     Entry("immersed, damped", lambda: large("quad4", damping=0.1), NOTHING, h=0.02, steps=10),
     Entry("immersed, enhanced", lambda: large("quad4", formulation="enhanced"), NOTHING, h=0.02, steps=10),
+    # immersed rigid bodies
+    *[
+        Entry(f"immersed body, {cell}", partial(body, cell, 3, 10.0), NOTHING, h=0.02, steps=10)
+        for cell in ("quad4", "tri6", "hex8")
+    ],
+    Entry("immersed body, lighter", lambda: body("quad9", 3, 10.0, density=0.4), NOTHING, h=0.02, steps=10),
+    Entry("immersed body, damped", lambda: body("quad4", 3, 10.0, damping=0.1), NOTHING, h=0.02, steps=10),
+    Entry("immersed flap", lambda: flap("quad4", 3, 10.0), NOTHING, h=0.02, steps=10),
 ]

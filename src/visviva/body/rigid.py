@@ -18,6 +18,7 @@ from visviva.values import Matrix, Number, Vector3
 
 if TYPE_CHECKING:
     from visviva.component import Outline
+    from visviva.field import Field
     from visviva.model import Model
 
 Array = NDArray[np.float64]
@@ -113,12 +114,7 @@ class RigidBody(Attachable):
 
     def mass_matrix(self) -> Array:
         """Constant mass (4, 4) between origin and directors: ``[[m, m s], [m s, E]]``, paper eq. (7)."""
-        m, centre, J = self.mass_properties()
-        M = np.empty((4, 4))
-        M[0, 0], M[0, 1:], M[1:, 0] = m, m * centre, m * centre
-        M[1:, 1:] = euler_tensor(J) + m * centre[:, None] * centre
-        M[np.abs(M) < 1e-15 * M.diagonal().max()] = 0.0
-        return M
+        return mass_matrix(self.mass_properties())
 
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
@@ -134,6 +130,11 @@ class RigidBody(Attachable):
     def local_direction(self, d: Array) -> Array:
         D: Array = self.rotation.T @ d
         return D
+
+    @property
+    def motion(self) -> Field:
+        """Its unknowns: origin and directors."""
+        return self._field
 
     @property
     def directors(self) -> tuple[Vector, Vector, Vector]:
@@ -168,6 +169,16 @@ class RigidBody(Attachable):
 
     def surface(self) -> Any:
         return self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())
+
+
+def mass_matrix(properties: MassProperties) -> Array:
+    """Mass (4, 4) between the origin and the directors of a body."""
+    m, centre, J = properties
+    M = np.empty((4, 4))
+    M[0, 0], M[0, 1:], M[1:, 0] = m, m * centre, m * centre
+    M[1:, 1:] = euler_tensor(J) + m * centre[:, None] * centre
+    M[np.abs(M) < 1e-15 * M.diagonal().max()] = 0.0
+    return M
 
 
 def spin(x: float, y: float, z: float) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -16,24 +15,20 @@ from visviva.batch import book
 from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
 from visviva.component import Component, settings
-from visviva.errors import InputError, RunError, VisvivaError
-from visviva.flow.fluid import Fluid
-from visviva.flow.location import Place
-from visviva.flow.transfer import Transfer
+from visviva.errors import InputError
+from visviva.flow.carried import Carried, Cells
 
 if TYPE_CHECKING:
     from visviva.model import Model
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Cells = NDArray[np.int64]
 
 LEAKY = 1.5
 """Elements of solids that are larger than the cells around them by this factor let the fluid pass."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Immersed(Component):
+class Immersed(Carried):
     """A solid within a fluid: its nodes move with the interpolated velocity, paper (31) to (44).
 
     Parameters
@@ -78,12 +73,9 @@ class Immersed(Component):
     """
 
     solid: Solid
-    fluid: Fluid
-    damping: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.damping <= 0.5:
-            raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
+        super().__post_init__()
         if self.solid.dimension != self.fluid.dimension:
             raise InputError(
                 f"{self.label}: {self.solid.label} is of dimension {self.solid.dimension} and {self.fluid.label} of "
@@ -99,38 +91,30 @@ class Immersed(Component):
             raise InputError(f"{self.label}: {self.solid.label} must have the thickness 1 of a plane fluid")
 
     # --- part in the system ---------------------------------------------------------------------------------
+    @property
+    def carried(self) -> Component:
+        return self.solid
+
     def declare(self, model: Model) -> None:
-        model.index(self.solid), model.index(self.fluid)
-        if any(isinstance(c, Immersed) and c is not self and c.solid is self.solid for c in model.components):
-            raise InputError(f"{self.label}: {self.solid.label} is immersed twice")
-        self.force = model.multipliers(self, "force", self.solid.dimension * self.solid.grid.n_nodes)
+        super().declare(model)
+        size = self.solid.dimension * self.solid.grid.n_nodes
+        self.force = model.multipliers(self, "force", size, lasting=False)
 
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion
-        points = self.solid.grid.points
-        found = self.fluid.location.find(points)
-        self._refuse_outside(points, found[0], InputError)
-        places = Place(self.fluid, points, found)
-        start = places.of_nodes(self.fluid.initial_velocities()).ravel()
+        places = self._located(self.solid.grid.points)
+        start = self._velocities(places).ravel()
         motion.rates[:] = np.where(motion.fixed, motion.rates, start)
         model.refresh(motion)
         follows = ~motion.fixed
         model.hold(self.force, np.flatnonzero(~follows))
         self._nodes = np.flatnonzero(follows.reshape(-1, d).any(axis=1))
-        transfer = Transfer(self.fluid)
-        self._find = self._finder(transfer)  # the core does not keep it alive
-        term = _core.ImmersedTerm(
-            d,
-            transfer.width,
-            self.damping,
+        self._follow(
+            model,
             self.solid.node_unknowns(self._nodes),
-            np.asarray(self.force.start + d * self._nodes, dtype=np.int32),
-            self._find,
+            np.ones(len(self._nodes)),
+            self.force.start + d * self._nodes,
         )
-        term.name = self.label
-        lost = model.account(self, "immersed damping", "dissipation")
-        book(term, [model.account(self, "constraint", "constraint"), lost], [model.index(self)] * 2, 2)
-        model.batch(term)
         for k in np.flatnonzero(follows):
             model.depend(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
@@ -150,29 +134,6 @@ class Immersed(Component):
                 f"{int(np.ceil(solid / fluid))} times in every direction",
                 stacklevel=2,
             )
-
-    def _finder(self, transfer: Transfer) -> Callable[[Array, bool], tuple[Ints, Array]]:
-        def find(places: Array, must: bool) -> tuple[Ints, Array]:
-            cells, xi = self.fluid.location.find(places)
-            inside = cells >= 0
-            if must:
-                self._refuse_outside(places, cells, RunError)
-            unknowns = np.full((len(places), transfer.width), -1, dtype=np.int32)
-            weights = np.zeros(unknowns.shape)
-            unknowns[inside], weights[inside] = transfer.at(
-                Place(self.fluid, places[inside], (cells[inside], xi[inside]))
-            )
-            return unknowns, weights
-
-        return find
-
-    def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
-        if np.all(cells >= 0):
-            return
-        where = ", ".join(f"{c:.4g}" for c in places[np.argmin(cells)])
-        system = getattr(self, "_system", lambda: None)()
-        when = "" if system is None else f" in the step from t = {system.time:g}"
-        raise error(f"{self.label}: {self.solid.label} lies outside of {self.fluid.label} at ({where}){when}")
 
     # --- the fluid that is not there --------------------------------------------------------------------------
     def _masses(self, cell: str) -> Array:
@@ -227,6 +188,4 @@ class Immersed(Component):
     # --- results ----------------------------------------------------------------------------------------------
     def forces(self, x: Array) -> Array:
         """Forces (n, 3) of the fluid on the nodes of the solid at the unknowns `x` of the system."""
-        d = self.solid.dimension
-        force = -x[self.force.start : self.force.start + self.force.size].reshape(-1, d)
-        return np.pad(force, ((0, 0), (0, 3 - d)))
+        return self._forces(self.force, x)

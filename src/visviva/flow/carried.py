@@ -1,0 +1,112 @@
+"""What the fluid around it carries along: places that follow its velocities, and the fluid that is not there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.batch import book
+from visviva.component import Component, settings
+from visviva.errors import InputError, RunError, VisvivaError
+from visviva.flow.fluid import Fluid
+from visviva.flow.location import Place
+from visviva.flow.transfer import Transfer
+
+if TYPE_CHECKING:
+    from visviva.field import Field
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Cells = NDArray[np.int64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Carried(Component):
+    """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity."""
+
+    fluid: Fluid
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.damping <= 0.5:
+            raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
+
+    @property
+    def carried(self) -> Component:
+        """The body."""
+        raise NotImplementedError
+
+    def declare(self, model: Model) -> None:
+        model.index(self.carried), model.index(self.fluid)
+        if any(
+            isinstance(c, Carried) and c is not self and c.carried is self.carried for c in model.components
+        ):
+            raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
+
+    def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
+        """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
+        transfer = Transfer(self.fluid)
+        self._find = self._finder(transfer)  # the core does not keep it alive
+        term = _core.ImmersedTerm(
+            self.fluid.dimension,
+            transfer.width,
+            self.damping,
+            np.ascontiguousarray(vectors, dtype=np.int32),
+            np.ascontiguousarray(weights, dtype=float),
+            np.ascontiguousarray(multipliers, dtype=np.int32),
+            self._find,
+        )
+        term.name = self.label
+        lost = model.account(self, "immersed damping", "dissipation")
+        book(term, [model.account(self, "constraint", "constraint"), lost], [model.index(self)] * 2, 2)
+        model.batch(term)
+
+    def _located(self, places: Array) -> Place:
+        """Where places (n, d) of the start are in the fluid."""
+        found = self.fluid.location.find(places)
+        self._refuse_outside(places, found[0], InputError)
+        return Place(self.fluid, places, found)
+
+    def _velocities(self, places: Place) -> Array:
+        """Velocities (n, d) of the fluid at the start."""
+        unknowns, weights = Transfer(self.fluid).at(places)
+        flow, d = self.fluid.flow, self.fluid.dimension
+        nodal = flow.values[unknowns[:, :, None] - flow.start + np.arange(d)]
+        return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
+
+    def _finder(self, transfer: Transfer) -> Callable[[Array, bool], tuple[Ints, Array]]:
+        def find(places: Array, must: bool) -> tuple[Ints, Array]:
+            cells, xi = self.fluid.location.find(places)
+            inside = cells >= 0
+            if must:
+                self._refuse_outside(places, cells, RunError)
+            unknowns = np.full((len(places), transfer.width), -1, dtype=np.int32)
+            weights = np.zeros(unknowns.shape)
+            unknowns[inside], weights[inside] = transfer.at(
+                Place(self.fluid, places[inside], (cells[inside], xi[inside]))
+            )
+            return unknowns, weights
+
+        return find
+
+    def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
+        if np.all(cells >= 0):
+            return
+        where = ", ".join(f"{c:.4g}" for c in places[np.argmin(cells)])
+        system = getattr(self, "_system", lambda: None)()
+        when = "" if system is None else f" in the step from t = {system.time:g}"
+        raise error(
+            f"{self.label}: {self.carried.label} lies outside of {self.fluid.label} at ({where}){when}"
+        )
+
+    def _forces(self, force: Field, x: Array) -> Array:
+        """Forces (n, 3) of the fluid on the points at the unknowns `x` of the system."""
+        d = self.fluid.dimension
+        values = -x[force.start : force.start + force.size].reshape(-1, d)
+        return np.pad(values, ((0, 0), (0, 3 - d)))

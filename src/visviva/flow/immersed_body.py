@@ -1,0 +1,177 @@
+"""Rigid bodies that move with the fluid around them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.batch import book
+from visviva.body.inertia import MassProperties
+from visviva.body.rigid import RigidBody, mass_matrix
+from visviva.body.shape import AnyShape
+from visviva.component import Component, settings
+from visviva.errors import InputError
+from visviva.flow.carried import Carried
+from visviva.flow.marks import marks
+from visviva.form import Vector
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ImmersedBody(Carried):
+    """A rigid body within a fluid, which sticks to its surface and moves with it inside.
+
+    Parameters
+    ----------
+    body : RigidBody
+        With a shape. It starts with the velocities of the fluid; joints, springs, drives and loads act upon it as on
+        any other.
+    fluid : Fluid
+        It also fills the place of the body. A plane fluid of thickness 1 needs a shape of length 1 along z, a prism.
+    spacing : float
+        Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it.
+    damping : float
+        See `Immersed`.
+
+    Raises
+    ------
+    InputError
+        If the body has no shape, lies partly outside of the fluid, or does not fit into a plane fluid.
+    RunError
+        If it leaves the fluid later.
+
+    Notes
+    -----
+    Marks `X` on the surface and inside follow ``x1 - x0 = h I v_m`` (34), where ``x = phi + X_i d_i`` is linear in the
+    body's unknowns; the multipliers, forces between fluid and body, act on either by the transpose. Body and fluid
+    balance momenta and energy exactly. In the middle of a step rigid motions are exact at the marks: with
+    ``x1 - x0 = w x (x0 + x1) / 2`` for directors that stay orthonormal, they are velocities without strain.
+
+    Marks closer than the cells ask for more than the velocities can do. The body takes away the inertia and weight of
+    the fluid it displaces.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> box = vv.RectangleMesh(size=(1, 1), counts=(8, 8), cell="quad9")
+    >>> water = vv.Fluid(mesh=box, density=1.0, viscosity=0.1)
+    >>> log = vv.RigidBody(shape=vv.Cylinder(radius=0.2, length=1.0), density=1.5, position=(0.5, 0.6, 0.0))
+    >>> walls, wet = vv.NoSlip(fluid=water, faces="all"), vv.ImmersedBody(body=log, fluid=water)
+    >>> system = vv.System([water, walls, log, wet, vv.Gravity(acceleration=(0, -1, 0))])
+    >>> round(wet.total_mass / 0.04, 6)
+    -3.141593
+    """
+
+    body: RigidBody
+    spacing: float = 1.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0.1 <= self.spacing <= 10.0:
+            raise InputError(f"{self.label}: spacing = {self.spacing} is not a number from 0.1 to 10")
+        if self.body.shape is None:
+            raise InputError(f"{self.label}: {self.body.label} has no shape; give it one")
+        self._shape: AnyShape = self.body.shape
+        if np.any(self.body.velocity) or np.any(self.body.angular_velocity):
+            raise InputError(
+                f"{self.label}: {self.body.label} starts with the velocity of {self.fluid.label}; leave out its own"
+            )
+        if self.fluid.dimension == 2:
+            self._check_plane()
+
+    def _check_plane(self) -> None:
+        z = self._shape.surface()[0][:, 2]
+        if abs(np.ptp(z) - 1.0) > 1e-9:
+            raise InputError(
+                f"{self.label}: the shape of {self.body.label} is {np.ptp(z):.6g} long along its z axis and must have "
+                "the length 1 of a plane fluid"
+            )
+        if abs(abs(self.body.rotation[2, 2]) - 1.0) > 1e-9:
+            raise InputError(
+                f"{self.label}: the third director of {self.body.label} must be normal to the plane of "
+                f"{self.fluid.label}"
+            )
+
+    # --- part in the system ---------------------------------------------------------------------------------
+    @property
+    def carried(self) -> Component:
+        return self.body
+
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        d = self.fluid.dimension
+        where = self.body.position[:d], self.body.rotation[:d]
+        outline = where[0] + self._shape.surface()[0] @ where[1].T
+        cells = self._located(outline).cells
+        edge = float(np.min(self.fluid.grid.volumes[cells]) ** (1 / d)) / (
+            1 if self.fluid.is_stabilised else 2
+        )
+        self.marks = marks(self._shape, self.spacing * edge, plane=d == 2)
+        self.force = model.multipliers(self, "force", d * len(self.marks), lasting=False)
+
+    def contribute(self, model: Model) -> None:
+        n, d = len(self.marks), self.fluid.dimension
+        self._start(model)
+        vectors = np.tile(self._vectors, (n, 1))
+        weights = np.hstack([np.ones((n, 1)), self.marks])[:, : d + 1]
+        self._follow(model, vectors, weights, self.force.start + d * np.arange(n))
+        self._displace(model)
+
+    def _start(self, model: Model) -> None:
+        """The rigid motion that is closest to that of the fluid at the marks."""
+        d, motion, R = self.fluid.dimension, self.body.motion, self.body.rotation
+        arms = self.marks @ R.T
+        turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)[-1 if d == 2 else 0 :]], axis=-1)[:, :d]
+        A = np.concatenate([np.broadcast_to(np.eye(d), (len(arms), d, d)), turns], axis=2)
+        wanted = self._velocities(self._located((self.body.position + arms)[:, :d]))
+        fit = np.linalg.lstsq(A.reshape(-1, A.shape[2]), wanted.ravel(), rcond=None)[0]
+        velocity, turning = np.pad(fit[:d], (0, 3 - d)), fit[d:] if d == 3 else np.array([0.0, 0.0, fit[2]])
+        motion.rates[:] = np.concatenate([velocity, *np.cross(turning, R.T)])
+        model.refresh(motion)
+
+    @property
+    def _vectors(self) -> NDArray[np.int32]:
+        """First unknowns of the origin and those directors that move in the fluid's space."""
+        return np.asarray(self.body.motion.start + 3 * np.arange(self.fluid.dimension + 1), dtype=np.int32)
+
+    # --- the fluid that is not there --------------------------------------------------------------------------
+    @property
+    def _displaced(self) -> MassProperties:
+        return self._shape.inertia(self.fluid.density)
+
+    def _displace(self, model: Model) -> None:
+        d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")
+        mass = -mass_matrix(self._displaced)[: d + 1, : d + 1]
+        pairs = np.argwhere(mass != 0.0)
+        term = _core.InertiaTerm(
+            2,
+            d + 1,
+            d,
+            np.ascontiguousarray(pairs, dtype=np.int32),
+            np.ascontiguousarray(mass[tuple(pairs.T)][:, None]),
+            np.ascontiguousarray((self._vectors[:, None] + np.arange(d)).reshape(-1, 1)),
+            (np.arange(d + 1) == 0).astype(np.int32),
+        )
+        book(term, [account], [model.index(self)], 1)
+        model.batch(term)
+
+    def weights(self) -> list[tuple[float, Vector]]:
+        mass, centre, _ = self._displaced
+        return [(-mass, self.body.place(centre))]
+
+    # --- results ----------------------------------------------------------------------------------------------
+    def forces(self, x: Array) -> Array:
+        """Forces (n, 3) of the fluid on the marks at the unknowns `x` of the system."""
+        return self._forces(self.force, x)
+
+    def places(self, x: Array) -> Array:
+        """Positions (n, 3) of the marks at the unknowns `x` of the system."""
+        return np.array([self.body.place(X).value(x) for X in self.marks])

@@ -1,0 +1,153 @@
+"""Marks of a rigid body that follow a fluid: points on its surface and inside, about equally far apart."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.shape import AnyShape
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CORNER = np.cos(np.radians(25.0))
+"""Where an outline turns by more, it has a corner."""
+NEAR = 0.6
+"""Marks closer than this part of the spacing become one, in their middle: thin bodies have one layer."""
+INSIDE = 0.75
+"""Marks inside keep so many spacings away from the surface."""
+
+
+def marks(shape: AnyShape, spacing: float, *, plane: bool) -> Array:
+    """Marks (n, 3) of a shape, of a prism along z in the plane of its centre, in coordinates of the body.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> found = marks(vv.Box(size=(4.0, 0.1, 1.0)), 1.0, plane=True)
+    >>> found[np.argsort(found[:, 0]), :2].round(9).tolist()
+    [[-2.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]
+    """
+    points, triangles = shape.surface(resolution=96)
+    around = outline(points, triangles, spacing) if plane else covering(points, triangles, spacing)
+    within = lattice(points, spacing, plane)
+    within = within[winding(points[triangles], within) > 0.5]
+    if len(within):
+        within = within[_distance(within, around) >= INSIDE * spacing]
+    return merged(np.vstack([around, within]), NEAR * spacing)
+
+
+def lattice(points: Array, spacing: float, plane: bool) -> Array:
+    """Points (n, 3) of a cubic lattice about the middle of a box."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    steps = [np.arange(-n, n + 1) * spacing for n in (half // spacing).astype(int)]
+    if plane:
+        steps[2] = np.zeros(1)
+    grid = np.meshgrid(*steps, indexing="ij")
+    return np.asarray(middle + np.stack([g.ravel() for g in grid], axis=1))
+
+
+def winding(corners: Array, places: Array) -> Array:
+    """How often a closed surface of triangles (m, 3, 3) goes round places (n,): 1 inside, 0 outside."""
+    total = np.zeros(len(places))
+    for k, place in enumerate(places):
+        a, b, c = np.moveaxis(corners - place, 1, 0)
+        A, B, C = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+        volume = np.einsum("ni,ni->n", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ni,ni->n", u, v) for u, v in ((a, b), (b, c), (c, a)))
+        total[k] = np.arctan2(volume, A * B * C + ab * C + bc * A + ca * B).sum() / (2 * np.pi)
+    return total
+
+
+# --- the surface --------------------------------------------------------------------------------------------
+def outline(points: Array, triangles: Ints, spacing: float) -> Array:
+    """Points (n, 3) on the section of a prism halfway along z: all its corners, and others between them."""
+    z = points[:, 2].mean()
+    found = []
+    for loop in _loops(points, triangles, z):
+        edge = np.roll(loop, -1, axis=0) - loop
+        along = edge / np.linalg.norm(edge, axis=1)[:, None]
+        corners = np.flatnonzero(np.einsum("ni,ni->n", along, np.roll(along, 1, axis=0)) < CORNER)
+        first = corners if len(corners) else np.zeros(1, dtype=int)
+        for start, end in zip(first, np.append(first[1:], first[0] + len(loop)), strict=True):
+            found.append(_divided(loop[np.arange(start, end + 1) % len(loop)], spacing))
+    xy = np.vstack(found)
+    return np.column_stack([xy, np.full(len(xy), z)])
+
+
+def _divided(path: Array, spacing: float) -> Array:
+    """Points (n, 2) that divide a path equally, its end left out."""
+    length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    n = max(int(np.round(length[-1] / spacing)), 1)
+    at = np.arange(n) * length[-1] / n
+    return np.stack([np.interp(at, length, path[:, i]) for i in (0, 1)], axis=1)
+
+
+def _loops(points: Array, triangles: Ints, z: float) -> list[Array]:
+    """Closed polygons (n, 2) in which a surface cuts the plane at z."""
+    follows: dict[tuple[float, float], tuple[float, float]] = {}
+    side = points[:, 2] - z
+    for t in triangles:
+        above = side[t] > 0
+        if above.all() or not above.any():
+            continue
+        ends = {}
+        for i, j in ((0, 1), (1, 2), (2, 0)):
+            if above[i] != above[j]:
+                p, q = points[t[i]], points[t[j]]
+                cut = p + (q - p) * side[t[i]] / (side[t[i]] - side[t[j]])
+                ends[bool(above[i])] = (round(float(cut[0]), 12), round(float(cut[1]), 12))
+        follows[ends[True]] = ends[False]
+    loops = []
+    while follows:
+        first, place = follows.popitem()
+        loop = [first]
+        while place != first:
+            loop.append(place)
+            place = follows.pop(place)
+        loops.append(np.array(loop))
+    return loops
+
+
+def covering(points: Array, triangles: Ints, spacing: float) -> Array:
+    """Points (n, 3) on a surface, none closer to another than 0.8 spacings: corners first."""
+    fine = [points]
+    for a, b, c in points[triangles]:
+        n = int(np.ceil(4 * max(np.linalg.norm(e) for e in (b - a, c - b, a - c)) / spacing))
+        i, j = (w.ravel() for w in np.meshgrid(np.arange(n + 1), np.arange(n + 1)))
+        s, t = (w[i + j <= n, None] / n for w in (i, j))
+        fine.append(a + s * (b - a) + t * (c - a))
+    return thinned(np.vstack(fine), 0.8 * spacing)
+
+
+# --- distances ----------------------------------------------------------------------------------------------
+def _distance(places: Array, others: Array) -> Array:
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(others).query(places)[0])
+
+
+def thinned(places: Array, least: float) -> Array:
+    """Places (n, 3) that keep a distance, those that come first."""
+    from scipy.spatial import cKDTree
+
+    tree, kept = cKDTree(places), np.ones(len(places), dtype=bool)
+    for k in range(len(places)):
+        if kept[k]:
+            near = [j for j in tree.query_ball_point(places[k], least * (1 - 1e-9)) if j > k]
+            kept[near] = False
+    return places[kept]
+
+
+def merged(places: Array, near: float) -> Array:
+    """Places (n, 3) of which those that are near become one in their middle."""
+    from scipy.spatial import cKDTree
+
+    tree, left, found = cKDTree(places), np.ones(len(places), dtype=bool), []
+    for k in range(len(places)):
+        if left[k]:
+            group = [j for j in tree.query_ball_point(places[k], near * (1 - 1e-9)) if left[j]]
+            left[group] = False
+            found.append(places[group].mean(axis=0))
+    return np.array(found)

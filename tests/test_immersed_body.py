@@ -1,0 +1,213 @@
+"""Immersed rigid bodies: marks, balance of energy and forces, joints, restart, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from immersed_parts import body, box, flap
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+import visviva as vv
+from visviva.component import Component
+from visviva.errors import InputError, RunError
+from visviva.flow.marks import marks
+from visviva.reactions import reaction
+from visviva.run import run
+
+Array = NDArray[np.float64]
+
+
+def part(components: list[Component], kind: type[Any]) -> Any:
+    (found,) = (c for c in components if isinstance(c, kind))
+    return found
+
+
+# --- marks --------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("spacing", [0.1, 0.07, 0.03])
+@pytest.mark.parametrize(
+    ("shape", "plane"),
+    [
+        (vv.Box(size=(0.7, 0.4, 1.0)), True),
+        (vv.Cylinder(radius=0.3, length=1.0), True),
+        (vv.Box(size=(0.5, 0.02, 1.0)), True),
+        (vv.Sphere(radius=0.2), False),
+        (vv.Box(size=(0.3, 0.2, 0.4)), False),
+        (vv.Box(size=(0.5, 0.02, 0.4)), False),
+    ],
+)
+def test_marks_are_equally_far_apart(shape: Any, plane: bool, spacing: float) -> None:
+    """None much closer than the spacing; every place of the surface has one near."""
+    found = marks(shape, spacing, plane=plane)
+    assert cKDTree(found).query(found, k=2)[0][:, 1].min() > 0.55 * spacing
+    points, triangles = shape.surface(resolution=96)
+    middles = points[triangles].mean(axis=1)
+    if plane:
+        middles = middles[np.abs(middles[:, 2]) < 0.4] * [1, 1, 0]
+    assert cKDTree(found).query(middles)[0].max() < 1.2 * spacing
+    assert np.all(found[:, 2] == 0) == plane
+
+
+def test_marks_follow_an_outline_that_is_not_convex() -> None:
+    """A prism over an L: marks inside are inside, and its six corners are marked."""
+    pytest.importorskip("trimesh")
+    corners = np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], dtype=float)
+    n = len(corners)
+    points = np.vstack([np.column_stack([corners, np.full(n, z)]) for z in (-0.5, 0.5)])
+    flat = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)])
+    k = np.arange(n)
+    after = np.roll(k, -1)
+    sides = np.vstack([np.column_stack([k, after, after + n]), np.column_stack([k, after + n, k + n])])
+    shape = vv.SurfaceMesh(points=points, triangles=np.vstack([flat[:, ::-1], flat + n, sides]))
+    assert shape.volume == pytest.approx(3.0)
+    found = marks(shape, 0.2, plane=True)[:, :2]
+    assert cKDTree(found).query(corners)[0].max() < 1e-12
+    assert not np.any((found > 1 + 1e-9).all(axis=1))
+    assert len(found) == pytest.approx(3.0 / 0.04 + 0.5 * 8 / 0.2, rel=0.2)
+
+
+# --- balances -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("density", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize(
+    ("build", "cell"), [(body, "quad4"), (body, "tri6"), (flap, "quad4"), (flap, "quad9")]
+)
+def test_energy_of_a_closed_box_balances(build: Any, cell: str, density: float) -> None:
+    """Energy changes by dissipation alone, and marks move with the fluid, over many steps."""
+    parts = build(cell, 6, density=density)
+    system = vv.System(parts)
+    result = vv.simulate(system, until=0.6, step=0.02)
+    ledger = result.ledger
+    assert np.abs(ledger["imbalance"]).max() < 1e-12 * ledger["total"][0]
+    assert np.all(np.diff(ledger["work_viscosity"]) < 0)
+    assert np.abs(ledger["defect_position"]).max() < 1e-11
+    wet = part(parts, vv.ImmersedBody)
+    assert np.linalg.norm(wet.places(system.x) - wet.places(result.states[0]), axis=1).max() > 0.02
+
+
+def test_energy_of_a_closed_cube_balances() -> None:
+    result = vv.simulate(vv.System(body("hex8", 4)), until=0.1, step=0.02)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
+
+
+def test_hinge_holds_and_spring_stores() -> None:
+    """What turns about a hinge in the fluid keeps its point there, and energy goes into the spring."""
+    parts = flap("quad9", 6)
+    system = vv.System(parts)
+    result = vv.simulate(system, until=0.5, step=0.02)
+    block = part(parts, vv.RigidBody)
+    point = block.point((-0.15, 0, 0)).position
+    assert np.allclose(point.value(system.x), (0.47, 0.5, 0.0), rtol=0, atol=1e-12)
+    hinge = part(parts, vv.Revolute)
+    angle = hinge.coordinate("angle").value(system.x)
+    assert abs(angle) > 0.05
+    assert result.ledger["potential_spring"][-1] == pytest.approx(0.01 * angle**2)
+
+
+def test_motor_turns_a_body_in_the_fluid() -> None:
+    """A disc that a motor turns in a round vessel drags the fluid with it: torque 4 pi mu w R^2 / (1 - R^2 / b^2)."""
+    from discs import disc
+
+    radius, rate, viscosity = 0.4, 2.0, 1.5
+    errors = []
+    for n in (4, 8):
+        fluid = vv.Fluid(mesh=disc(1.0, (0, 0), n), elements="Q1Q1", density=0.1, viscosity=viscosity)
+        wheel, ground = vv.RigidBody(shape=vv.Cylinder(radius=radius, length=1.0), density=1.0), vv.Ground()
+        hinge = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0))
+        motor = vv.Motor(joint=hinge, motion=f"{rate} * t")
+        wet = vv.ImmersedBody(body=wheel, fluid=fluid)
+        system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), wheel, ground, hinge, motor, wet])
+        for _ in vv.march(system, until=1.0, step=0.1, scheme=vv.BackwardEuler()):
+            pass
+        exact = 4 * np.pi * viscosity * rate * radius**2 / (1 - radius**2)
+        errors.append(abs(motor.effort(system)) / exact - 1)
+    assert abs(errors[1]) < 0.1
+    assert abs(errors[1]) < 0.75 * abs(errors[0])
+
+
+@pytest.mark.parametrize("density", [3.0, 0.5])
+def test_a_held_body_at_rest_weighs_less_by_the_fluid_it_displaces(density: float) -> None:
+    """Archimedes: the joint bears (rho_s - rho_f) g times the area."""
+    parts = body("quad4", 8, density=density)
+    fluid = box("quad4", 8, velocity=(0.0, 0.0, 0.0), viscosity=1.0)
+    block, ground = part(parts, vv.RigidBody), vv.Ground()
+    weld = vv.Rigid(a=ground, b=block, at=block.position)
+    wet = vv.ImmersedBody(body=block, fluid=fluid)
+    gravity = vv.Gravity(acceleration=(0, -2.0, 0))
+    system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), block, ground, weld, wet, gravity])
+    vv.simulate(system, until=2.0, step=0.2, scheme=vv.BackwardEuler())
+    force, _ = reaction(system, weld)
+    assert wet.total_mass == pytest.approx(-0.06)
+    assert abs(force[1]) == pytest.approx(abs(density - 1.0) * 0.06 * 2.0, rel=1e-3)
+    assert force[0] == pytest.approx(0.0, abs=1e-4)
+
+
+# --- the whole ----------------------------------------------------------------------------------------------
+def test_resumed_bit_by_bit(tmp_path: Path) -> None:
+    def study(until: float) -> vv.Study:
+        return vv.Study(vv.System(flap()), until, 0.02)
+
+    run(study(0.4), tmp_path / "whole", progress=False)
+    run(study(0.2), tmp_path / "split", progress=False)
+    run(study(0.4), tmp_path / "split", resume=True, progress=False)
+    ledgers = [(tmp_path / name / "ledger.csv").read_text() for name in ("whole", "split")]
+    assert ledgers[0] == ledgers[1]
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+def wet(**options: Any) -> vv.ImmersedBody:
+    return vv.ImmersedBody(body=part(body(**options), vv.RigidBody), fluid=box())
+
+
+BAD: dict[str, tuple[Callable[[], Any], str]] = {
+    "damping": (lambda: body(damping=-1.0), "damping = -1.0 is not a number from 0 to 0.5"),
+    "spacing": (
+        lambda: vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=box(), spacing=0.0),
+        "spacing = 0.0 is not a number from 0.1 to 10",
+    ),
+    "no shape": (
+        lambda: wet(shape=None, density=None, mass=1.0, inertia=(1.0, 1.0, 1.0)),
+        "has no shape; give it one",
+    ),
+    "thickness": (
+        lambda: wet(shape=vv.Sphere(radius=0.1)),
+        "is 0.2 long along its z axis and must have the length 1",
+    ),
+    "tilted": (
+        lambda: wet(rotation=((1, 0, 0), (0, 0, -1), (0, 1, 0))),
+        "third director of RigidBody must be normal to the plane",
+    ),
+    "velocity of its own": (
+        lambda: wet(velocity=(1, 0, 0)),
+        "starts with the velocity of Fluid; leave out its own",
+    ),
+    "outside": (lambda: vv.System(body(position=(0.9, 0.5, 0))), r"lies outside of Fluid.* at \(1.05, 0.4\)"),
+    "twice": (
+        lambda: vv.System(
+            [*(p := body()), vv.ImmersedBody(body=part(p, vv.RigidBody), fluid=part(p, vv.Fluid))]
+        ),
+        "immersed twice",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input(name: str) -> None:
+    build, message = BAD[name]
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+def test_leaving_the_fluid_ends_the_run_with_body_place_and_time() -> None:
+    fluid = box("quad4", 6, velocity=(1.0, 0.0, 0.0))
+    block = part(body(density=1.0), vv.RigidBody)
+    stream = vv.VelocityBoundary(fluid=fluid, faces="all", velocity=(1.0, 0.0, 0.0))
+    system = vv.System([fluid, stream, block, vv.ImmersedBody(body=block, fluid=fluid)])
+    with pytest.raises(
+        RunError, match=r"RigidBody 'rigidbody-1' lies outside of Fluid 'fluid-1' at \(1.*t = 0\.[12]"
+    ):
+        vv.simulate(system, until=1.0, step=0.05)
+    assert 0.1 < system.time < 0.3
