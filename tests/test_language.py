@@ -126,10 +126,13 @@ def flowing() -> list[Component]:
         material=vv.NeoHooke(young=10.0, poisson=0.3),
         density=2.0,
     )
+    ball = vv.RigidBody(shape=vv.Sphere(radius=0.2), density=2.0, position=(0.5, 0.7, 0.5))
     return [
         water,
         block,
         vv.Immersed(solid=block, fluid=water),
+        ball,
+        vv.ImmersedBody(body=ball, fluid=water, spacing=1.2),
         vv.VelocityBoundary(fluid=water, faces="x0", velocity=("smoothstep(t)", 0, None)),
         vv.Outlet(fluid=water, faces="x1", pressure="0.1*t"),
         vv.FreeSlip(fluid=water, faces="y0"),
