@@ -120,6 +120,17 @@ def test_free_fall_has_no_equilibrium() -> None:
         vv.equilibrium(vv.System([vv.PointMass(mass=1.0, name="stone"), vv.Gravity()]))
 
 
+def test_what_nothing_holds_is_named() -> None:
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.NeoHooke(young=10.0, poisson=0.3),
+        density=1.0,
+        name="block",
+    )
+    with pytest.raises(vv.RunError, match=r"nothing holds Solid 'block' \(translation along x, y, z"):
+        vv.equilibrium(vv.System([block, vv.Gravity()]))
+
+
 @pytest.mark.parametrize(("until", "steps"), [(0.0, 1), (1.0, 0)])
 def test_bad_load_steps_are_refused(until: float, steps: int) -> None:
     with pytest.raises(vv.InputError):
@@ -171,6 +182,13 @@ def test_spring_chain() -> None:
 def test_large_systems_give_the_same_modes() -> None:
     system = spring_chain(250)
     assert vv.modes(system, n=9).squared == pytest.approx(squares_of_chain(250)[:9], rel=1e-8)
+
+
+def test_factors_of_modes_that_do_not_fit_are_refused() -> None:
+    chain = spring_chain(250)
+    chain.newton = vv.Newton(linear=vv.Direct(library="eigen", memory_limit=1e3))
+    with pytest.raises(vv.InputError, match=r"\d+ equations needs about .* GB"):
+        vv.modes(chain, n=3)
 
 
 def test_both_ways_agree_with_constraints(monkeypatch: pytest.MonkeyPatch) -> None:

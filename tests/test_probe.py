@@ -75,6 +75,40 @@ def loads_of(solid: vv.Solid, total: float) -> Array:
     return np.outer(share / share.sum(), (0, 0, total))
 
 
+@pytest.mark.parametrize(
+    ("cell", "grading"), [("hex8", 1.5), ("wedge6", 1.5), ("hex20", 1.0), ("tet10", 1.0)]
+)
+def test_sections_of_a_hanging_block_carry_its_weight(cell: str, grading: float) -> None:
+    """What acts in the volume counts for both sides of a section by their shares; on graded meshes as well."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 4), cell=cell).build()
+    points = mesh.points.copy()
+    points[:, 2] **= grading
+    block = vv.Solid(
+        mesh=vv.Mesh(points, mesh.cells, mesh.node_sets, mesh.face_sets),
+        material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+        density=1.0,
+    )
+    system = vv.System([block, vv.Fixed(solid=block, nodes="z1"), vv.Gravity(acceleration=(0, 0, -2))])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    for z in np.array([0.25, 0.5, 0.75]) ** grading:
+        section = vv.SectionForce(solid=block, point=(0, 0, z), normal=(0, 0, 1))
+        assert section(system) == pytest.approx([0, 0, 2 * z], abs=1e-9)
+
+
+def test_oblique_planes_count_among_the_supports() -> None:
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)),
+        material=vv.NeoHooke(young=100.0, poisson=0.3),
+        density=1.0,
+    )
+    sides = (("x0", (1, 0, 0)), ("y0", (0, 1, 0)), ("z0", (0.6, 0, 0.8)))
+    planes = [vv.SymmetryPlane(solid=block, nodes=side, normal=n) for side, n in sides]
+    system = vv.System([block, *planes, vv.Gravity(acceleration=(0, 0, -10))])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    assert vv.SupportForce(solid=block)(system) == pytest.approx([0, 0, 10], abs=1e-9)
+    assert vv.SupportForce(solid=block, nodes="z0")(system)[2] == pytest.approx(10, abs=1e-9)
+
+
 def test_support_force_of_some_nodes_adds_up() -> None:
     system, solid = pulled((0, 0, -0.5))
     nodes = solid.nodes("x0")

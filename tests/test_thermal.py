@@ -95,6 +95,33 @@ def test_a_plate_in_plane_stress_grows_in_thickness_too() -> None:
         assert fields.F[..., 2, 2] == pytest.approx(1.05, abs=1e-12)
 
 
+@pytest.mark.parametrize("cell", ["hex8", "quad4"])
+def test_tangents_with_the_stress_of_the_start_know_heat(cell: str) -> None:
+    """Before a step's first iteration its stress is that of the start: both tangents are the same there."""
+    found = []
+    for tangent in ("exact", "start"):
+        mesh: Any = vv.BoxMesh if cell == "hex8" else vv.RectangleMesh
+        solid = vv.Solid(
+            mesh=mesh(
+                size=(1, 1, 1)[: 2 + (cell == "hex8")], counts=(2, 1, 1)[: 2 + (cell == "hex8")], cell=cell
+            ),
+            material=vv.NeoHooke(young=10.0, poisson=0.3),
+            density=1.0,
+            plane="strain" if cell == "hex8" else "stress",
+            thermal_strain=lambda X: 0.1 + 0.05 * X[:, 0],
+            tangent=tangent,
+        )
+        system = vv.System([solid])
+        system.core.x[:] += 0.05 * np.random.default_rng(2).standard_normal(len(system.x))
+        system.touch()
+        found.append(system.tangent(vv.EnergyMomentum().step(0.0, 1.0))[1])
+        result = vv.simulate(system, until=0.2, step=0.05)
+        assert result.conservation()["energy"] < 1e-11
+        found.append(np.array(system.x))
+    assert abs(found[2] - found[0]).max() < 1e-12 * abs(found[0]).max()
+    assert found[3] == pytest.approx(found[1], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

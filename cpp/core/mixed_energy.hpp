@@ -74,8 +74,9 @@ struct FbarEnergy {
 };
 
 /// How a pressure measures the change of volume: g with U = g^2 / 2 of the material's volumetric energy U,
-/// numbered like those (see volumetric()); tr E is for linear materials.
-enum class VolumeMeasure : int { logarithm = 0, difference = 1, simo = 2, trace = 3 };
+/// numbered like those (see volumetric()); tr E is for linear materials, U = ((J^-b - 1) / b + ln J) / b for
+/// Blatz and Ko's.
+enum class VolumeMeasure : int { logarithm = 0, difference = 1, simo = 2, trace = 3, blatz_ko = 4 };
 
 /// g = sign(j) sqrt((J^2 - 1 - 2 ln J) / 2), J = 1 + j; by its series where that loses digits.
 template <int n, bool second>
@@ -103,9 +104,37 @@ VISVIVA_INLINE Jet<n, second> simo_measure(const Jet<n, second>& j) {
     return chain(j, select(near, f * j.v, g), select(near, f1, g1), select(near, f2, g2));
 }
 
+/// g = sign(y) sqrt(2 (e^-y - 1 + y)) / b, y = b ln(1 + j); by its series where that loses digits.
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> blatz_ko_measure(const Jet<n, second>& j, V b) {
+    constexpr double a[11] = {1.0,
+                              -1.0 / 6,
+                              1.0 / 36,
+                              -1.0 / 270,
+                              1.0 / 2592,
+                              -17.0 / 544320,
+                              11.0 / 5443200,
+                              -1.0 / 8164800,
+                              1.0 / 111974400,
+                              -487.0 / 775982592000,
+                              457.0 / 32591268864000};
+    const Jet<n, second> y = b * log1p(j);
+    V f{}, f1{}, f2{};
+    for (int k = 10; k >= 0; --k) {
+        f = f * y.v + a[k], f1 = f1 * y.v + (k + 1) * a[k];
+        if (k > 0) f2 = f2 * y.v + (k + 1) * k * a[k];
+    }
+    const VI near = vabs(y.v) < 0.4;
+    const V falling = expm1(-y.v), root = vsqrt(2.0 * (falling + y.v));
+    const V g = select(near, broadcast(1.0), select(y.v < 0.0, -root, root));
+    const V g1 = -falling / g, g2 = (1.0 + falling - g1 * g1) / g;
+    return (1.0 / b) * chain(y, select(near, f * y.v, g), select(near, f1, g1), select(near, f2, g2));
+}
+
 struct VolumeEnergy {
     static constexpr int n = 6;
     VolumeMeasure measure;
+    V exponent;  // of Blatz and Ko
 
     template <bool second>
     VISVIVA_INLINE void respond(const V* c, Response& r) const {
@@ -117,6 +146,9 @@ struct VolumeEnergy {
             from_invariants<3, second>(c, c, [](const auto* i) { return log1p(i[2]); }, r);
         } else if (measure == VolumeMeasure::simo) {
             from_invariants<3, second>(c, c, [](const auto* i) { return simo_measure(i[2]); }, r);
+        } else if (measure == VolumeMeasure::blatz_ko) {
+            from_invariants<3, second>(
+                c, c, [this](const auto* i) { return blatz_ko_measure(i[2], exponent); }, r);
         } else {
             from_invariants<3, second>(c, c, [](const auto* i) { return i[2]; }, r);
         }

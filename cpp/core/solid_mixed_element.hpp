@@ -53,12 +53,18 @@ struct MixedElement {
         const std::int64_t at = (static_cast<std::int64_t>(e.block) * v.n_pressures + k) * v.n_pressures + l;
         return vload(v.compliance + at * L8 + e.lane);
     }
-    VISVIVA_INLINE VolumeEnergy volume_energy() const { return {static_cast<VolumeMeasure>(v.measure)}; }
+    VISVIVA_INLINE VolumeEnergy volume_energy() const {
+        const auto measure = static_cast<VolumeMeasure>(v.measure);
+        return {measure, measure == VolumeMeasure::blatz_ko ? par[3] : V{}};
+    }
     VISVIVA_INLINE FbarEnergy fbar_energy() const { return {v.kind, v.small, D == 2 && !v.H ? 2 : 3, par}; }
-    VISVIVA_INLINE PressureEnergy pressure_energy(int q) const {
+    VISVIVA_INLINE V acting_pressure(int q) const {
         V p{};
         for (int k = 0; k < v.n_pressures; ++k) p += shape(q, k) * pressure[k];
-        return {v.kind, par, volume_energy(), p};
+        return p;
+    }
+    VISVIVA_INLINE PressureEnergy pressure_energy(int q) const {
+        return {v.kind, par, volume_energy(), acting_pressure(q)};
     }
 
     // B[k][a D + i]; pairs off the diagonal count twice
@@ -82,7 +88,9 @@ struct MixedElement {
     template <bool tangent>
     void stress(int q, const SolidPoint& p, V* S, V* T) const {
         const bool quadratic = v.kind == MaterialKind::hooke && (v.small || !fbar);
-        if constexpr (fbar) {
+        if (v.kind == MaterialKind::user) {
+            user_stress<tangent>(q, p, S, T);
+        } else if constexpr (fbar) {
             V c0[12], ct[12], c1[12];
             for (int k = 0; k < 12; ++k) {
                 const SolidPoint& from = k < 6 ? p : centre;
@@ -91,6 +99,28 @@ struct MixedElement {
             stress_of<tangent>(fbar_energy(), e.step, quadratic, c0, ct, c1, S, T);
         } else {
             stress_of<tangent>(pressure_energy(q), e.step, quadratic, p.c0, p.ct, p.c1, S, T);
+        }
+    }
+
+    // Of a function of the user, whose derivatives by components count an off-diagonal pair once. A discrete
+    // gradient is linear in the energy, so that of p g(J) may be added.
+    template <bool tangent>
+    void user_stress(int q, const SolidPoint& p, V* S, V* T) const {
+        const std::int64_t at = e.point(q), stride = static_cast<std::int64_t>(v.n_blocks) * v.n_points * L8;
+        const double factor = e.step.stress == Stress::at_theta ? 4 * e.step.theta : 4;
+        V of_volume[6], change[36], acting{};
+        if constexpr (!fbar) {
+            acting = acting_pressure(q);
+            stress_of<tangent>(volume_energy(), e.step, false, p.c0, p.ct, p.c1, of_volume, change);
+        }
+        for (int k = 0; k < n; ++k) {
+            S[k] = (2.0 / multiplicity(k)) * vload(v.user_S + k * stride + at);
+            if constexpr (!fbar) S[k] += acting * of_volume[k];
+            for (int l = 0; tangent && l < n; ++l) {
+                const double share = 1.0 / (multiplicity(k) * multiplicity(l));
+                T[n * k + l] = factor * share * vload(v.user_D + (n * k + l) * stride + at);
+                if constexpr (!fbar) T[n * k + l] += acting * change[6 * k + l];
+            }
         }
     }
 
@@ -232,7 +262,7 @@ struct MixedElement {
         for (int q = 0; q < v.n_points; ++q) {
             SolidPoint p;
             e.strains(q, p);
-            sum += e.volume(q) * density(p);
+            sum += e.volume(q) * density(q, p);
         }
         for (int k = 0; k < v.n_pressures; ++k)
             for (int l = 0; l < v.n_pressures; ++l)
@@ -241,7 +271,8 @@ struct MixedElement {
     }
 
     // Energy at the end per reference volume, without that of the pressure
-    V density(const SolidPoint& p) const {
+    V density(int q, const SolidPoint& p) const {
+        if (v.kind == MaterialKind::user) return vload(v.user_W + e.point(q));
         Response r;
         V F[9] = {}, bar[6];
         for (int k = 0; k < 6; ++k) bar[k] = p.c1[k];
@@ -259,7 +290,11 @@ struct MixedElement {
         for (int k = 0; k < 6; ++k) bar[k] = p.c1[k];
         if constexpr (fbar) scale(p, row, bar);
         Response r;
-        respond<false>(v.kind, bar, par, r);
+        if (v.kind == MaterialKind::user)  // F-bar: by both tensors, not the stress; Python evaluates it
+            e.template user<false>(q, p), r.W = vload(v.user_W + e.point(q));
+        else
+            respond<false>(v.kind, bar, par, r);
+        for (int k = 0; v.kind == MaterialKind::user && k < 6; ++k) r.s[k] = 0.5 * p.S[k];
         for (int k = 0; k < 6; ++k) row[9 + k] = 2.0 * r.s[k];
         row[15] = r.W;
         if constexpr (!fbar) add_pressure_field(q, p, row);

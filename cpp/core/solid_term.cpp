@@ -65,19 +65,34 @@ void SolidTerm::connect(const Pattern& pattern) {
 
 void SolidTerm::set_callback(LawCallback f) {
     callback_ = std::move(f);
-    const std::size_t n = static_cast<std::size_t>(view_.n_blocks) * view_.n_points * L8;
-    for (auto* a : {&c0_, &ct_, &c1_, &user_S_}) a->assign(6 * n, 0.0);
-    user_W_.assign(n, 0.0), user_D_.assign(36 * n, 0.0);
+    const std::size_t n = static_cast<std::size_t>(view_.n_blocks) * view_.n_points * L8, k = n_strains();
+    for (auto* a : {&c0_, &ct_, &c1_, &user_S_}) a->assign(k * n, 0.0);
+    user_W_.assign(n, 0.0), user_D_.assign(k * k * n, 0.0);
     view_.user_W = user_W_.data(), view_.user_S = user_S_.data(), view_.user_D = user_D_.data();
+}
+
+// C at the elements' centres, behind C at their points.
+void SolidTerm::strains_at_centres(const Context& c) {
+    const std::size_t lanes = static_cast<std::size_t>(view_.n_blocks) * L8;
+    Aligned<double> c0(6 * lanes), ct(6 * lanes), c1(6 * lanes);
+    SolidView centre = view_;
+    centre.n_points = 1, centre.G = view_.centre_G, centre.H = view_.centre_H;
+    solid_kernels().strains(centre, c.step, c.vectors, c0.data(), ct.data(), c1.data());
+    const std::size_t nq = view_.n_points, stride = lanes * nq;
+    for (const auto& [from, to] : {std::pair{&c0, &c0_}, {&ct, &ct_}, {&c1, &c1_}})
+        for (std::size_t k = 0; k < 6; ++k)
+            for (std::size_t point = 0; point < stride; ++point)
+                (*to)[(6 + k) * stride + point] = (*from)[k * lanes + point / (nq * L8) * L8 + point % L8];
 }
 
 void SolidTerm::call_back(const Context& c, bool want_tangent) {
     if (!callback_) return;
     solid_kernels().strains(view_, c.step, c.vectors, c0_.data(), ct_.data(), c1_.data());
+    if (view_.centre_G) strains_at_centres(c);
     const int n = view_.n_blocks * view_.n_points * L8;
     callback_({n,
                n,
-               6,
+               n_strains(),
                0,
                want_tangent,
                c.step.te,
@@ -105,6 +120,7 @@ void SolidTerm::residual(const Context& c, double* r) {
 
 void SolidTerm::tangent(const Context& c, double* values) {
     if (!mixed_) return linearise(c, nullptr, values);
+    call_back(c, true);
     slots_.for_tasks(
         [&](int begin, int end) { mixed_->tangent(view_, c.step, c.vectors, begin, end, values); });
 }

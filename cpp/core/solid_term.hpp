@@ -64,8 +64,10 @@ class SolidTerm : public Term {
 
   private:
     void call_back(const Context&, bool want_tangent);
+    void strains_at_centres(const Context&);
     using At = void (*)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
     void at_rest(At, const double* x, int begin, int end, std::int64_t per_element, double* out);
+    int n_strains() const { return view_.centre_G ? 12 : 6; }  // of a user's energy
 
     Slots slots_;  // nodes, then pressures
     SolidView view_;

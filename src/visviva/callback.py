@@ -134,6 +134,41 @@ class Function:
         return S, D + c[:, None, None] * np.eye(self.n_e)[:, :, None]
 
 
+class AcrossFree(Function):
+    """An energy of C (6, n) in plane stress: ``W*(C11, C22, C12)``, the least of ``W(C)`` over C33."""
+
+    def __init__(self, function: Callable[[Any], Any], n_e: int, m: int, label: str) -> None:
+        super().__init__(function, n_e, m, label)
+        self.inner = Function(function, n_e, m, label)
+
+    def settled(self, C: Array) -> Array:
+        """``C`` with the C33 that leaves no stress across the plane, by Newton's method in ln C33."""
+        C = C.copy()
+        C[2] = 1 / (C[0] * C[1] - C[3] ** 2)  # no change of volume
+        s = 1e-5
+        for _ in range(60):
+            near = [C * np.where(np.arange(6) == 2, factor, 1.0)[:, None] for factor in (1 - s, 1, 1 + s)]
+            stress = self.inner.gradient(np.concatenate(near, axis=1))[0, 2] * np.concatenate(near, axis=1)[2]
+            less, here, more = np.split(stress, 3)
+            slope = np.maximum((more - less) / (2 * s), np.abs(here))
+            dy = -here / np.where(slope > 0, slope, 1.0)  # downhill, by a factor e at most
+            C[2] *= np.exp(dy)
+            if not np.abs(dy).max(initial=0.0) >= 1e-8:
+                break
+        return C
+
+    def takes_complex(self, e: Array) -> bool:
+        return self.inner.takes_complex(e)
+
+    def value(self, e: Array) -> Array:
+        return self.inner.value(self.settled(e))
+
+    def gradient(self, e: Array) -> Array:
+        g = self.inner.gradient(self.settled(e))
+        g[:, 2] = 0.0
+        return g
+
+
 def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
     """Both points of a central difference in every strain (n_e, 2, n_e, n), and their distances (n_e, n)."""
     size = np.maximum(0.1 * np.abs(e).max(axis=0), 1e-3)
@@ -144,8 +179,12 @@ def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
     return points, distance
 
 
-def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user energy") -> LawCallback:
+def energy_callback(
+    energy: Callable[[Any], Any], n_e: int, label: str = "user energy", kind: type[Function] = Function
+) -> LawCallback:
     """The core's callback for an energy ``W(e)``, given as a function of strains (n_e, n) with values (n,).
+
+    `kind` says how it is evaluated, `AcrossFree` in plane stress.
 
     Examples
     --------
@@ -157,7 +196,7 @@ def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user e
     >>> round(float((S[0, 0] * (e1 - e0)).item()), 12)
     0.5
     """
-    W = Function(energy, n_e, 1, label)
+    W = kind(energy, n_e, 1, label)
 
     def call(
         n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]

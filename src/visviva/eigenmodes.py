@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva import _core
 from visviva.consistency import accelerations
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, REDUNDANT, Instant, equilibration, instant, typical
+from visviva.linear import Direct, Problem
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -232,11 +235,43 @@ def sparse_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
     A = sp.block_array([[K - shift * at.M, at.G.T], [at.G, sp.csr_array((m, m))]], format="csr")
     s = equilibration(A)
     S = sp.diags_array(s)
-    lu = spl.splu((S @ A @ S - sp.diags_array(np.r_[np.zeros(q), np.full(m, COMPLIANCE)])).tocsc())
+    solve = factored(S @ A @ S - sp.diags_array(np.r_[np.zeros(q), np.full(m, COMPLIANCE)]), m, at.system)
     B = sp.block_diag([at.M, sp.csr_array((m, m))], format="csr")
-    inverse = spl.LinearOperator(A.shape, matvec=lambda r: s * lu.solve(s * np.ravel(r)), dtype=float)
+    inverse = spl.LinearOperator(A.shape, matvec=lambda r: s * solve(s * np.ravel(r)), dtype=float)
     start = inverse @ (B @ np.random.default_rng(0).standard_normal(q + m))
     squared, z = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
     squared[np.abs(squared) < ZERO * largest] = 0.0
     order = np.argsort(squared)
     return squared[order], z[:q, order]
+
+
+def factored(A: sp.csr_array, n_constraints: int, system: System) -> Callable[[Array], Array]:
+    """The inverse of a symmetric matrix, by the factors that the system's options name; constraints come last.
+
+    Raises
+    ------
+    InputError
+        If the factors are estimated to need more memory than there is, or the matrix is singular.
+    """
+    A = A.tocsr()
+    A.sort_indices()
+    n = A.shape[0]
+    constraint = np.r_[np.zeros(n - n_constraints, np.int32), np.ones(n_constraints, np.int32)]
+    options = system.newton.linear if isinstance(system.newton.linear, Direct) else Direct()
+    problem = Problem(n, A.nnz, symmetric=True, definite=True, n_multipliers=n_constraints)
+    choices, none = list(options.choose(problem).in_order), np.zeros(0)
+    row, col = A.indptr.astype(np.int64), A.indices.astype(np.int32)
+    try:
+        linear = _core.Linear(choices, row, col, none.astype(np.int32), none, constraint)
+        done = linear.factor(A.data)
+    except MemoryError as error:
+        raise InputError(f"modes: {error}") from error
+    if not done:
+        raise InputError(f"modes: {linear.message}")
+
+    def solve(r: Array) -> Array:
+        x = np.zeros(n)
+        linear.solve(np.ascontiguousarray(r), x)
+        return x
+
+    return solve

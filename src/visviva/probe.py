@@ -13,6 +13,7 @@ from visviva.body.fields import quantity
 from visviva.body.solid import Solid
 from visviva.component import settings
 from visviva.errors import InputError
+from visviva.load.support import SymmetryPlane
 from visviva.load.where import point_of
 from visviva.measure import Reading
 from visviva.mesh.locate import locate
@@ -127,9 +128,10 @@ class Extreme(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class SupportForce(Reading):
-    """Probe: force (3,) by which supports hold nodes of a solid in their fixed unknowns.
+    """Probe: force (3,) by which supports hold nodes of a solid: `Fixed`, `Prescribed`, `SymmetryPlane`.
 
-    Forces are those of the last step: of the midpoint schemes, those that acted in its middle.
+    Couplings and joints have their `ReactionForce`, contact has its `ContactForce`. Forces are those of the last step:
+    of the midpoint schemes, those that acted in its middle.
 
     Parameters
     ----------
@@ -154,11 +156,15 @@ class SupportForce(Reading):
         solid = self.solid
         held = np.zeros(len(system.x))
         held[solid.motion.start : solid.motion.start + solid.motion.size] = solid.motion.fixed
+        force = solid.by_node(held * system.holding_forces())
+        for plane in system.components:
+            if isinstance(plane, SymmetryPlane) and plane.solid is solid:
+                np.add.at(force, *plane.reactions(system))
         if self.nodes is not None:
             chosen = np.zeros((solid.grid.n_nodes, 1))
             chosen[solid.nodes(self.nodes)] = 1.0
-            return chosen * solid.by_node(held * system.holding_forces())
-        return solid.by_node(held * system.holding_forces())
+            return chosen * force
+        return force
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -180,7 +186,8 @@ class SectionForce(Reading):
     The elements whose centres lie behind a plane of the reference configuration act on the others through
     the nodes that both have; the force is what the part in front, where `normal` points, exerts on the part behind
     (a tensile force is positive along the normal). As a sum of nodal forces it is, in statics, in exact
-    equilibrium with the loads on either part.
+    equilibrium with the loads on either part; what acts on the section's own nodes (weight, inertia, loads) belongs to
+    both parts, by their shares in the volume there.
 
     Parameters
     ----------
@@ -221,9 +228,17 @@ class SectionForce(Reading):
         shared: NDArray[np.bool_] = np.logical_and(*count)
         return shared
 
+    @cached_property
+    def _share(self) -> Array:
+        """Share (n, 1) of the elements in front in the volume at each node."""
+        share: Array = self.solid.nodal_volume(~self._behind) / self.solid.nodal_volume()
+        return share[:, None]
+
     def by_node(self, system: System) -> Array:
-        """Forces (n, 3) on the nodes of the section by the elements in front of it."""
-        return self.solid.nodal_forces(system.x, ~self._behind) * self._shared[:, None]
+        """Forces (n, 3) on the nodes of the section by what is in front of it."""
+        front, behind = (self.solid.nodal_forces(system.x, side) for side in (~self._behind, self._behind))
+        force: Array = (front - self._share * (front + behind)) * self._shared[:, None]
+        return force
 
     def __call__(self, system: System) -> Array:
         force: Array = self.by_node(system).sum(axis=0)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError, RunError
+from visviva.freedom import refuse_free
 from visviva.instant import Instant, instant
 from visviva.ledger import Bookkeeper
 from visviva.newton import StepFailure
@@ -89,6 +90,29 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
     system.touch()
     result, books = begin(system, Relaxation())
     system.v[:] = 0.0
+    try:
+        follow(system, result, books, until, steps, most)
+    except RunError as error:
+        raise RunError(f"{error}{free_motions(system)}") from error
+    system.follow_prescribed()
+    system.touch()
+    system.has_acceleration = False
+    return result
+
+
+def free_motions(system: System) -> str:
+    """What nothing holds, for an error."""
+    try:
+        refuse_free(system)
+    except InputError as error:
+        return f". Note that {error}"
+    return ""
+
+
+def follow(
+    system: System, result: Result, books: Bookkeeper, until: float | None, steps: int, most: int
+) -> None:
+    """Relax under the present loads, or under those of every load step to `until`."""
     start = system.time
     for k in range(steps):
         if until is not None:
@@ -96,10 +120,6 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
         h = 0.0 if until is None else start + (k + 1) * (until - start) / steps - system.time
         relax(system, result, books, h, most)
         keep(result)
-    system.follow_prescribed()
-    system.touch()
-    system.has_acceleration = False
-    return result
 
 
 def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int) -> None:

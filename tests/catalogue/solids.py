@@ -114,6 +114,12 @@ HEATED: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("fibres", "tet10", {"material": MATERIALS["Holzapfel-Gasser-Ogden"]}),
 )
 
+USERS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("plane stress", "quad4", {"plane": "stress"}),
+    ("F-bar", "quad4", {"formulation": "F-bar"}),
+    ("mixed", "tri6", {"formulation": "mixed"}),
+)
+
 
 def heat(X: Array) -> Array:
     """A thermal strain of place."""
@@ -290,6 +296,22 @@ SOLIDS = [
         ALL,
         steps=50,
         analytic=False,
+    ),
+    *(
+        Entry(
+            f"solid, user's energy, {name}",
+            partial(flying, cell, (1, 1, 1), material=vv.UserMaterial(function=rubber), **more),
+            ALL,
+            steps=25,
+            analytic=False,
+        )
+        for name, cell, more in USERS
+    ),
+    Entry(
+        "solid, Blatz-Ko with pressures",
+        lambda: flying("hex8", (1, 1, 1), material=MATERIALS["Blatz-Ko"], formulation="mixed"),
+        ALL,
+        steps=50,
     ),
     *(
         Entry(

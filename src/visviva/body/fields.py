@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
@@ -173,8 +173,28 @@ def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array,
         for start in range(0, len(nodes), step):
             stop = min(start + step, len(nodes))
             part = of_points(term.fields(x, start, stop), solid.material.small)
+            if solid.material.energy is not None:
+                part = of_user(solid, cell, nodes[start:stop], part)
             yield cell, nodes[start:stop], slice(first + start, first + stop), volume[start:stop], part
         first += len(nodes)
+
+
+def of_user(solid: Solid, cell: str, nodes: Ints, part: Fields) -> Fields:
+    """Fields with what the core does not know of a user's energy: F33 of plane stress, the stress of F-bar."""
+    shape = part.J.shape
+    if solid.plane == "stress":
+        from visviva.callback import AcrossFree
+
+        stretch = 1 + solid.thermal(cell, nodes)
+        C = components(part.C) / stretch[..., None] ** 2
+        W = AcrossFree(solid.material.energy or (lambda C: C), 6, 1, solid.label)
+        F = part.F.copy()
+        F[..., 2, 2] = stretch * np.sqrt(W.settled(C.reshape(-1, 6).T)[2].reshape(shape))
+        return replace(part, F=F)
+    if solid.formulation == "F-bar":
+        energy, S, _ = solid.material.respond(components(part.C).reshape(-1, 6))
+        return replace(part, second_piola=S.reshape(*shape, 6)[..., FULL], energy=energy.reshape(shape))
+    return part
 
 
 def of_points(values: Array, small: bool) -> Fields:

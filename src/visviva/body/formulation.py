@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,11 +61,6 @@ def check(solid: Solid) -> None:
             f"{label}: in plane stress the thickness adapts and no volume locks; take formulation='displacement' or "
             f"'enhanced' instead of {kind!r}"
         )
-    if solid.material.energy is not None and kind != "enhanced":
-        raise InputError(
-            f"{label}: formulation={kind!r} needs one of the core's materials, not a UserMaterial; take "
-            "formulation='enhanced' or 'displacement'"
-        )
     if kind != "enhanced" and (callable(solid.thermal_strain) or solid.thermal_strain):
         raise InputError(
             f"{label}: formulation={kind!r} does not know thermal_strain; take formulation='enhanced', or "
@@ -77,7 +72,7 @@ def check(solid: Solid) -> None:
 
 def _check_pressures(solid: Solid) -> None:
     """Refuse materials whose change of volume the pressures of the cells cannot carry."""
-    bulk = solid.material.split()[1]
+    bulk = solid.material.split().bulk
     if bulk <= 0:
         raise InputError(
             f"{solid.label}: the modulus of its material's volumetric energy is {bulk:g}, which a pressure cannot "
@@ -94,6 +89,26 @@ def _check_pressures(solid: Solid) -> None:
 
 
 # --- F-bar --------------------------------------------------------------------------------------------------
+def scaled(energy: Callable[[Any], Any], directions: int) -> Callable[[Any], Any]:
+    """The energy of ``Cbar = (det C0 / det C)^(1/3) C`` as a function (12, n) of C and of C0 at the centre.
+
+    With two `directions` the part in the plane is scaled alone.
+    """
+
+    def determinant(C: Any) -> Any:
+        plane = C[0] * C[1] - C[3] ** 2
+        if directions == 2:
+            return plane
+        return C[2] * plane + 2 * C[3] * C[4] * C[5] - C[0] * C[4] ** 2 - C[1] * C[5] ** 2
+
+    def of_both(C: Any) -> Any:
+        factor = (determinant(C[6:]) / determinant(C[:6])) ** (1 / directions)
+        rows = range(6) if directions == 3 else (0, 1, 3)
+        return energy(np.stack([factor * C[k] if k in rows else C[k] for k in range(6)]))
+
+    return of_both
+
+
 def centre(solid: Solid, cell: str, nodes: Ints) -> Geometry:
     """Gradients at the centres of the elements."""
     middle = CELLS[cell].nodes.mean(axis=0, keepdims=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -112,11 +112,6 @@ class Solid(Attachable, Meshed):
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
             )
-        if self.plane == "stress" and self.material.energy is not None:
-            raise InputError(
-                f"{self.label}: plane='stress' needs second derivatives inside the core; take one of its materials "
-                "instead of a UserMaterial, or a thin three-dimensional mesh"
-            )
         if self.tangent == "start" and self.material.energy is not None:
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
@@ -184,6 +179,17 @@ class Solid(Attachable, Meshed):
         cells = self.grid.cells.items()
         return nodal_masses(self.grid.n_nodes, ((nodes, self._masses(cell, nodes)) for cell, nodes in cells))
 
+    def nodal_volume(self, cells: NDArray[np.bool_] | None = None) -> Array:
+        """Share (n,) of every node in the reference volume, positive, of the chosen cells (n_cells,) or all."""
+        first, parts = 0, []
+        for cell, nodes in self.grid.cells.items():
+            volume = masses(self.grid.points, nodes, cell, 1.0, axisymmetric=self.axisymmetric, lumped=True)
+            if cells is not None:
+                volume = volume * cells[first : first + len(nodes), None]
+            parts.append((nodes, volume))
+            first += len(nodes)
+        return nodal_masses(self.grid.n_nodes, parts)
+
     @property
     def mass(self) -> float:
         """Total mass."""
@@ -225,7 +231,7 @@ class Solid(Attachable, Meshed):
             )
         elif self.formulation == "mixed":
             self._numbers, own = forms.pressure_numbers(self.grid)
-            _, bulk, _ = self.material.split()
+            bulk = self.material.split().bulk
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
             if bulk > forms.STIFFEST * self.material.lame[1]:
                 own[:] = -1
@@ -249,6 +255,7 @@ class Solid(Attachable, Meshed):
         g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
         d, damped = self.dimension, self.mass_damping > 0 or self.stiffness_damping > 0
         index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
+        kind, energy = self.material.kind, self.material.energy
         mass = self._masses(cell, nodes) if self.density > 0 else None
         if self.formulation == "enhanced":
             modes = self.inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
@@ -256,10 +263,12 @@ class Solid(Attachable, Meshed):
             g = forms.enhanced(self, cell, nodes, g)
             mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
         elif self.formulation == "mixed":
-            parameters = np.tile(self.material.split()[0], (len(nodes), 1))
+            split = self.material.split()
+            kind, energy = split.kind, split.energy
+            parameters = np.tile(split.constants, (len(nodes), 1))
             index = np.hstack([index, self.inner.start + self._numbers[cell]])
         term = _core.SolidTerm(
-            int(self.material.kind),
+            int(kind),
             self.material.small,
             np.ascontiguousarray(index, dtype=np.int32),
             g.gradients,
@@ -270,26 +279,22 @@ class Solid(Attachable, Meshed):
             self._damping(len(nodes)) if damped else None,
         )
         term.name = self.label
-        term.set_plane_stress(self.plane == "stress")
+        term.set_plane_stress(self.plane == "stress" and energy is None)
         term.set_start_stress(self.tangent == "start")
         if callable(self.thermal_strain) or self.thermal_strain:
-            term.set_thermal(self._thermal(cell, nodes))
+            term.set_thermal(self.thermal(cell, nodes))
         if self.formulation == "F-bar":
             middle = forms.centre(self, cell, nodes)
             hoop = None if middle.hoop is None else middle.hoop[:, 0]
             term.set_centre(middle.gradients[:, 0], hoop)
         elif self.formulation == "mixed":
-            _, bulk, measure = self.material.split()
             shapes = forms.pressure_shapes(
                 self.grid, cell, nodes, solid_rule(self.grid.points, nodes, cell).points
             )
-            compliance = forms.pressure_compliance(self, cell, nodes, bulk)
-            term.set_pressure(shapes, compliance, measure, self.inner.multiplier)
-        if self.material.energy is not None:
-            from visviva.callback import energy_callback
-
-            self.callback = energy_callback(self.material.energy, 6, f"{self.label}: energy of its material")
-            term.set_callback(self.callback)  # the core does not keep it alive
+            compliance = forms.pressure_compliance(self, cell, nodes, split.bulk)
+            term.set_pressure(shapes, compliance, split.measure, self.inner.multiplier)
+        if energy is not None:
+            term.set_callback(self._called_back(energy))
         kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
         damping = model.account(self, "damping", "dissipation") if damped else -1
         strain = model.account(self, "strain", "potential")
@@ -298,7 +303,17 @@ class Solid(Attachable, Meshed):
         self.volumes.append(g.volume)
         return term
 
-    def _thermal(self, cell: str, nodes: Ints) -> Array:
+    def _called_back(self, energy: Callable[[Any], Any]) -> Any:
+        """The core's callback for an energy of the user, kept alive here."""
+        from visviva.callback import AcrossFree, Function, energy_callback
+
+        n, kind = 6, AcrossFree if self.plane == "stress" else Function
+        if self.formulation == "F-bar":
+            energy, n = forms.scaled(energy, 2 if self.dimension == 2 and not self.axisymmetric else 3), 12
+        self.callback = energy_callback(energy, n, f"{self.label}: energy of its material", kind)
+        return self.callback
+
+    def thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
         N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
         if not callable(self.thermal_strain):

@@ -18,6 +18,7 @@ from visviva.values import Motion, Nodes, Vector3
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -103,6 +104,13 @@ class SymmetryPlane(Support):
 
     normal: Vector3
 
+    def reactions(self, system: System) -> tuple[Ints, Array]:
+        """Nodes (k,), and the forces (k, 3) of an oblique plane on them; planes across an axis fix unknowns."""
+        m = getattr(self, "_multipliers", None)
+        if m is None:
+            return self._chosen[:0], np.zeros((0, 3))
+        return self._chosen, -system.x[m.start : m.start + m.size, None] * self._along
+
     def __post_init__(self) -> None:
         super().__post_init__()
         n = unit(vector(self.normal))
@@ -123,7 +131,7 @@ class SymmetryPlane(Support):
             model.hold(self.solid.motion, numbers)
             return
         forms = [self.solid.combination([k], [1.0]).along(self._along) for k in self._chosen]
-        multipliers = model.multipliers(self, "reaction", len(forms), block=self)
+        self._multipliers = multipliers = model.multipliers(self, "reaction", len(forms), block=self)
         x, _ = model.initial
         for k, form in enumerate(forms):
             model.constrain(self, multipliers, [form - form.value(x)], first=k)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +54,30 @@ BULK = {
 }
 """Place of the modulus of the volumetric energy among the constants; the number of that energy follows it."""
 
-TRACE = 3
-"""Number of the volumetric energy of linear materials, ``(tr e)^2 / 2``."""
+TRACE, OF_BLATZ_KO = 3, 4
+"""Numbers of the volumetric energies of linear materials, ``(tr e)^2 / 2``, and of Blatz and Ko's."""
+
+
+class Split(NamedTuple):
+    """A material in two: what no pressure carries, and the volumetric energy that pressures stand for.
+
+    Parameters
+    ----------
+    kind, constants
+        The rest in the core.
+    energy : callable or None
+        The rest, if it is a function of the user.
+    bulk : float
+        Modulus of the volumetric energy; infinite for incompressible materials.
+    measure : int
+        Its number in the core.
+    """
+
+    kind: Kind
+    constants: list[float]
+    energy: Callable[[Any], Any] | None
+    bulk: float
+    measure: int
 
 
 @dataclass(config=settings, kw_only=True)
@@ -78,28 +100,19 @@ class Material(metaclass=Validated):
         """Lame's constants ``lambda, mu`` of small strains about rest."""
         raise NotImplementedError
 
-    def split(self) -> tuple[list[float], float, int]:
-        """Constants without the volumetric energy, its modulus, and its number in the core.
-
-        Raises
-        ------
-        InputError
-            If the energy has no such part.
+    def split(self) -> Split:
+        """The volumetric energy and the rest.
 
         Examples
         --------
         >>> import visviva as vv
-        >>> vv.LinearElastic(young=3.0, poisson=0.5).split()
-        ([0.0, 1.0], inf, 3)
+        >>> vv.LinearElastic(young=3.0, poisson=0.5).split()[1:]
+        ([0.0, 1.0], None, inf, 3)
         """
-        if self.kind not in BULK:
-            raise self.refuse(
-                "formulation='mixed' needs an energy with a volumetric part of its own; take e.g. NeoHooke, or "
-                "formulation='F-bar'"
-            )
         rest, place = list(self.constants()), BULK[self.kind]
         bulk, rest[place] = rest[place], 0.0
-        return rest, bulk, TRACE if self.kind is Kind.HOOKE else int(rest[place + 1])
+        measure = TRACE if self.kind is Kind.HOOKE else int(rest[place + 1])
+        return Split(self.kind, rest, None, bulk, measure)
 
     def respond(self, C: Array) -> tuple[Array, Array, Array]:
         """Energy, stress and moduli at right Cauchy-Green tensors.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
-from visviva.material.base import VOLUMETRIC, Elastic, Kind, Volumetric
+from visviva.material.base import OF_BLATZ_KO, VOLUMETRIC, Elastic, Kind, Split, Volumetric
 
 
 @dataclass(config=settings, kw_only=True)
@@ -83,3 +84,11 @@ class BlatzKo(Elastic):
     def constants(self) -> list[float]:
         L, mu = self.lame
         return [mu, L / mu]  # 2 nu / (1 - 2 nu) = lambda / mu
+
+    def split(self) -> Split:
+        """``W = mu/2 (tr C - 3 - 2 ln J) + lambda U(J)`` with ``U = ((J^-beta - 1) / beta + ln J) / beta``."""
+        L, mu = self.lame
+        rigid = np.isinf(L)  # ln J then measures the volume as well as anything
+        return Split(
+            Kind.NEO_HOOKE, [mu, 0.0, 0.0, 0.0 if rigid else L / mu], None, L, 0 if rigid else OF_BLATZ_KO
+        )

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component import settings
 from visviva.errors import InputError, RunError
-from visviva.material.base import Kind, Material
+from visviva.material.base import VOLUMETRIC, Kind, Material, Split, Volumetric
 from visviva.values import Function
 
 Array = NDArray[np.float64]
@@ -27,6 +27,12 @@ class UserMaterial(Material):
     function : callable
         Maps ``C`` as an array (6, n), rows 11, 22, 33, 12, 23, 31, to energies (n,) per reference volume. Written
         with numpy functions that take complex numbers, first derivatives are exact to round-off.
+    bulk : float
+        Modulus of a volumetric energy ``bulk U(J)`` beside the function, infinite for incompressible materials. With
+        formulation "mixed" it is what the pressures stand for; without it, that is ``lambda ln^2 J / 2`` with
+        `lambda` of small strains, and the rest of the function stays as it is.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
 
     Raises
     ------
@@ -46,9 +52,13 @@ class UserMaterial(Material):
     """
 
     function: Function
+    bulk: float = 0.0
+    volumetric: Volumetric = "logarithmic"
     kind: ClassVar[Kind] = Kind.USER
 
     def __post_init__(self) -> None:
+        if not self.bulk >= 0:
+            raise self.refuse(f"bulk = {self.bulk:g} is not positive")
         try:
             examine(self.function)
         except RunError as error:
@@ -61,7 +71,7 @@ class UserMaterial(Material):
         from visviva.callback import Function as Derivatives
 
         e = np.ascontiguousarray(np.asarray(C, dtype=float).T)
-        W = Derivatives(self.function, 6, 1, "UserMaterial")
+        W = Derivatives(self.energy, 6, 1, "UserMaterial")
         share = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])  # of a derivative by one of two equal components
         S = 2 * share[:, None] * W.gradient(e)[0]
         D = 4 * np.outer(share, share)[:, :, None] * W.hessian(e)[0]
@@ -69,7 +79,13 @@ class UserMaterial(Material):
 
     @property
     def energy(self) -> Callable[[Any], Any]:
-        return self.function  # type: ignore[no-any-return]
+        return with_volume(self.function, self.bulk, self.volumetric) if self.bulk else self.function
+
+    def split(self) -> Split:
+        if self.bulk:
+            return Split(self.kind, [0.0], self.function, self.bulk, int(VOLUMETRIC[self.volumetric]))
+        bulk = self.lame[0]
+        return Split(self.kind, [0.0], with_volume(self.function, -bulk, "logarithmic"), bulk, 0)
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -80,7 +96,27 @@ class UserMaterial(Material):
         H = 4 * Derivatives(self.function, 6, 1, "UserMaterial").hessian(rest)[0, :, :, 0]
         lam = (H[0, 1] + H[1, 2] + H[2, 0]) / 3
         mu = ((H[0, 0] + H[1, 1] + H[2, 2]) / 3 - lam) / 2
-        return round(float(lam), 9), round(float(mu), 9)
+        return round(float(lam), 9) + self.bulk, round(float(mu), 9)
+
+
+def log_of_volume(C: Any) -> Any:
+    """``ln J`` of right Cauchy-Green tensors (6, n)."""
+    det = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    return 0.5 * np.log(det + C[5] * (C[3] * C[4] - C[1] * C[5]))
+
+
+ENERGY: dict[Volumetric, Callable[[Any], Any]] = {
+    "logarithmic": lambda L: 0.5 * L * L,
+    "quadratic": lambda L: 0.5 * np.expm1(L) ** 2,
+    "simo": lambda L: 0.25 * (np.expm1(2 * L) - 2 * L),
+}
+"""Volumetric energies per modulus, of ``L = ln J``."""
+
+
+def with_volume(function: Callable[[Any], Any], bulk: float, kind: Volumetric) -> Callable[[Any], Any]:
+    """The energy ``function(C) + bulk U(J)``."""
+    U = ENERGY[kind]
+    return lambda C: np.asarray(function(C)).reshape(-1) + bulk * U(log_of_volume(C))
 
 
 PATHS = {"uniaxial": (1, 0, 0, 0, 0, 0), "volumetric": (1, 1, 1, 0, 0, 0), "shear": (0, 0, 0, 1, 0, 0)}

@@ -1,0 +1,185 @@
+"""Energies in Python in every element: the same neo-Hooke of the package, and one whose answers are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+SHEAR, LAMBDA = 38.0, 60.0
+
+
+def log_of_volume(C: Array) -> Array:
+    det = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    return np.asarray(0.5 * np.log(det + C[5] * (C[3] * C[4] - C[1] * C[5])))
+
+
+def without_volume(C: Array) -> Array:
+    return np.asarray(SHEAR / 2 * (C[0] + C[1] + C[2] - 3 - 2 * log_of_volume(C)))
+
+
+def rubber(C: Array) -> Array:
+    return np.asarray(without_volume(C) + LAMBDA / 2 * log_of_volume(C) ** 2)
+
+
+OWN = vv.NeoHooke(shear=SHEAR, lame_lambda=LAMBDA)
+CASES = [
+    ("hex8", {"formulation": "mixed"}),
+    ("tet10", {"formulation": "mixed"}),
+    ("quad9", {"formulation": "mixed"}),
+    ("tri3", {"formulation": "mixed"}),
+    ("hex8", {"formulation": "F-bar"}),
+    ("quad4", {"formulation": "F-bar"}),
+    ("quad4", {"formulation": "F-bar", "plane": "axisymmetric"}),
+    ("quad4", {"plane": "stress"}),
+    ("quad4", {"plane": "stress", "formulation": "enhanced", "thermal_strain": 0.02}),
+]
+
+
+def bent(material: vv.Material, cell: str, options: dict[str, Any]) -> list[Any]:
+    """A console, held at one end and pulled aside at the other."""
+    if cell[:3] in ("qua", "tri"):
+        mesh: Any = vv.RectangleMesh(size=(2, 1), counts=(2, 1), origin=(1, 0), cell=cell)
+        traction = (5.0, 3.0, 0.0)
+    else:
+        mesh, traction = vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1), cell=cell), (5.0, 3.0, 4.0)
+    solid = vv.Solid(mesh=mesh, material=material, density=1.0, **options)
+    load = vv.Traction(solid=solid, faces="x1", traction=traction, times="min(t, 1)")
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), load]
+
+
+@pytest.mark.parametrize(("cell", "options"), CASES)
+def test_the_same_as_the_package_s_own(cell: str, options: dict[str, Any]) -> None:
+    found = []
+    for material in (OWN, vv.UserMaterial(function=rubber)):
+        solid, *others = bent(material, cell, options)
+        system = vv.System([solid, *others])
+        vv.quasi_static(system, until=1.0, step=0.5)
+        f = solid.fields(system.x)
+        assert np.abs(solid.displacements(system.x)).max() > 0.1
+        found.append([solid.positions(system.x), f.F, f.cauchy, f.energy, solid.nodal("von_mises", system.x)])
+    for own, users in zip(*found, strict=True):
+        assert users == pytest.approx(own, abs=1e-7 * np.abs(own).max())
+
+
+@pytest.mark.parametrize(("cell", "options"), [CASES[0], CASES[5], CASES[7]])
+def test_the_same_motion(cell: str, options: dict[str, Any]) -> None:
+    """Discrete gradients count pairs of shears once, those of the package twice: they differ to second order."""
+    ends = []
+    for material in (OWN, vv.UserMaterial(function=rubber)):
+        parts = bent(material, cell, options)
+        system = vv.System(parts)
+        vv.simulate(system, until=0.3, step=0.05, scheme=vv.Midpoint())
+        ends.append(parts[0].positions(system.x))
+    assert ends[1] == pytest.approx(ends[0], abs=1e-8)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Static()], ids=lambda s: type(s).__name__)
+@pytest.mark.parametrize(("cell", "options"), CASES)
+def test_tangents(cell: str, options: dict[str, Any], scheme: vv.Scheme) -> None:
+    """Second derivatives are differences of first ones: their error is that of the step, not of rounding."""
+    system, rng = (
+        vv.System(bent(vv.UserMaterial(function=rubber), cell, options)[:1]),
+        np.random.default_rng(3),
+    )
+    core, step = system.core, scheme.step(0.3, 0.05)
+    core.x[:] += 0.03 * rng.standard_normal(len(core.x))
+    trial = 0.03 * rng.standard_normal(len(core.x))
+    core.dx[:] = trial
+    system.touch()
+    K, d = system.tangent(step)[1], 1e-5 * rng.standard_normal(len(core.x))
+    core.dx[:] = trial + d
+    change = system.residual(step)
+    core.dx[:] = trial - d
+    change = (change - system.residual(step)) / 2
+    assert np.abs(K @ d - change).max() < 1e-5 * np.abs(change).max()
+
+
+@pytest.mark.parametrize("volumetric", ["logarithmic", "quadratic", "simo"])
+def test_a_volumetric_energy_beside_the_function(volumetric: Any) -> None:
+    """Named, it is that of the package: in elements of displacements, and taken over by pressures."""
+    own = vv.NeoHooke(shear=SHEAR, lame_lambda=LAMBDA, volumetric=volumetric)
+    mine = vv.UserMaterial(function=without_volume, bulk=LAMBDA, volumetric=volumetric)
+    assert mine.lame == pytest.approx(own.lame)
+    C = np.array([[1.3, 0.9, 1.1, 0.1, -0.2, 0.05]])
+    for users, package in zip(mine.respond(C), own.respond(C), strict=True):
+        assert users == pytest.approx(package, rel=1e-7)
+    for formulation in ("displacement", "mixed"):
+        ends = []
+        for material in (own, mine):
+            solid, *others = bent(material, "quad9", {"formulation": formulation})
+            system = vv.System([solid, *others])
+            vv.quasi_static(system, until=1.0, step=0.5)
+            ends.append(solid.positions(system.x))
+        assert ends[1] == pytest.approx(ends[0], abs=1e-8)
+
+
+def test_an_incompressible_energy() -> None:
+    mine = vv.UserMaterial(function=without_volume, bulk=np.inf)
+    with pytest.raises(vv.InputError, match=r"incompressible.*use formulation='mixed'"):
+        bent(mine, "quad9", {})
+    ends = []
+    for material in (vv.NeoHooke(shear=SHEAR, poisson=0.5), mine):
+        solid, *others = bent(material, "quad9", {"formulation": "mixed"})
+        system = vv.System([solid, *others])
+        vv.quasi_static(system, until=1.0, step=0.5)
+        ends.append(solid.positions(system.x))
+        J = solid.fields(system.x).J
+        assert np.sum(solid.volumes[0] * np.log(J)) == pytest.approx(0.0, abs=1e-12)
+    assert ends[1] == pytest.approx(ends[0], abs=1e-8)
+
+
+def test_a_negative_bulk_modulus_is_refused() -> None:
+    with pytest.raises(vv.InputError, match=r"UserMaterial: bulk = -1 is not positive"):
+        vv.UserMaterial(function=rubber, bulk=-1.0)
+
+
+def test_an_energy_that_nothing_locks_needs_no_pressures() -> None:
+    """Its lambda of small strains is not positive: a pressure cannot stand for it."""
+    with pytest.raises(vv.InputError, match="which a pressure cannot stand for"):
+        bent(vv.UserMaterial(function=without_volume), "quad9", {"formulation": "mixed"})
+
+
+# --- Blatz and Ko -------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("poisson", [0.3, 0.463, 0.49])
+@pytest.mark.parametrize("stretch", [0.8, 1.01, 2.0])
+def test_blatz_ko_under_uniaxial_stress(poisson: float, stretch: float) -> None:
+    """``P = mu (s - s^-(1 + beta) l^-(2 beta))``, ``l^(2 + 2 beta) = s^-beta`` across, ``beta = 2 nu/(1 - 2 nu)``."""
+    foam = vv.BlatzKo(shear=2.0, poisson=poisson)
+    solid = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=foam, formulation="mixed")
+    planes = [
+        vv.SymmetryPlane(solid=solid, nodes=side, normal=n)
+        for side, n in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)), ("z0", (0, 0, 1)))
+    ]
+    pull = vv.Prescribed(solid=solid, nodes="x1", motion=(f"{stretch - 1}*t", None, None))
+    system = vv.System([solid, *planes, pull])
+    vv.quasi_static(system, until=1.0, step=0.25)
+    beta = 2 * poisson / (1 - 2 * poisson)
+    lateral = stretch ** (-beta / (2 + 2 * beta))
+    force = 2.0 * (stretch - stretch ** -(1 + beta) * lateral ** (-2 * beta))
+    assert vv.SupportForce(solid=solid, nodes="x1")(system)[0] == pytest.approx(force, rel=1e-8)
+    assert solid.positions(system.x).max(axis=0) == pytest.approx([stretch, lateral, lateral], rel=1e-9)
+    energy = 1.0 * (stretch**2 + 2 * lateral**2 - 3) + 2.0 / beta * ((stretch * lateral**2) ** -beta - 1)
+    assert np.sum(solid.volumes[0] * solid.fields(system.x).energy) == pytest.approx(energy, rel=1e-6)
+
+
+def test_blatz_ko_does_not_lock() -> None:
+    """Cook's membrane at nu = 0.49: one pressure per quad4 gives what quad9 do, displacements do not."""
+
+    def tip(cell: str, n: int, formulation: Any) -> float:
+        mesh = vv.QuadrilateralMesh(corners=((0, 0), (48, 44), (48, 60), (0, 44)), counts=(n, n), cell=cell)
+        solid = vv.Solid(mesh=mesh, material=vv.BlatzKo(young=250.0, poisson=0.49), formulation=formulation)
+        load = vv.Traction(solid=solid, faces="x1", traction=(0, 20 / 16, 0), times="t")
+        system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), load])
+        vv.quasi_static(system, until=1.0, step=0.25)
+        return float(solid.displacements(system.x)[solid.nodes("x1"), 1].max())
+
+    fine = tip("quad9", 8, "mixed")
+    assert tip("quad9", 4, "mixed") == pytest.approx(fine, rel=0.015)
+    assert tip("quad4", 16, "mixed") == pytest.approx(fine, rel=0.02)
+    assert tip("quad4", 16, "displacement") < 0.85 * fine
