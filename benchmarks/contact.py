@@ -180,7 +180,7 @@ def print_parts(system: vv.System, h: float, scheme: vv.Scheme, contact: vv.Cont
 def growth() -> None:
     """Contact's own share of a tangent over three refinements: with the surface, not with the volume."""
     rows = []
-    for n in (8, 16, 32):
+    for n in (4, 8, 16, 32):
         system, _, contact = blocks((((n, n, n // 2)), (n + 2, n + 2, n // 2)))
         scheme = vv.Static(tolerance=1e-8)
         prepare(system, scheme)

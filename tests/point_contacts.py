@@ -98,3 +98,21 @@ def on_shape(name: str, turn: Any = None, **options: Any) -> list[Any]:
         first = R @ (0, 1, 0.1) if axis[0] else R @ (1, 0, 0)
         obstacle = vv.Obstacle(shape=shape, on=carrier, axis=R @ axis, first=first)
     return [brick, carrier, obstacle, vv.Contact(first=brick, second=obstacle, **options)]
+
+
+def balls(shape: Any = None, **options: Any) -> list[Any]:
+    """Two spinning balls that hit each other off their centres and rub; the second may have another shape."""
+    one, two = (
+        vv.RigidBody(shape=outside, density=1.0, position=place, velocity=v, angular_velocity=w)
+        for outside, place, v, w in (
+            (vv.Sphere(radius=0.5), (0.0, 0.0, 0.0), (0.3, 0.1, 0.0), (0.4, -0.2, 1.0)),
+            (shape or vv.Sphere(radius=0.4), (0.8, 0.3, 0.31), (-0.6, 0.0, 0.1), (0.0, 0.7, 0.5)),
+        )
+    )
+    more: Any = {
+        "enforcement": "penalty",
+        "tangential": "penalty",
+        "stiffness": 200.0,
+        "friction": 0.3,
+    } | options
+    return [one, two, vv.Contact(first=one, second=two, formulation="node-to-segment", **more)]

@@ -159,7 +159,16 @@ def test_contact_force_is_the_change_of_momentum(options: dict[str, Any]) -> Non
 
 
 # --- nothing depends on --------------------------------------------------------------------------------------
-@pytest.mark.parametrize("options", KINDS, ids=str)
+UNITS: list[dict[str, Any]] = [
+    *KINDS,
+    {"formulation": "node-to-segment", "impact": "conserving"},
+    {"formulation": "node-to-segment", "enforcement": "penalty"},
+    {"friction": 0.3},
+    {"formulation": "node-to-segment", "friction": 0.3, "enforcement": "penalty", "tangential": "penalty"},
+]
+
+
+@pytest.mark.parametrize("options", UNITS, ids=str)
 def test_units_of_length_change_nothing(options: dict[str, Any]) -> None:
     """The same impact in metres and in millimetres: also the search and the penalty are without scale."""
     ends = []
@@ -253,17 +262,13 @@ def test_scene_file_round_trip(tmp_path: Path) -> None:
     assert there.probes["force"](there.system).tolist() == here.probes["force"](here.system).tolist()
 
 
-def test_axisymmetric_solids_are_refused() -> None:
+def test_axisymmetric_and_plane_solids_do_not_mix() -> None:
     mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1))
     low, high = (
-        vv.Solid(
-            mesh=mesh.build().moved((0, y)),
-            material=vv.NeoHooke(young=1.0, poisson=0.3),
-            plane="axisymmetric",
-        )
-        for y in (0, 1)
+        vv.Solid(mesh=mesh.build().moved((0, y)), material=RUBBER, plane=plane)
+        for y, plane in ((0, "axisymmetric"), (1, "strain"))
     )
-    with pytest.raises(InputError, match="does not know its circumference"):
+    with pytest.raises(InputError, match="is axisymmetric"):
         vv.System([low, high, vv.Contact(first=high, second=low, first_faces="y0", second_faces="y1")])
 
 

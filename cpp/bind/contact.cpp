@@ -133,31 +133,34 @@ void bind_contact(nb::module_& m) {
         nb::arg("constant"), nb::arg("facets"), nb::arg("n_first"), nb::arg("second_begin"));
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
-        "mortar", [](const Skin& skin, double reach) { return shared(make_mortar(skin, {reach})); },
-        nb::arg("skin"), nb::arg("reach"));
+        "mortar",
+        [](const Skin& skin, double reach, bool axisymmetric) {
+            return shared(make_mortar(skin, {reach, axisymmetric}));
+        },
+        nb::arg("skin"), nb::arg("reach"), nb::arg("axisymmetric"));
     m.def(
         "node_to_segment",
-        [](const Skin& skin, const Doubles& areas, double radius, double reach) {
-            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach}));
+        [](const Skin& skin, const Doubles& areas, double radius, double reach, bool rubs) {
+            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach, rubs}));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("rubs"));
     m.def(
         "self_contact",
-        [](const Skin& skin, const Doubles& areas, double reach, const Doubles& places) {
-            return shared(
-                make_self_contact(skin, {vector_of<double>(areas), 0, reach}, vector_of<double>(places)));
+        [](const Skin& skin, const Doubles& areas, double reach, bool rubs, const Doubles& places) {
+            return shared(make_self_contact(skin, {vector_of<double>(areas), 0, reach, rubs},
+                                            vector_of<double>(places)));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("places"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("rubs"), nb::arg("places"));
     m.def(
         "obstacle",
-        [](const Skin& skin, const Doubles& areas, double radius, int core, const Doubles& half, double round,
-           double axis) {
+        [](const Skin& skin, const Doubles& areas, double radius, bool rubs, int core, const Doubles& half,
+           double round, double axis) {
             ObstacleShape shape{static_cast<ObstacleShape::Core>(core), {}, round, axis};
             std::copy_n(half.data(), 3, shape.half);
-            return shared(make_obstacle(skin, {vector_of<double>(areas), radius, 0}, shape));
+            return shared(make_obstacle(skin, {vector_of<double>(areas), radius, 0, rubs}, shape));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("core"), nb::arg("half"),
-        nb::arg("round"), nb::arg("axis"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("rubs"), nb::arg("core"),
+        nb::arg("half"), nb::arg("round"), nb::arg("axis"));
     bind_tying(m);
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
         .def(

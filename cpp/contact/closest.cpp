@@ -25,6 +25,27 @@ Foot on_edge(const FacetShape& facet, int simplex, int a, int b, const Vector3& 
     return foot;
 }
 
+// z, u and the tangents of the derivatives below.
+struct Variations {
+    Eigen::MatrixXd z, u, T;
+};
+
+Variations variations(const FacetShape& facet, const Foot& foot, const Vector3& normal) {
+    const int size = 3 * (1 + facet.n), m = foot.n - 1;
+    Variations v{Eigen::MatrixXd::Zero(3, size), Eigen::MatrixXd::Zero(m, size), Eigen::MatrixXd(3, m)};
+    v.z.leftCols<3>().setIdentity();
+    for (int c = 0; c < facet.n; ++c) {
+        const double first = facet.share(foot.vertex[0], c);
+        for (int i = 0; i < foot.n; ++i) {
+            const double share = facet.share(foot.vertex[i], c);
+            v.z.middleCols<3>(3 + 3 * c) -= foot.coordinate[i] * share * Matrix3::Identity();
+            if (i > 0) v.u.block<1, 3>(i - 1, 3 + 3 * c) = (share - first) * normal.transpose();
+        }
+    }
+    for (int j = 0; j < m; ++j) v.T.col(j) = facet.corner[foot.vertex[j + 1]] - facet.corner[foot.vertex[0]];
+    return v;
+}
+
 }  // namespace
 
 Vector3 FacetShape::normal(int simplex) const {
@@ -72,24 +93,13 @@ Foot closest(const FacetShape& facet, int simplex, const Vector3& x) {
 //     d2d = z . Q z / d - 2 u . M^-1 t . z - d u . M^-1 u,  Q the projection across n and all t_j.
 void differentiate(const FacetShape& facet, const Foot& foot, const Vector3& normal, double distance,
                    Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian) {
-    const int size = 3 * (1 + facet.n), m = foot.n - 1;
-    Eigen::MatrixXd z = Eigen::MatrixXd::Zero(3, size), u = Eigen::MatrixXd::Zero(m, size), T(3, m);
-    z.leftCols<3>().setIdentity();
-    for (int c = 0; c < facet.n; ++c) {
-        const double first = facet.share(foot.vertex[0], c);
-        for (int i = 0; i < foot.n; ++i) {
-            const double share = facet.share(foot.vertex[i], c);
-            z.middleCols<3>(3 + 3 * c) -= foot.coordinate[i] * share * Matrix3::Identity();
-            if (i > 0) u.block<1, 3>(i - 1, 3 + 3 * c) = (share - first) * normal.transpose();
-        }
-    }
+    const auto [z, u, T] = variations(facet, foot, normal);
+    const int size = static_cast<int>(z.cols()), m = foot.n - 1;
     gradient = z.transpose() * normal;
     if (!hessian) return;
     Matrix3 Q = Matrix3::Identity() - normal * normal.transpose();
     hessian->setZero(size, size);
     if (m > 0) {
-        for (int j = 0; j < m; ++j)
-            T.col(j) = facet.corner[foot.vertex[j + 1]] - facet.corner[foot.vertex[0]];
         const Eigen::MatrixXd inverse = (T.transpose() * T).inverse();
         const Eigen::MatrixXd mixed = u.transpose() * (inverse * (T.transpose() * z));
         *hessian = -mixed - mixed.transpose() - distance * (u.transpose() * (inverse * u));
@@ -99,6 +109,17 @@ void differentiate(const FacetShape& facet, const Foot& foot, const Vector3& nor
         if (facet.dim == 2) Q.row(2).setZero(), Q.col(2).setZero();
         *hessian += z.transpose() * Q * z / distance;
     }
+}
+
+// From t_j . (x - y) = 0: M dN = t . z + d u.
+Eigen::MatrixXd coordinate_gradients(const FacetShape& facet, const Foot& foot, const Vector3& normal,
+                                     double distance) {
+    const auto [z, u, T] = variations(facet, foot, normal);
+    Eigen::MatrixXd N = Eigen::MatrixXd::Zero(foot.n, z.cols());
+    if (foot.n == 1) return N;
+    N.bottomRows(foot.n - 1) = (T.transpose() * T).inverse() * (T.transpose() * z + distance * u);
+    N.row(0) = -N.bottomRows(foot.n - 1).colwise().sum();
+    return N;
 }
 
 }  // namespace visviva

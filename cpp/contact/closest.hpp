@@ -45,4 +45,8 @@ Foot whole(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 void differentiate(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal, double distance,
                    Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian);
 
+/// Derivatives of the foot's coordinates (one row each) by x and the facet's corners.
+Eigen::MatrixXd coordinate_gradients(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal,
+                                     double distance);
+
 }  // namespace visviva

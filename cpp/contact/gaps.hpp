@@ -29,6 +29,11 @@ struct Grip {
     Eigen::MatrixXd weight_gradient, tangent_gradient[2];
 };
 
+/// Sets the tangents at a unit normal n, which turns with N = dn/dx (null: no derivatives): in space the
+/// first is that of an edge from the stencil's vertex `tail` to its vertex `head`.
+void set_tangents(int dim, const Eigen::Vector3d& n, const Eigen::MatrixXd* N, const Eigen::Vector3d& edge,
+                  int tail, int head, Grip& out);
+
 class Gaps {
   public:
     explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
@@ -67,7 +72,8 @@ class Gaps {
 };
 
 struct MortarOptions {
-    double reach = 0;  // facets farther apart along the normal do not see each other
+    double reach = 0;           // facets farther apart along the normal do not see each other
+    bool axisymmetric = false;  // edges stand for surfaces of revolution
 };
 
 std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);
@@ -77,6 +83,7 @@ struct PointOptions {
     std::vector<double> areas;  // of the first surface's vertices, which come before all others
     double radius = 0;          // of a ball about each of them
     double reach = 0;           // facets farther away are not seen
+    bool rubs = false;          // there is friction
 };
 
 /// Distances to the closest points of the second surface's facets.
@@ -96,7 +103,7 @@ struct ObstacleShape {
 };
 
 /// Distances to an exact shape; the last four vertices of the skin are its frame, the origin and the ends of
-/// its axes.
+/// its axes. Where balls rub, the frame that they turn with is the four vertices before.
 std::unique_ptr<Gaps> make_obstacle(Skin skin, PointOptions options, const ObstacleShape& shape);
 
 }  // namespace visviva

@@ -215,7 +215,7 @@ void Mortar::make_stencils() {
 FacetPair Mortar::corners(const double* X, const Pair& pair) const {
     FacetPair p{};
     p.n_first = skin_.n_corners(pair.first), p.n_second = skin_.n_corners(pair.second);
-    p.reach = options_.reach;
+    p.reach = options_.reach, p.axisymmetric = options_.axisymmetric;
     for (int c = 0; c < segment_corners; ++c) {
         const int v = skin_.corners(c < facet_corners ? pair.first : pair.second)[c % facet_corners];
         for (int i = 0; v >= 0 && i < 3; ++i) p.x[c][i] = X[3 * v + i];
@@ -513,25 +513,9 @@ void Mortar::set_tangents(const double* X, int A, bool gradients, Grip& out) con
         const auto M = normal_gradient(X, A);
         for (Eigen::Index v = 0; v < k; ++v) N.middleCols<3>(3 * v) = normal.derivative() * M[v];
     }
-    out.tangent.setZero();
-    if (skin_.dim == 2) {
-        const Matrix3 turn = skew(Vector3::UnitZ());
-        out.tangent.col(0) = turn * n;
-        if (gradients) out.tangent_gradient[0] = turn * N, out.tangent_gradient[1].setZero(3, 3 * k);
-        return;
-    }
-    const int b = ring_[A][0];
+    const int b = skin_.dim == 2 ? 0 : ring_[A][0];
     const Vector3 edge = At(X + 3 * stencils_[A][b]) - At(X + 3 * stencils_[A][0]);
-    const Vector3 along = edge - n * n.dot(edge), t = along.normalized();
-    out.tangent.col(0) = t, out.tangent.col(1) = n.cross(t);
-    if (!gradients) return;
-    const Matrix3 onto = Matrix3::Identity() - n * n.transpose(),
-                  across = Matrix3::Identity() - t * t.transpose();
-    Eigen::MatrixXd& first = out.tangent_gradient[0];
-    first = -(n * (edge.transpose() * N) + n.dot(edge) * N);
-    first.middleCols<3>(3 * b) += onto, first.leftCols<3>() -= onto;
-    first = (across / along.norm() * first).eval();
-    out.tangent_gradient[1] = skew(n) * first - skew(t) * N;
+    visviva::set_tangents(skin_.dim, n, gradients ? &N : nullptr, edge, 0, b, out);
 }
 
 }  // namespace

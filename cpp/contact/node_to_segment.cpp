@@ -39,8 +39,11 @@ class NodeToSegment : public PointGaps {
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
+    void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
 
   private:
+    Reach locate(const double* X, int A, Found& found) const;
+    int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
     bool touches_itself() const { return !rest_.empty(); }
     bool excluded(int vertex, int facet) const;
     bool is_other_side(int vertex, int facet) const;
@@ -160,6 +163,8 @@ bool NodeToSegment::search(const double* from, const double* to) {
 void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
     auto& stencil = stencils_[A];
     stencil.assign(1, A), candidates_[A].clear();
+    if (options_.rubs && skin_.dim == 3)
+        stencil.push_back(edge_end(A));  // whose direction tractions turn with
     for (int f : facets) {
         Candidate c{f, {}};
         for (int i = 0; i < skin_.n_corners(f); ++i) {
@@ -284,14 +289,20 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
 
 // What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
 // a thin body.
+PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
+    found = pick(X, A, false);
+    const Reach reach = sign(X, A, found);
+    if (found.faces || (reach != Reach::released && found.value >= 0)) return reach;
+    found = pick(X, A, true);
+    return sign(X, A, found);
+}
+
 PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives, Distance& out) const {
     const int size = 3 * static_cast<int>(stencils_[A].size());
     if (derivatives > 0) out.gradient.setZero(size);
     if (derivatives > 1) out.hessian.setZero(size, size);
-    Found found = pick(X, A, false);
-    Reach reach = sign(X, A, found);
-    if (!found.faces && (reach == Reach::released || found.value < 0))
-        found = pick(X, A, true), reach = sign(X, A, found);
+    Found found;
+    const Reach reach = locate(X, A, found);
     if (reach != Reach::near) return reach;
     out.value = found.value;
     const FacetShape& facet = found.facet;
@@ -305,6 +316,35 @@ PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives
         for (int d = 0; d <= facet.n; ++d)
             out.hessian.block<3, 3>(place(c), place(d)) += H.block<3, 3>(3 * c, 3 * d);
     return Reach::near;
+}
+
+// The vertex against the closest point.
+void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) const {
+    Found found;
+    if (locate(X, A, found) != Reach::near) return;
+    const FacetShape& facet = found.facet;
+    const Foot& foot = found.foot;
+    auto place = [&](int c) { return c == 0 ? 0 : found.candidate->local[c - 1]; };
+    Eigen::VectorXd g;
+    Eigen::MatrixXd H, N, coordinates;
+    if (gradients) {
+        differentiate(facet, foot, found.normal, found.value, g, &H);
+        coordinates = coordinate_gradients(facet, foot, found.normal, found.value);
+        N.setZero(3, 3 * static_cast<Eigen::Index>(stencils_[A].size()));
+        for (int c = 0; c <= facet.n; ++c) N.middleCols<3>(3 * place(c)) += H.block<3, 3>(0, 3 * c);
+    }
+    out.weight[0] = -1;
+    for (int c = 0; c < facet.n; ++c)
+        for (int i = 0; i < foot.n; ++i) {
+            const double share = facet.share(foot.vertex[i], c);
+            out.weight[place(c + 1)] += share * foot.coordinate[i];
+            for (int d = 0; gradients && d <= facet.n; ++d)
+                out.weight_gradient.block<1, 3>(place(c + 1), 3 * place(d)) +=
+                    share * coordinates.block<1, 3>(i, 3 * d);
+        }
+    const int end = skin_.dim == 3 ? 1 : 0;
+    const Vector3 edge = At(X + 3 * stencils_[A][end]) - At(X + 3 * A);
+    set_tangents(skin_.dim, found.normal, gradients ? &N : nullptr, edge, 0, end, out);
 }
 
 }  // namespace

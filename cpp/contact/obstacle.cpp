@@ -71,17 +71,23 @@ class Obstacle : public PointGaps {
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
+    void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
 
   private:
+    bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
+    void add_weights(const double* X, const Vector3& c, const Eigen::MatrixXd& C, int own, double sign,
+                     Grip& out) const;
     ObstacleShape shape_;
 };
 
-// The stencil is the vertex and the frame: its origin and the ends of its axes, behind all vertices.
+// The stencil is the vertex and the frame: its origin and the ends of its axes, behind all vertices; then the
+// frame of a ball that rubs.
 bool Obstacle::search(const double*, const double*) {
     if (stencils_.empty() || !stencils_[0].empty()) return false;
     for (int A = 0; A < n_; ++A) {
         stencils_[A] = {A};
-        for (int k = 4; k > 0; --k) stencils_[A].push_back(skin_.n_vertices() - k);
+        for (int frame = 0; frame < (turns() ? 2 : 1); ++frame)
+            for (int k = 4; k > 0; --k) stencils_[A].push_back(skin_.n_vertices() - 4 * frame - k);
     }
     return true;
 }
@@ -105,9 +111,11 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
         J.block<1, 3>(i, 3) -= arm.transpose() / L;
         J.block<1, 3>(i, 6 + 3 * i) = arm.transpose() / L;
     }
-    out.gradient = J.transpose() * g.d;
+    out.gradient.setZero(3 * stencils_[A].size());
+    out.gradient.head<15>() = J.transpose() * g.d;
     if (derivatives == 1) return Reach::near;
-    out.hessian = J.transpose() * g.dd * J;
+    out.hessian.setZero(out.gradient.size(), out.gradient.size());
+    out.hessian.topLeftCorner<15, 15>() = J.transpose() * g.dd * J;
     for (int i = 0; i < 3; ++i) {  // d2y_i = 2 (dx - do) . (dp_i - do) / L
         const Matrix3 h = g.d[i] / L * Matrix3::Identity();
         out.hessian.block<3, 3>(0, 6 + 3 * i) += h, out.hessian.block<3, 3>(6 + 3 * i, 0) += h;
@@ -116,6 +124,51 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
         out.hessian.block<3, 3>(3, 3) += 2 * h;
     }
     return Reach::near;
+}
+
+// The weights that a place c, with C = dc/dx, has as a point of a frame: that at place `own` of the stencil.
+void Obstacle::add_weights(const double* X, const Vector3& c, const Eigen::MatrixXd& C, int own, double sign,
+                           Grip& out) const {
+    const double L = shape_.axis;
+    const At o(X);
+    out.weight[own] += sign;
+    for (int i = 0; i < 3; ++i) {
+        const Vector3 axis = At(X + 3 + 3 * i) - o, arm = c - o;
+        const double y = sign * arm.dot(axis) / (L * L);
+        out.weight[own + 1 + i] += y, out.weight[own] -= y;
+        if (C.size() == 0) continue;
+        Eigen::RowVectorXd dy = axis.transpose() * C;
+        dy.segment<3>(3 * own) -= axis + arm, dy.segment<3>(3 * (own + 1 + i)) += arm;
+        dy *= sign / (L * L);
+        out.weight_gradient.row(own + 1 + i) += dy, out.weight_gradient.row(own) -= dy;
+    }
+}
+
+// What touches is the vertex, or the point of the ball that is nearest, against the point of the shape's
+// frame there.
+void Obstacle::grip(const double* X, int A, bool gradients, Grip& out) const {
+    Distance d;
+    distance(X, A, gradients ? 2 : 1, d);
+    const double* frame = X + 3 * (skin_.n_vertices() - 4);
+    const Vector3 m = d.gradient.head<3>(), n = m.normalized();
+    const Vector3 c = At(X + 3 * A) - options_.radius * n;
+    Eigen::MatrixXd N, C;
+    if (gradients) {
+        N = (Matrix3::Identity() - n * n.transpose()) / m.norm() * d.hessian.topRows<3>();
+        C = -options_.radius * N;
+        C.leftCols<3>() += Matrix3::Identity();
+    }
+    if (turns())
+        add_weights(frame - 12, c, C, 5, -1, out);
+    else
+        out.weight[0] = -1;
+    add_weights(frame, c, C, 1, 1, out);
+    // the third axis, or the first where that is across
+    constexpr double across = 0.9;
+    const Vector3 third = (At(frame + 9) - At(frame)).normalized();
+    const int end = std::abs(third.dot(n)) < across ? 3 : 1;
+    const Vector3 edge = At(frame + 3 * end) - At(frame);
+    set_tangents(skin_.dim, n, gradients ? &N : nullptr, edge, 1, 1 + end, out);
 }
 
 }  // namespace

@@ -49,4 +49,18 @@ void PointGaps::seconds(const double* X, const std::vector<double>& S, const dou
     });
 }
 
+void PointGaps::grips(const double* X, const std::vector<char>& wanted, bool gradients,
+                      std::vector<Grip>& out) {
+    parallel_for(n_, [&](int A) {
+        if (!wanted[A]) return;
+        const Eigen::Index k = stencils_[A].size();
+        Grip& g = out[A];
+        g.weight.setZero(k), g.tangent.setZero();
+        g.weight_gradient.setZero(gradients ? k : 0, 3 * k);
+        for (auto& t : g.tangent_gradient) t.setZero(3, 3 * k);
+        grip(X, A, gradients, g);
+        g.weight *= options_.areas[A], g.weight_gradient *= options_.areas[A];
+    });
+}
+
 }  // namespace visviva

@@ -13,6 +13,8 @@ class PointGaps : public Gaps {
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
                  std::vector<Gap>& out) override;
+    void grips(const double* X, const std::vector<char>& wanted, bool gradients,
+               std::vector<Grip>& out) override;
 
   protected:
     enum class Reach { near, far, released };  // released: behind an open surface, but beyond its border
@@ -23,6 +25,9 @@ class PointGaps : public Gaps {
     };
     /// Signed distance of a vertex, with as many derivatives as are wanted.
     virtual Reach distance(const double* X, int vertex, int derivatives, Distance& out) const = 0;
+    /// Sets what friction acts on, with weights that add up to zero where those of the vertex add up to -1;
+    /// without touching it where nothing is near.
+    virtual void grip(const double* X, int vertex, bool gradients, Grip& out) const = 0;
 
     PointOptions options_;
 };

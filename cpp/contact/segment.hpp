@@ -13,6 +13,7 @@ struct FacetPair {
     double x[segment_corners][3];  // the first facet's corners, from `facet_corners` on the second's
     int n_first, n_second;
     double reach = 0;  // segments fade out from half of this distance on, so that gaps stay smooth; 0: never
+    bool axisymmetric = false;  // edges stand for surfaces of revolution about the second axis
 };
 
 /// Facets that look at each other by less than this cosine fade out towards the second one.

@@ -289,13 +289,15 @@ inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int 
     return true;
 }
 
+inline constexpr double pi = 3.14159265358979323846;
+
 /// Points and weights on (0, 1), exact to fifth order.
 inline constexpr double line_points[3] = {0.112701665379258, 0.5, 0.887298334620742};
 inline constexpr double line_weights[3] = {0.277777777777778, 0.444444444444444, 0.277777777777778};
 
 /// The same for edges in the plane, projected along the normal of the first.
 template <class T, class F>
-inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach, F each) {
+inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach, bool axisymmetric, F each) {
     const Vec<T> along = first[1] - first[0], other = second[1] - second[0];
     const Vec<T> n1 = unit(Vec<T>{along.y, (-1.0) * along.x, 0.0 * along.x});
     const Vec<T> n2 = unit(Vec<T>{other.y, (-1.0) * other.x, 0.0 * other.x});
@@ -310,15 +312,16 @@ inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach
     for (int g = 0; g < 3; ++g) {
         const T s = low + line_points[g] * part, t = slope * (s - s0);
         T N1[2] = {(-1.0) * s + 1.0, s}, N2[2] = {(-1.0) * t + 1.0, t};
-        const Vec<T> gap = second[0] + t * (second[1] - second[0]) - (first[0] + s * along);
-        each(line_weights[g] * (part * length), N1, N2, gap);
+        const Vec<T> place = first[0] + s * along, gap = second[0] + t * (second[1] - second[0]) - place;
+        const T w = line_weights[g] * (part * length);
+        each(axisymmetric ? w * (2 * pi * place.x) : w, N1, N2, gap);
     }
     return true;
 }
 
 template <class T, class F>
 inline bool integrate(const Vec<T>* x, const FacetPair& p, F each) {
-    return p.n_first == 2 ? integrate_2d(x, x + facet_corners, p.reach, each)
+    return p.n_first == 2 ? integrate_2d(x, x + facet_corners, p.reach, p.axisymmetric, each)
                           : integrate_3d(x, p.n_first, x + facet_corners, p.n_second, p.reach, each);
 }
 

@@ -194,14 +194,16 @@ bool differentiate_2d(const FacetPair& p, const Seed& coordinate, const Covector
     using R = Taped<T, K>;
     const Corners<R> c = on_tape<T, K>(coordinate);
     const bool any =
-        integrate_2d(c.x, c.x + facet_corners, p.reach, [&](R w, const R* N1, const R*, const Vec<R>& gap) {
-            also(w.v(), Local<T>{N1[1].v(), {}, {}}, Vec<T>{gap.x.v(), gap.y.v(), gap.z.v()});
-            const R parts[2][3] = {{w * gap.x, w * gap.y, w * gap.z},
-                                   {w * N1[1] * gap.x, w * N1[1] * gap.y, w * N1[1] * gap.z}};
-            for (int s = 0; s < K; ++s)
-                for (int i = 0; i < 3; ++i)
-                    for (int k = 0; k < 2; ++k) add_value(R::tape().adjoint(parts[k][i].id, s), u[s].c[k][i]);
-        });
+        integrate_2d(c.x, c.x + facet_corners, p.reach, p.axisymmetric,
+                     [&](R w, const R* N1, const R*, const Vec<R>& gap) {
+                         also(w.v(), Local<T>{N1[1].v(), {}, {}}, Vec<T>{gap.x.v(), gap.y.v(), gap.z.v()});
+                         const R parts[2][3] = {{w * gap.x, w * gap.y, w * gap.z},
+                                                {w * N1[1] * gap.x, w * N1[1] * gap.y, w * N1[1] * gap.z}};
+                         for (int s = 0; s < K; ++s)
+                             for (int i = 0; i < 3; ++i)
+                                 for (int k = 0; k < 2; ++k)
+                                     add_value(R::tape().adjoint(parts[k][i].id, s), u[s].c[k][i]);
+                     });
     R::tape().walk_back(N);
     return any;
 }

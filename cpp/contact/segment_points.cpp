@@ -40,7 +40,7 @@ void add_points(const FacetPair& pair, const std::vector<RulePoint>& rule, std::
     for (int k = 0; k < segment_corners; ++k) x[k] = {pair.x[k][0], pair.x[k][1], pair.x[k][2]};
     const Vec<double>* second = x + facet_corners;
     if (pair.n_first == 2) {
-        once::integrate_2d(x, second, pair.reach,
+        once::integrate_2d(x, second, pair.reach, false,
                            [&](double w, const double* N1, const double* N2, const Vec<double>&) {
                                add(w, N1, 2, N2, 2, out);
                            });

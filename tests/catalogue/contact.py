@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
-from point_contacts import SHAPES, blocks, on_shape
+from point_contacts import SHAPES, balls, blocks, on_shape
 from rubbing import thrown
 
 import visviva as vv
@@ -18,6 +18,8 @@ CONTACTS: dict[str, Any] = {
     "penalty": ({"enforcement": "penalty"}, ALL),
 }
 """Ways to enforce contact, and what they conserve."""
+
+ELASTIC: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}
 
 CONTACT = [
     # contact
@@ -56,4 +58,27 @@ CONTACT = [
     Entry("friction, penalty", lambda: thrown(enforcement="penalty", stiffness=60.0), MOMENTA, steps=20),
     Entry("friction in the plane", lambda: thrown(2), PLANE_MOMENTA, steps=30),
     Entry("friction in the plane, elastic", lambda: thrown(2, tangential="penalty"), PLANE_MOMENTA, 0.01, 40),
+    *(
+        Entry(
+            f"friction, vertices and facets, {kind}",
+            partial(blocks, friction=0.3, **options),
+            MOMENTA,
+            steps=30,
+        )
+        for kind, options in {
+            "multipliers": {},
+            "elastic": {"enforcement": "penalty", "tangential": "penalty"},
+            "in the plane": {"flat": True},
+        }.items()
+    ),
+    *(
+        Entry(
+            f"friction, exact {name}", partial(on_shape, name, friction=0.3, **ELASTIC), MOMENTA, 0.0025, 100
+        )
+        for name in SHAPES
+    ),
+    Entry(
+        "friction, exact sphere, multipliers", lambda: on_shape("sphere", friction=0.3), MOMENTA, 0.0025, 100
+    ),
+    Entry("friction of balls", balls, MOMENTA, 0.01, 30),
 ]

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from catalogue.rigid import turned
+from contact_parts import PYRAMID
+from point_contacts import balls
 from rubbing import GRAVITY, contact_of, slope, thrown
 
 import visviva as vv
@@ -179,8 +181,8 @@ def test_bad_coefficient_is_refused(tangential: Any) -> None:
 
 
 def test_what_knows_no_friction_is_refused() -> None:
-    with pytest.raises(vv.InputError, match="friction needs formulation='mortar'"):
-        thrown(formulation="node-to-segment")
+    with pytest.raises(vv.InputError, match="rub on exact shapes only"):
+        vv.System(balls(shape=vv.SurfaceMesh(**PYRAMID)))
 
 
 def test_gravity_is_that_of_the_slope() -> None:

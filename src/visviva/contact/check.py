@@ -31,11 +31,6 @@ def check_sides(contact: Contact) -> None:
     for body, faces, side in sides:
         if body is None:
             continue
-        if isinstance(body, Solid) and body.axisymmetric:
-            raise InputError(
-                f"{contact.label}: {body.label} is axisymmetric, and contact does not know its circumference yet; take "
-                "a sector of a three-dimensional mesh"
-            )
         if isinstance(body, Solid):
             check_faces(body, body.faces(faces), contact.label)
         elif isinstance(body, RigidBody) and body.shape is None:
@@ -44,6 +39,9 @@ def check_sides(contact: Contact) -> None:
             raise InputError(
                 f"{contact.label}: {body.label} touches with its whole shape; leave out {side}_faces = {faces!r}"
             )
+    solids = [body for body in (first, second) if isinstance(body, Solid)]
+    if len({body.axisymmetric for body in solids}) > 1:
+        raise InputError(f"{contact.label}: one of {solids[0].label} and {solids[1].label} is axisymmetric")
     if first is not second:
         return
     if not isinstance(first, Solid):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
 from visviva.contact.check import check_sides, check_stiffness, refuse_overlap
@@ -23,6 +24,7 @@ from visviva.values import Number
 if TYPE_CHECKING:
     from visviva.component import Outline
     from visviva.model import Model
+    from visviva.point import Frame
     from visviva.scheme import Scheme
     from visviva.system import System
 
@@ -63,7 +65,8 @@ class Contact(Component):
         surface's nodes; 'conserving' lets a gap close freely within the step in which it does and only then holds
         it, so that energy is exact.
     friction : float
-        Coulomb's coefficient: tractions are at most this times the pressure.
+        Coulomb's coefficient: tractions are at most this times the pressure. Points of rigid bodies rub on exact
+        shapes, and balls roll on them.
     tangential : {'multipliers', 'penalty'}
         Below Coulomb's limit, 'multipliers': nothing slips, tractions are unknowns; 'penalty': tractions are
         `tangential_stiffness` times an elastic slip, which is kept from step to step.
@@ -117,8 +120,6 @@ class Contact(Component):
             raise InputError(
                 f"{self.label}: friction = {self.friction:g} is negative; give a coefficient >= 0"
             )
-        if self.friction > 0 and self.formulation != "mortar":
-            raise InputError(f"{self.label}: friction needs formulation='mortar', not {self.formulation!r}")
         if self.second is None and (self.enforcement, self.formulation) != ("penalty", "node-to-segment"):
             raise InputError(
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
@@ -139,8 +140,6 @@ class Contact(Component):
             model.index(self.second)
         check_sides(self)
         self._started = False
-        if self._outline is not None and self.friction > 0:
-            raise InputError(f"{self.label}: friction needs surfaces of facets, not an exact shape")
         self._facing: Surface | None = None
         self._see()
         self.moved = 0.0  # how far a node was moved at most so that nothing overlaps
@@ -177,7 +176,7 @@ class Contact(Component):
         rubs = self.friction > 0
         gaps, self.size, reach = self._gaps(model.length)
         normal = self._stiffness(self.size)
-        tangential = self.tangential_stiffness or self._default_stiffness(self.size, sticks) if rubs else 0.0
+        tangential = self._tangential_stiffness(sticks) if rubs else 0.0
         along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []
         self.term = _core.ContactTerm(
             gaps,
@@ -203,17 +202,18 @@ class Contact(Component):
     def _gaps(self, length: float) -> tuple[_core.Gaps, float, float]:
         """The gap functions, the size of facets, and how far they see."""
         first, areas, outline = self._surface, self._surface.areas, self._outline
+        rubs = self.friction > 0
         if outline is not None:
             core, frame = outline
-            self._facing = frame_surface(frame, length)
+            self._facing = frame_surface([*self._turning, frame], length)
             pair = self._paired(self._facing)
             half = np.array(core.half)
-            gaps = _core.obstacle(pair, areas, self._radius, core.kind, half, core.radius, length)
+            gaps = _core.obstacle(pair, areas, self._radius, rubs, core.kind, half, core.radius, length)
             return gaps, first.size, length
         self._facing = None
         if self.second is None:
             reach = self.reach or first.size
-            return _core.self_contact(skin(first, None), areas, reach, first.places), first.size, reach
+            return _core.self_contact(skin(first, None), areas, reach, rubs, first.places), first.size, reach
         if not isinstance(self.second, Attachable):
             raise InputError(f"{self.label}: {self.second.label} has no surface")
         self._facing = opposite = surface_of(self.second, self.second_faces, self.label)
@@ -221,8 +221,20 @@ class Contact(Component):
         reach = self.reach or size
         pair = self._paired(opposite)
         if self.formulation == "mortar":
-            return _core.mortar(pair, reach), size, reach
-        return _core.node_to_segment(pair, areas, self._radius, reach), size, reach
+            return _core.mortar(pair, reach, first.axisymmetric), size, reach
+        if rubs and not len(first.facets):
+            raise InputError(
+                f"{self.label}: {self.first.label} touches by points, which rub on exact shapes only; give the surface "
+                "with facets first"
+            )
+        return _core.node_to_segment(pair, areas, self._radius, reach, rubs), size, reach
+
+    @property
+    def _turning(self) -> list[Frame]:
+        """The frame of balls that rub, which their points turn with."""
+        if self._radius > 0 and self.friction > 0 and isinstance(self.first, RigidBody):
+            return [self.first.frame()]
+        return []
 
     def _paired(self, opposite: Surface) -> _core.Skin:
         first = self._surface
@@ -255,6 +267,12 @@ class Contact(Component):
             own = min(self._moduli) / size
             check_stiffness(self.label, self.stiffness, own, 10 * own)
         return float(self.stiffness)
+
+    def _tangential_stiffness(self, multipliers: bool) -> float:
+        """Stiffness along the surface; between rigid bodies that across it unless it is given."""
+        if self.tangential_stiffness or self._moduli:
+            return float(self.tangential_stiffness or self._default_stiffness(self.size, multipliers))
+        return self._stiffness(self.size)
 
     @property
     def _moduli(self) -> list[float]:

@@ -83,8 +83,7 @@ class Obstacle(Component):
         return self.shape.core, (self.on or Ground()).frame_at(self.at, self.axis, self.first)
 
 
-def frame_surface(frame: Frame, size: float) -> Surface:
-    """A frame as vertices: its origin, and the ends of its directions of length `size`."""
-    origin = frame.position
-    vectors = [origin, *(origin + size * d for d in frame.directors)]
+def frame_surface(frames: list[Frame], size: float) -> Surface:
+    """Frames as vertices: the origin, and the ends of the directions of length `size`, of each."""
+    vectors = [end for f in frames for end in (f.position, *(f.position + size * d for d in f.directors))]
     return of_vectors(vectors, NO_FACETS, np.array([[c.constant for c in v] for v in vectors]))

@@ -60,6 +60,8 @@ class Surface:
     places : array, (n, 3)
         Positions of the vertices in the reference configuration.
     dimension : int
+    axisymmetric : bool
+        Edges stand for surfaces of revolution about the second axis.
     """
 
     forms: list[list[tuple[int, float]]]
@@ -68,6 +70,7 @@ class Surface:
     facets: Ints
     places: Array
     dimension: int
+    axisymmetric: bool = False
 
     @cached_property
     def areas(self) -> Array:
@@ -75,11 +78,12 @@ class Surface:
         if len(self.facets) == 0:
             return np.ones(len(self.places))
         there = self.facets >= 0
-        share = self._facet_areas() / there.sum(axis=1)
-        total = np.bincount(
-            self.facets[there], np.repeat(share, there.sum(axis=1)), minlength=len(self.places)
-        )
-        return np.asarray(total)
+        share = np.where(there, (self._facet_areas() / there.sum(axis=1))[:, None], 0.0)
+        if self.axisymmetric:  # of the edge to each end, with the mean circumference there
+            r = self._corners()[:, :2, 0]
+            share[:, :2] *= 2 * np.pi * (2 * r + r[:, ::-1]) / 3
+        total = np.bincount(self.facets[there], share[there], minlength=len(self.places))
+        return np.asarray(total, dtype=float)
 
     def _facet_areas(self) -> Array:
         corners = self._corners()
@@ -163,7 +167,9 @@ def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -
             facets[:, : len(part)] = number[cells[:, list(part)]]
             rows.extend(map(tuple, facets.tolist()))
     places = solid.points[nodes]
-    return Surface(forms, True, np.zeros_like(places), np.array(rows), places, solid.dimension)
+    return Surface(
+        forms, True, np.zeros_like(places), np.array(rows), places, solid.dimension, solid.axisymmetric
+    )
 
 
 def _of_shape(component: Attachable, label: str) -> Surface:

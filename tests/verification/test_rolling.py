@@ -1,0 +1,85 @@
+"""Rigid bodies that slide, stick and roll on exact shapes, against formulas, at several scales of length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+G = 9.81
+
+
+def ball_on_plane(size: float, angle: float = 0.0, speed: float = 0.0, **options: Any) -> list[Any]:
+    """A ball of radius `size` on a plane that falls along x, in units of time in which gravity is the same."""
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=size),
+        density=1.0 / size**3,
+        position=(0.3 * size, 0.1 * size, size),
+        velocity=(speed * np.sqrt(size), 0, 0),
+    )
+    floor = vv.Plane()
+    contact = vv.Contact(first=ball, second=floor, **({"stiffness": 1e4 / size, "friction": 0.2} | options))
+    gravity = vv.Gravity(acceleration=(G * np.sin(angle), 0, -G * np.cos(angle)))
+    return [ball, floor, contact, gravity]
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("tangential", ["multipliers", "penalty"])
+def test_sliding_ball_begins_to_roll(size: float, tangential: str) -> None:
+    """A ball thrown with v = 1 without spin slides until t = 2 v / 7 mu g = 0.145624, over 0.1248206; then it rolls
+    with 5/7 of its speed, and 2/7 of its energy are lost."""
+    unit = np.sqrt(size)
+    parts = ball_on_plane(size, speed=1.0, tangential=tangential, tangential_stiffness=1e6 / size)
+    ball, _, contact, _ = parts
+    system, times, places, slips = vv.System(parts), [], [], []
+
+    def observe(s: vv.System) -> None:
+        times.append(s.time / unit)
+        places.append(s.value(ball.point().position)[0] / size - 0.3)
+        slips.append(bool(contact.slipping.any()))
+
+    result = vv.simulate(system, until=0.3 * unit, step=0.001 * unit, observe=observe)
+    first = slips.index(False)
+    assert 0.145624 < times[first] < 0.145624 + 2 * 0.001
+    assert (places[-1] - places[first]) / (times[-1] - times[first]) == pytest.approx(5 / 7, rel=5e-4)
+    assert places[first] - 5 / 7 * (times[first] - 0.145624) == pytest.approx(0.1248206, rel=2e-4)
+    if tangential == "multipliers":
+        assert not any(slips[first:])
+    lost = result.ledger["work_friction"][-1] / result.ledger["kinetic"][0]
+    assert lost == pytest.approx(-2 / 7, rel=1e-3)
+    result.assert_conserved("energy", tolerance=1e-10)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_ball_rolls_down_a_slope(size: float) -> None:
+    """At 30 degrees with mu = 0.2 > 2/7 tan it rolls, with 5/7 g sin and without loss; with mu = 0.1 it slides with
+    g (sin - mu cos)."""
+    unit, angle = np.sqrt(size), np.radians(30)
+    for friction, expected in ((0.2, 5 / 7 * np.sin(angle)), (0.1, np.sin(angle) - 0.1 * np.cos(angle))):
+        parts = ball_on_plane(size, angle, friction=friction)
+        system = vv.System(parts)
+        result = vv.simulate(system, until=0.5 * unit, step=0.005 * unit)
+        assert system.v[0] / unit == pytest.approx(0.5 * G * expected, rel=5e-4)
+        assert bool(parts[2].slipping.any()) == (friction == 0.1)
+        work = result.ledger["work_friction"]
+        assert work[-1] < -1e-3 * size if friction == 0.1 else abs(work).max() < 1e-10 * size
+        result.assert_conserved("energy", tolerance=1e-10)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("part", [0.99, 1.01])
+def test_particle_at_the_limit_of_sticking(size: float, part: float) -> None:
+    """On a slope of 30 degrees, with one per cent less than tan 30 degrees it slides, with one more it stays."""
+    unit, angle = np.sqrt(size), np.radians(30)
+    friction = part * np.tan(angle)
+    particle, floor = vv.PointMass(mass=2.0), vv.Plane()
+    contact = vv.Contact(first=particle, second=floor, stiffness=1e4 / size, friction=friction)
+    gravity = vv.Gravity(acceleration=(G * np.sin(angle), 0, -G * np.cos(angle)))
+    system = vv.System([particle, floor, contact, gravity])
+    vv.simulate(system, until=unit, step=0.01 * unit)
+    slides = 0.5 * G * (np.sin(angle) - friction * np.cos(angle)) * (part < 1)
+    assert contact.slipping.all() == (part < 1)
+    assert system.x[0] / size == pytest.approx(slides, rel=1e-9, abs=1e-13)
