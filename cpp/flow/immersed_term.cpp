@@ -31,8 +31,15 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
     return v0 + share(c.step) * (v1 - v0);
 }
 
-// Interpolation in the middle of the predicted step keeps the second order, and makes the motion linear in
-// the velocities. It stays through all iterations and attempts of a step.
+// How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
+double ImmersedTerm::moved(const Context& c, int k, int i) const {
+    if (has_rates(c.step)) return c.step.h * points_.value(c.vectors.rate, k, i);
+    return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
+}
+
+// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end) on the predicted
+// way keeps the second order, and makes the motion linear in the velocities. It stays through all iterations
+// and attempts of a step.
 bool ImmersedTerm::search(const double* x0, const double* x1) {
     bool same = true, moves = false;
     each([&](int k, int i, int, int) {
@@ -43,7 +50,7 @@ bool ImmersedTerm::search(const double* x0, const double* x1) {
     ahead_ = moves;
     each([&](int k, int i, int, int) {
         const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
-        start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = 0.5 * (from + to);
+        start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = from + theta_ * (to - from);
     });
     interpolate_(places_.data(), true, now_.unknown.data(), now_.weight.data());
     bool known = !coupled_.empty();
@@ -55,6 +62,7 @@ bool ImmersedTerm::search(const double* x0, const double* x1) {
 
 // The pattern, and the weights of the kept tangent; those of the next step follow from its start.
 void ImmersedTerm::write_memory(std::vector<double>& m) const {
+    m.push_back(theta_);
     m.push_back(static_cast<double>(coupled_.size()));
     for (const auto& all : coupled_) {
         m.push_back(static_cast<double>(all.size()));
@@ -65,6 +73,7 @@ void ImmersedTerm::write_memory(std::vector<double>& m) const {
 }
 
 bool ImmersedTerm::read_memory(const double*& m) {
+    theta_ = *m++;
     coupled_.resize(static_cast<std::size_t>(*m++));
     for (auto& all : coupled_) {
         all.resize(static_cast<std::size_t>(*m++));
@@ -129,9 +138,10 @@ void ImmersedTerm::set_positions(const std::int64_t* positions) {
 }
 
 void ImmersedTerm::residual(const Context& c, double* r) {
-    const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
+    theta_ = c.step.theta;
+    const auto& x1 = c.vectors.x1;
     each([&](int k, int i, int m, int first) {
-        r[m] += points_.value(x1, k, i) - points_.value(x0, k, i) - c.step.h * carrying(c, first, i);
+        r[m] += moved(c, k, i) - c.step.h * carrying(c, first, i);
         for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
             r[points_.vector[t] + i] += points_.weight[t] * x1[m];
         for (int e = first; e < first + points_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
@@ -141,11 +151,11 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
-    const double h = c.step.h * share(c.step);
+    const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
     each([&](int k, int, int, int first) {
         const std::vector<int>& all = coupled_[k];
         for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
-            for (int both = 0; both < 2; ++both) values[position_[at++]] += points_.weight[t];
+            for (const double factor : {own, 1.0}) values[position_[at++]] += factor * points_.weight[t];
         for (int e = first; e < first + points_.width; ++e) {
             const auto place = std::lower_bound(all.begin(), all.end(), now_.unknown[e]) - all.begin();
             const std::size_t to = at + 2 * static_cast<std::size_t>(place);
@@ -162,8 +172,7 @@ void ImmersedTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) 
     double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
     each([&](int k, int i, int m, int first) {
-        const double moved = points_.value(x1, k, i) - points_.value(x0, k, i);
-        const double apart = moved - c.step.h * carrying(c, first, i);
+        const double apart = moved(c, k, i) - c.step.h * carrying(c, first, i);
         const double ahead = c.step.h * points_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
         sums.work[account[0]] -= x1[m] * apart;
         sums.work[account[1]] -= x1[m] * ahead;

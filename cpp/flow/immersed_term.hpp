@@ -1,7 +1,7 @@
-// Points of a body that move with the velocities of a fluid around them, paper (34): q1 - q0 = h I (v_theta +
-// damping (v1 - v0)). A node of a solid is an unknown itself, a point of a rigid body a sum of its origin and
-// directors.
-// The multipliers are the forces that the fluid passes on to the solid.
+// Points of a body that move with the velocities of a fluid around them, paper (34): h dq/dt = h I (v_theta +
+// damping (v1 - v0)) with the scheme's rate dq/dt, (q1 - q0) / h of the midpoint rule. A node of a solid is
+// an unknown itself, a point of a rigid body a sum of its origin and directors. The multipliers are the
+// forces that the fluid passes on to the solid.
 #pragma once
 #include <functional>
 
@@ -53,6 +53,8 @@ class ImmersedTerm : public Term {
     void couple_ahead(const double* x0, const double* x1);
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
+    double moved(const Context&, int point, int i) const;
+    static bool has_rates(const Step& step) { return step.motion[0][0] != 0; }
     double share(const Step& step) const { return step.theta + points_.damping; }
 
     ImmersedPoints points_;
@@ -65,6 +67,7 @@ class ImmersedTerm : public Term {
     Weights now_, at_tangent_;
     std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
     std::vector<double> start_, places_;
+    double theta_ = 0.5;  // of the last step: schemes do not change
     bool ahead_ = false;  // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;
 };
