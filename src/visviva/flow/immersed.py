@@ -51,8 +51,9 @@ class Immersed(Carried):
 
     Notes
     -----
-    The nodes follow ``q1 - q0 = h I v_m`` (34), with the interpolation ``I`` taken in the middle of the predicted
-    step: linear in the velocities and of second order. The forces of the solid go onto the fluid by the transpose,
+    The nodes follow ``q1 - q0 = h I v_m`` (34), or the rate that another scheme takes of them, with the interpolation
+    ``I`` where the scheme evaluates forces on the predicted way: linear in the velocities and of the order of the
+    scheme. The forces of the solid go onto the fluid by the transpose,
     so that the power is the same on both sides, and momenta and energy balance exactly.
 
     The solid replaces the inertia and weight of the fluid it displaces, ``(rho_s - rho_f)`` of (39). Its stress is
