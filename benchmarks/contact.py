@@ -141,7 +141,8 @@ def profile_tori(mesh: Any, flight: int, impact: int, late: float) -> None:
     system.touch()
     parts: dict[str, Cost] = {"free flight": Cost(), "impact": Cost(), "later": Cost()}
     print(f"two tori, {len(system.x)} unknowns with pressures")
-    until = max(late, FIRST_TOUCH + impact * study.step) + 1.0  # a step that fails is halved, as in the example
+    until = max(late, FIRST_TOUCH + impact * study.step) + 1.0
+    # a step that fails is halved, as in the example
     marching = vv.march(system, until=until, step=study.step, scheme=study.scheme)
     while parts["impact"].steps < impact or system.time < late:
         touching = contact.pressures.any()
