@@ -84,3 +84,12 @@ def test_ironing_has_no_jumps() -> None:
     assert across < 0.015
     assert along < 0.005
     assert along < 0.1 * ripples["node-to-segment"][1]
+
+
+def test_ironing_in_space() -> None:
+    """Puso & Laursen's die passes a facet and a half of a coarse slab: forces stay within 1.5 % of smooth curves, and
+    none is left along the way."""
+    places, forces = ironing(3, 1, 0.7, 1.5, 12)
+    assert forces[:, 0].mean() > 3.0
+    assert max(ripple(places, forces)) < 0.015
+    assert abs(forces[:, 1].mean()) < 0.005 * forces[:, 0].mean()
