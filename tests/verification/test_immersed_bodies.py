@@ -8,6 +8,7 @@ from discs import disc
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.examples import hinged_valve
 
 Array = NDArray[np.float64]
 
@@ -93,3 +94,15 @@ def test_held_body_is_an_obstacle() -> None:
     coarse, fine = (drag(n, "quad4") / 5.57953523384 - 1 for n in (32, 64))
     assert 0.0 < fine < 0.6 * coarse
     assert coarse < 0.17
+
+
+def test_leaflets_open_alike_on_their_hinges() -> None:
+    """A rigid valve: balance, mirrored leaflets, feet on their hinges, and springs that hold what has turned."""
+    study = hinged_valve.study(until=0.1)
+    result = vv.simulate(study.system, until=study.until, step=study.step, scheme=study.scheme)
+    hinged_valve.check(result)
+    lower, upper = (float(study.probes[f"{side}_angle"](study.system)) for side in ("lower", "upper"))  # type: ignore[operator]
+    assert lower == pytest.approx(-upper, abs=1e-8)
+    assert 0.5 < upper < 0.7
+    assert result.ledger["potential_spring"][-1] == pytest.approx(30.0 * upper**2, rel=1e-6)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-10 * np.abs(result.ledger["work_supply"]).max()

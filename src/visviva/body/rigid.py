@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+FLAT = 1e-4
+"""What is left of the length of a prism in a plane system when it is drawn: it lies just above the plane."""
+
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class RigidBody(Attachable):
@@ -116,6 +119,9 @@ class RigidBody(Attachable):
         """Constant mass (4, 4) between origin and directors: ``[[m, m s], [m s, E]]``, paper eq. (7)."""
         return mass_matrix(self.mass_properties())
 
+    is_flat = False
+    """Whether its section alone is shown, of a prism in a plane system."""
+
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
         return Vector.of(self._field.start, (1.0, *X.tolist()))
@@ -168,7 +174,10 @@ class RigidBody(Attachable):
         return None if self.shape is None else self.shape.feelers
 
     def surface(self) -> Any:
-        return self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())
+        points, triangles = (
+            self.shape.surface() if self.shape is not None else inertia_box(self.mass_properties())
+        )
+        return (points * (1, 1, FLAT), triangles) if self.is_flat else (points, triangles)
 
 
 def mass_matrix(properties: MassProperties) -> Array:

@@ -108,6 +108,7 @@ class ImmersedBody(Carried):
     def declare(self, model: Model) -> None:
         super().declare(model)
         d = self.fluid.dimension
+        self.body.is_flat = d == 2
         where = self.body.position[:d], self.body.rotation[:d]
         outline = where[0] + self._shape.surface()[0] @ where[1].T
         cells = self._located(outline).cells

@@ -87,7 +87,7 @@ class Scene:
     @property
     def view(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Direction from which one looks if no camera is given, and the direction that is up."""
-        return ABOVE if self.high[2] - self.low[2] < 1e-9 * self.extent else VIEW
+        return ABOVE if self.high[2] - self.low[2] < 1e-3 * self.extent else VIEW
 
     @property
     def ground(self) -> float:
