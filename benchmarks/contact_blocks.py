@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import argparse
 import statistics
-from collections import defaultdict
 from collections.abc import Sequence
 
 from contact_case import COUNTS, ContactCase
-from contenders import Contender, add_options, measure, present
+from contenders import Contender, add_options, alternate, present
 from record import Record
 
 OURS = Contender("visviva, mortar, multipliers", "ours_contact.py", "visviva", "mortar")
@@ -57,14 +56,8 @@ def main() -> None:
     add_options(options)
     options.add_argument("--thousands", type=int, choices=COUNTS, default=9, help="of unknowns")
     chosen = options.parse_args()
-    codes = present(CONTENDERS, chosen)
     extra = [f"--thousands={chosen.thousands}", *([f"--steps={chosen.steps}"] if chosen.steps else [])]
-    figures: dict[Contender, list[Record]] = defaultdict(list)
-    for _ in range(chosen.rounds):
-        for code, interpreter in codes.items():
-            record = measure(code, interpreter, extra, chosen.limit)
-            if record is not None:
-                figures[code].append(record)
+    figures = alternate(present(CONTENDERS, chosen), extra, chosen)
     case = ContactCase(chosen.thousands)
     unknowns = 3 * (len(case.lower.points) + len(case.upper.points))
     print(f"\n{unknowns} unknowns\n\n| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))

@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,3 +91,16 @@ def present(contenders: Sequence[Contender], chosen: argparse.Namespace) -> dict
         else:
             print(f"{c.title}: left out, {interpreter} has no {c.module}", flush=True)
     return found
+
+
+def alternate(
+    codes: Mapping[Contender, str], extra: Sequence[str], chosen: argparse.Namespace
+) -> dict[Contender, list[Record]]:
+    """What these codes (with their interpreters) measure in so many rounds, in turn."""
+    figures: dict[Contender, list[Record]] = defaultdict(list)
+    for _ in range(chosen.rounds):
+        for code, interpreter in codes.items():
+            record = measure(code, interpreter, extra, chosen.limit)
+            if record is not None:
+                figures[code].append(record)
+    return figures

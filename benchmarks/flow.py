@@ -12,10 +12,9 @@ from __future__ import annotations
 
 import argparse
 import statistics
-from collections import defaultdict
 from collections.abc import Sequence
 
-from contenders import Contender, add_options, measure, present
+from contenders import Contender, add_options, alternate, present
 from flow_case import FlowCase
 from record import Record
 
@@ -54,14 +53,8 @@ def main() -> None:
     add_options(options)
     options.add_argument("--n", type=int, default=FlowCase.n, help="cells along the channel")
     chosen = options.parse_args()
-    codes = present(CONTENDERS, chosen)
     extra = [f"--n={chosen.n}", *([f"--steps={chosen.steps}"] if chosen.steps else [])]
-    figures: dict[Contender, list[Record]] = defaultdict(list)
-    for _ in range(chosen.rounds):
-        for code, interpreter in codes.items():
-            record = measure(code, interpreter, extra, chosen.limit)
-            if record is not None:
-                figures[code].append(record)
+    figures = alternate(present(CONTENDERS, chosen), extra, chosen)
     along, across = FlowCase(n=chosen.n).counts
     print(f"\n{along} x {across} cells\n\n| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
     for code in figures:

@@ -12,10 +12,9 @@ from __future__ import annotations
 
 import argparse
 import statistics
-from collections import defaultdict
 from collections.abc import Sequence
 
-from contenders import Contender, Figures, add_options, measure, present
+from contenders import Contender, Figures, add_options, alternate, present
 from record import Record
 from solid_cases import BUILDERS, SolidCase
 
@@ -93,12 +92,8 @@ def main() -> None:
     for name, n in CASES:
         if (chosen.case and name not in chosen.case) or (chosen.n and n not in chosen.n):
             continue
-        figures: dict[Contender, list[Record]] = defaultdict(list)
-        for _ in range(chosen.rounds):
-            for code in (c for c in codes if name in c.cases):
-                record = measure(code, codes[code], ["--case", name, "--n", str(n), *extra], chosen.limit)
-                if record is not None:
-                    figures[code].append(record)
+        able = {code: interpreter for code, interpreter in codes.items() if name in code.cases}
+        figures = alternate(able, ["--case", name, "--n", str(n), *extra], chosen)
         case = BUILDERS[name](n)
         print(header(case, chosen.energies))
         for code in figures:

@@ -53,6 +53,18 @@ def through(fluid: vv.Fluid, lower: vv.Solid, upper: vv.Solid, x: Array) -> floa
     return float(v[0] * (b - a)[1] - v[1] * (b - a)[0])
 
 
+def channel(mesh: Literal["full", "coarse"], density: float) -> tuple[vv.Fluid, list[Any]]:
+    """The fluid, and what holds at its boundary."""
+    grid = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=COUNTS[mesh], cell="quad4")
+    blood = vv.Fluid(mesh=grid, density=density, viscosity=1.0, name="blood")
+    return blood, [
+        vv.VelocityBoundary(fluid=blood, faces="x0", velocity=inflow, name="inflow"),
+        vv.NoSlip(fluid=blood, faces="y0", name="lower wall"),
+        vv.NoSlip(fluid=blood, faces="y1", name="upper wall"),
+        vv.Outlet(fluid=blood, faces="x1", name="end"),
+    ]
+
+
 def study(
     mesh: Literal["full", "coarse"] = "full",
     density: float = 10.0,
@@ -63,16 +75,9 @@ def study(
     damping: float = 0.05,
 ) -> vv.Study:
     """Flaps of other stiffness, as Gil's third example (`lower_young` = 11.2e6), bend one more than the other."""
-    channel = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=COUNTS[mesh], cell="quad4")
-    blood = vv.Fluid(mesh=channel, density=density, viscosity=1.0, name="blood")
+    blood, openings_and_walls = channel(mesh, density)
     flaps = flap("lower", lower_young, density), flap("upper", upper_young, density)
-    parts: list[Any] = [
-        blood,
-        vv.VelocityBoundary(fluid=blood, faces="x0", velocity=inflow, name="inflow"),
-        vv.NoSlip(fluid=blood, faces="y0", name="lower wall"),
-        vv.NoSlip(fluid=blood, faces="y1", name="upper wall"),
-        vv.Outlet(fluid=blood, faces="x1", name="end"),
-    ]
+    parts: list[Any] = [blood, *openings_and_walls]
     probes: dict[str, Any] = {}
     for solid, wall in zip(flaps, ("y0", "y1"), strict=True):
         side = str(solid.name).split()[0]
@@ -103,7 +108,12 @@ def study(
 
 def check(result: vv.Result) -> None:
     """The energy balance closes; the flaps follow the fluid."""
+    check_carried(result, "flaps")
+
+
+def check_carried(result: vv.Result, bodies: str) -> None:
+    """The energy balance closes; what is immersed follows the fluid."""
     ledger = result.ledger
     scale = np.abs(ledger["work_viscosity"]).max()
     assert np.abs(ledger["imbalance"]).max() < 1e-6 * scale, "the energy balance is open"
-    assert np.max(ledger["defect_position"]) < 1e-9, "the flaps do not follow the fluid"
+    assert np.max(ledger["defect_position"]) < 1e-9, f"the {bodies} do not follow the fluid"
