@@ -22,14 +22,5 @@ void parallel_for(int n, F f) {
     for (int i = 0; i < n; ++i) f(i);
 }
 
-// Zeros, by several threads where there are many.
-template <class Array>
-void set_zero(Array& a) {
-    constexpr std::size_t chunk = 1 << 17;
-    const std::size_t n = a.size();
-    parallel_for(static_cast<int>((n + chunk - 1) / chunk), [&](int i) {
-        std::fill(a.begin() + i * chunk, a.begin() + std::min(n, (i + 1) * chunk), 0.0);
-    });
-}
 
 }  // namespace visviva

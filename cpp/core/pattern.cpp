@@ -66,6 +66,11 @@ std::int64_t Pattern::position(int row, int col) const {
     return start_[i] + (row - first_[i]) * length_[i] + offset_[i][at] + (col - first_[j]);
 }
 
+Pattern::Rows Pattern::rows(int unknown) const {
+    const int i = number_[unknown];
+    return i < 0 ? Rows{-1, 0, 0} : Rows{i, start_[i], start_[i] + size_[i] * length_[i]};
+}
+
 std::int64_t Pattern::row_length(int row) const { return number_[row] < 0 ? 0 : length_[number_[row]]; }
 
 std::int64_t Pattern::row_start(int row) const {

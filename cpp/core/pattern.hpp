@@ -29,6 +29,13 @@ class Pattern {
     /// Length of the rows of an unknown's node, and where the row of the unknown starts.
     std::int64_t row_length(int row) const;
     std::int64_t row_start(int row) const;
+    /// All rows of the node of an unknown among the values: empty without equations.
+    struct Rows {
+        int node;
+        std::int64_t begin, end;
+    };
+    Rows rows(int unknown) const;
+    int n_nodes() const { return static_cast<int>(first_.size()); }
     /// Equations of fixed unknowns.
     const std::vector<int>& held() const { return held_; }
 

@@ -67,4 +67,22 @@ void Slots::connect(const Pattern& pattern) {
         }
 }
 
+void Slots::clear_rows(const Pattern& pattern, std::vector<char>& cleared) {
+    std::vector<std::vector<Pattern::Rows>> first(n_blocks_);
+    for (const auto& colour : colours_)
+        for (int begin : colour)
+            for (int b = begin; b < std::min(begin + task_blocks_, n_blocks_); ++b)
+                for (int k = 0; k < n_slots_ * L8; ++k) {
+                    const auto rows = pattern.rows(unknown(b, k / L8, k % L8));
+                    if (rows.node < 0 || cleared[rows.node]) continue;
+                    cleared[rows.node] = 1;
+                    first[b].push_back(rows);
+                }
+    zeros_.clear(), first_zero_.assign(1, 0);
+    for (const auto& block : first) {
+        for (const auto& rows : block) zeros_.emplace_back(rows.begin, rows.end);
+        first_zero_.push_back(zeros_.size());
+    }
+}
+
 }  // namespace visviva

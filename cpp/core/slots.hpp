@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "aligned.hpp"
@@ -34,6 +35,9 @@ class Slots {
     void couple(Pattern& pattern) const;
     void connect(const Pattern& pattern);
 
+    // Rows of nodes not yet `cleared` are from now on set to zero by assemble().
+    void clear_rows(const Pattern& pattern, std::vector<char>& cleared);
+
     int n() const { return n_; }
     int n_slots() const { return n_slots_; }
     int n_blocks() const { return n_blocks_; }
@@ -53,6 +57,19 @@ class Slots {
                          [&](int i) { f(colour[i], std::min(colour[i] + task_blocks_, n_blocks_)); });
     }
 
+    // The same block by block, after the rows that it is the first to add to were set to zero: they are still
+    // in the cache when they are added to, and come from memory once.
+    template <class F>
+    void assemble(double* values, F f) const {
+        for_tasks([&](int begin, int end) {
+            for (int b = begin; b < end; ++b) {
+                for (auto k = first_zero_[b]; k < first_zero_[b + 1]; ++k)
+                    std::fill(values + zeros_[k].first, values + zeros_[k].second, 0.0);
+                f(b, b + 1);
+            }
+        });
+    }
+
   private:
     int unknown(int block, int slot, int lane) const {
         return index_[(static_cast<std::size_t>(block) * n_slots_ + slot) * slot_lanes + lane];
@@ -65,6 +82,8 @@ class Slots {
     std::vector<int> index_;
     std::vector<std::int64_t> row_, length_;
     std::vector<std::uint16_t> offset_;
+    std::vector<std::size_t> first_zero_;  // of every block among the ranges of values that it sets to zero
+    std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;
     std::vector<std::vector<int>> colours_;  // first blocks of tasks that touch different unknowns
 };
 

@@ -8,7 +8,8 @@
 
 namespace visviva::VISVIVA_ISA {
 
-typedef double V4 __attribute__((vector_size(32)));
+typedef double V2 __attribute__((vector_size(16), aligned(8)));
+typedef double V4 __attribute__((vector_size(32), aligned(8)));
 
 template <int D, int N>
 VISVIVA_INLINE void solid_scatter_forces(const SolidElement<D, N>& e, const V* r, int n, double* to) {
@@ -103,30 +104,52 @@ struct SolidBlock {
     VISVIVA_INLINE V operator()(int i, int j) const { return K[transposed ? 3 * j + i : 3 * i + j]; }
 };
 
-#if VISVIVA_WIDTH == 8 && defined(__AVX512VL__)
-/// The six numbers of row i of two blocks, of every lane.
-VISVIVA_INLINE void transpose(SolidBlock a, SolidBlock b, int i, V* lanes) {
-    const V in[6] = {a(i, 0), a(i, 1), a(i, 2), b(i, 0), b(i, 1), b(i, 2)};
-    for (int odd = 0; odd < 2; ++odd) {
-        V pair[3];
-        for (int k = 0; k < 3; ++k)
-            pair[k] = odd ? __builtin_shufflevector(in[2 * k], in[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15)
-                          : __builtin_shufflevector(in[2 * k], in[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-        const V low = __builtin_shufflevector(pair[0], pair[1], 0, 1, 8, 9, 2, 3, 10, 11);
-        const V high = __builtin_shufflevector(pair[0], pair[1], 4, 5, 12, 13, 6, 7, 14, 15);
-        lanes[odd] = __builtin_shufflevector(low, pair[2], 0, 1, 2, 3, 8, 9, 8, 9);
-        lanes[odd + 2] = __builtin_shufflevector(low, pair[2], 4, 5, 6, 7, 10, 11, 10, 11);
-        lanes[odd + 4] = __builtin_shufflevector(high, pair[2], 0, 1, 2, 3, 12, 13, 12, 13);
-        lanes[odd + 6] = __builtin_shufflevector(high, pair[2], 4, 5, 6, 7, 14, 15, 14, 15);
-    }
+#if VISVIVA_WIDTH >= 4
+/// Six numbers beside each other.
+struct Six {
+    V4 first;
+    V2 last;
+};
+
+VISVIVA_INLINE void add_six(double* to, Six a) {
+    const V4 first = *reinterpret_cast<const V4*>(to) + a.first;
+    const V2 last = *reinterpret_cast<const V2*>(to + 4) + a.last;
+    *reinterpret_cast<V4*>(to) = first;
+    *reinterpret_cast<V2*>(to + 4) = last;
 }
 
-VISVIVA_INLINE void add_six(double* to, V a) {
-    typedef double V2 __attribute__((vector_size(16)));
-    const V4 low = (V4)_mm256_loadu_pd(to) + (V4)_mm512_castpd512_pd256((__m512d)a);
-    const V2 high = (V2)_mm_loadu_pd(to + 4) + (V2)_mm512_extractf64x2_pd((__m512d)a, 2);
-    _mm256_storeu_pd(to, (__m256d)low);
-    _mm_storeu_pd(to + 4, (__m128d)high);
+/// The six numbers of row i of two blocks, of every lane.
+VISVIVA_INLINE void transpose(SolidBlock a, SolidBlock b, int i, Six* lanes) {
+    const V in[6] = {a(i, 0), a(i, 1), a(i, 2), b(i, 0), b(i, 1), b(i, 2)};
+    VISVIVA_FLATTEN
+    for (int odd = 0; odd < 2; ++odd) {
+        V pair[3];  // two numbers of every second lane
+        VISVIVA_FLATTEN
+        for (int k = 0; k < 3; ++k) {
+            const V &x = in[2 * k], &y = in[2 * k + 1];
+#if VISVIVA_WIDTH == 8
+            pair[k] = odd ? __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15)
+                          : __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
+#else
+            pair[k] = odd ? __builtin_shufflevector(x, y, 1, 5, 3, 7)
+                          : __builtin_shufflevector(x, y, 0, 4, 2, 6);
+#endif
+        }
+        const V &p = pair[0], &q = pair[1], &last = pair[2];
+#if VISVIVA_WIDTH == 8
+        lanes[odd] = {__builtin_shufflevector(p, q, 0, 1, 8, 9), __builtin_shufflevector(last, last, 0, 1)};
+        lanes[odd + 2] = {__builtin_shufflevector(p, q, 2, 3, 10, 11),
+                          __builtin_shufflevector(last, last, 2, 3)};
+        lanes[odd + 4] = {__builtin_shufflevector(p, q, 4, 5, 12, 13),
+                          __builtin_shufflevector(last, last, 4, 5)};
+        lanes[odd + 6] = {__builtin_shufflevector(p, q, 6, 7, 14, 15),
+                          __builtin_shufflevector(last, last, 6, 7)};
+#else
+        lanes[odd] = {__builtin_shufflevector(p, q, 0, 1, 4, 5), __builtin_shufflevector(last, last, 0, 1)};
+        lanes[odd + 2] = {__builtin_shufflevector(p, q, 2, 3, 6, 7),
+                          __builtin_shufflevector(last, last, 2, 3)};
+#endif
+    }
 }
 
 /// Adds the blocks (a, b) and (a, c) of W elements if the matrix has all of them side by side, as those of
@@ -143,7 +166,7 @@ VISVIVA_INLINE bool solid_scatter_pair(const SolidElement<3, N>& e, int a, int b
         e.v.length + (static_cast<std::int64_t>(e.block) * e.nodes() + a) * L8 + e.lane;
     VISVIVA_FLATTEN
     for (int i = 0; i < 3; ++i) {
-        V lanes[W];
+        Six lanes[W];
         transpose(of_b, of_c, i, lanes);
         VISVIVA_FLATTEN
         for (int l = 0; l < W; ++l) add_six(values + first[l] + i * length[l], lanes[l]);
@@ -165,7 +188,7 @@ VISVIVA_INLINE void solid_scatter_row(const SolidElement<D, N>& e, int a, const 
                  : solid_scatter_block<D, N, false>(e, a, b, block(b), values);
     };
     int k = 0;
-#if VISVIVA_WIDTH == 8 && defined(__AVX512VL__)
+#if VISVIVA_WIDTH >= 4
     for (; D == 3 && k + 2 <= n; k += 2) {
         const bool back =
             N == 8 && k % 4 == 2;  // around the faces of bricks every second edge runs backwards

@@ -121,14 +121,17 @@ void SolidTerm::residual(const Context& c, double* r) {
 void SolidTerm::tangent(const Context& c, double* values) {
     if (!mixed_) return linearise(c, nullptr, values);
     call_back(c, true);
-    slots_.for_tasks(
-        [&](int begin, int end) { mixed_->tangent(view_, c.step, c.vectors, begin, end, values); });
+    slots_.assemble(values, [&](int begin, int end) {
+        mixed_->tangent(view_, c.step, c.vectors, begin, end, values);
+    });
 }
 
 void SolidTerm::linearise(const Context& c, double* r, double* values) {
+    if (mixed_) return Term::linearise(c, r, values);
     call_back(c, true);
     const auto kernel = solid_kernels().tangent;
-    slots_.for_tasks([&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, r, values); });
+    slots_.assemble(values,
+                    [&](int begin, int end) { kernel(view_, c.step, c.vectors, begin, end, r, values); });
 }
 
 void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {

@@ -43,7 +43,10 @@ class SolidTerm : public Term {
     bool wants_rates() const override { return view_.damped; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
-    bool is_fused() const override { return !mixed_; }
+    bool is_first() const override { return true; }
+    void clear_rows(const Pattern& pattern, std::vector<char>& cleared) override {
+        slots_.clear_rows(pattern, cleared);
+    }
     void linearise(const Context&, double* r, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     Refusal refuse(const Context&) override;

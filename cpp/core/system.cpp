@@ -59,8 +59,23 @@ void System::finalize() {
         at += term->n_entries();
         term->connect(pattern);
     }
+    std::vector<char> cleared(pattern.n_nodes(), 0);
+    for (const auto& term : terms_)
+        if (term->is_first()) term->clear_rows(pattern, cleared);
+    zeros_.clear();
+    for (int u : csr_.unknown)
+        if (const auto rows = pattern.rows(u); !cleared[rows.node]) {
+            cleared[rows.node] = 1;
+            zeros_.emplace_back(rows.begin, rows.end);
+        }
     hold(pattern);
     reduce();
+}
+
+// Rows that the first terms do not set to zero themselves
+void System::clear_values() {
+    for (const auto& [begin, end] : zeros_) std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
+    values_.back() = 0;
 }
 
 // The solver may know the old one.
@@ -181,24 +196,24 @@ double System::iterate(const Step& step) {
     return size;
 }
 
-void System::evaluate_residual(const Context& c, bool all, bool with_fused_tangents) {
+void System::evaluate_residual(const Context& c, bool all, bool with_first_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_fused_tangents) set_zero(values_);
+    if (with_first_tangents) clear_values();
     for (const auto& term : terms_)
-        if (with_fused_tangents && term->is_fused())
+        if (with_first_tangents && term->is_first())
             term->linearise(c, r_.data(), values_.data());
         else if (all || !term->is_rigidity)
             term->residual(c, r_.data());
 }
 
-void System::evaluate_tangent(const Context& c, bool inner, bool has_fused_tangents) {
-    if (!has_fused_tangents) {
-        set_zero(values_);
+void System::evaluate_tangent(const Context& c, bool inner, bool has_first_tangents) {
+    if (!has_first_tangents) {
+        clear_values();
         for (const auto& term : terms_)
-            if (term->is_fused()) term->tangent(c, values_.data());
+            if (term->is_first()) term->tangent(c, values_.data());
     }
     for (const auto& term : terms_)
-        if (!term->is_fused())
+        if (!term->is_first())
             inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
                                        : term->tangent(c, values_.data());
 }
@@ -246,8 +261,8 @@ int System::worst_constraint() const {
     return worst;
 }
 
-bool System::refactor(const Context& c, const Step& step, bool has_fused_tangents) {
-    evaluate_tangent(c, solver_->keeps_rigidity(), has_fused_tangents);
+bool System::refactor(const Context& c, const Step& step, bool has_first_tangents) {
+    evaluate_tangent(c, solver_->keeps_rigidity(), has_first_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
@@ -420,13 +435,13 @@ void System::forces(const Step& step, const Signals& signals, double* residual) 
     stale_begin_ = true;
 }
 
-void System::evaluate(const Step& step, const Signals& signals, bool with_fused_tangents) {
+void System::evaluate(const Step& step, const Signals& signals, bool with_first_tangents) {
     for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
     set_base_rates(step);
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
-    evaluate_residual({step, vectors, signals}, true, with_fused_tangents);
+    evaluate_residual({step, vectors, signals}, true, with_first_tangents);
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {

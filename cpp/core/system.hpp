@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "condensed.hpp"
@@ -135,15 +136,16 @@ class System {
     std::string singular() const;
     Report failed(Report, const std::string& reason, int unknown);
     Report succeeded(Report, const Context&, bool renewed);
+    void clear_values();
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
     void update_rates(const Step&);
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
     void finish(const Step&, const Signals&, bool ledger);
-    void evaluate(const Step&, const Signals&, bool with_fused_tangents);
-    void evaluate_residual(const Context&, bool all, bool with_fused_tangents = false);
-    void evaluate_tangent(const Context&, bool inner, bool has_fused_tangents);
-    bool refactor(const Context&, const Step&, bool has_fused_tangents = false);
+    void evaluate(const Step&, const Signals&, bool with_first_tangents);
+    void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
+    void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
+    bool refactor(const Context&, const Step&, bool has_first_tangents = false);
     bool amend(const Context&);
     int worst() const;
     double extent() const;
@@ -171,6 +173,7 @@ class System {
     std::vector<Supply> supply_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero
     std::vector<int> element_;
     std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
     std::vector<Dependence> dependences_;

@@ -57,8 +57,9 @@ void FlowTerm::residual(const Context& c, double* r) {
 
 void FlowTerm::tangent(const Context& c, double* values) {
     update_force(c.step.te);
-    slots_.for_tasks(
-        [&](int begin, int end) { flow_kernels().tangent(view_, c.step, c.vectors, begin, end, values); });
+    slots_.assemble(values, [&](int begin, int end) {
+        flow_kernels().tangent(view_, c.step, c.vectors, begin, end, values);
+    });
 }
 
 void FlowTerm::rows(const Context& c, double* total) {

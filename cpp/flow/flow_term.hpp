@@ -35,6 +35,10 @@ class FlowTerm : public Term {
     std::int64_t n_entries() const override { return 0; }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
+    bool is_first() const override { return true; }
+    void clear_rows(const Pattern& pattern, std::vector<char>& cleared) override {
+        slots_.clear_rows(pattern, cleared);
+    }
     bool wants_rates() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
