@@ -22,5 +22,4 @@ void parallel_for(int n, F f) {
     for (int i = 0; i < n; ++i) f(i);
 }
 
-
 }  // namespace visviva

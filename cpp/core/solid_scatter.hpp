@@ -131,8 +131,8 @@ VISVIVA_INLINE void transpose(SolidBlock a, SolidBlock b, int i, Six* lanes) {
             pair[k] = odd ? __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15)
                           : __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
 #else
-            pair[k] = odd ? __builtin_shufflevector(x, y, 1, 5, 3, 7)
-                          : __builtin_shufflevector(x, y, 0, 4, 2, 6);
+            pair[k] =
+                odd ? __builtin_shufflevector(x, y, 1, 5, 3, 7) : __builtin_shufflevector(x, y, 0, 4, 2, 6);
 #endif
         }
         const V &p = pair[0], &q = pair[1], &last = pair[2];

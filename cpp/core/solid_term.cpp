@@ -121,9 +121,8 @@ void SolidTerm::residual(const Context& c, double* r) {
 void SolidTerm::tangent(const Context& c, double* values) {
     if (!mixed_) return linearise(c, nullptr, values);
     call_back(c, true);
-    slots_.assemble(values, [&](int begin, int end) {
-        mixed_->tangent(view_, c.step, c.vectors, begin, end, values);
-    });
+    slots_.assemble(
+        values, [&](int begin, int end) { mixed_->tangent(view_, c.step, c.vectors, begin, end, values); });
 }
 
 void SolidTerm::linearise(const Context& c, double* r, double* values) {

@@ -61,9 +61,9 @@ class Term {
     virtual bool wants_rates() const { return false; }
     virtual void residual(const Context&, double* r) = 0;
     virtual void tangent(const Context&, double* values) = 0;
-    // Terms on meshes, whose tangents may come with their residuals, before those of other terms. They set the
-    // rows to zero that they are the first to add to, just before they do: the rows of all their nodes but
-    // those marked in `cleared` [node of the pattern], which they mark.
+    // Terms on meshes, whose tangents may come with their residuals, before those of other terms. They set
+    // the rows to zero that they are the first to add to, just before they do: the rows of all their nodes
+    // but those marked in `cleared` [node of the pattern], which they mark.
     virtual bool is_first() const { return false; }
     virtual void clear_rows(const Pattern&, std::vector<char>& /*cleared*/) {}
     virtual void linearise(const Context& c, double* r, double* values) {
