@@ -32,7 +32,7 @@ std::vector<double> ContactTerm::tractions() const {
 }
 
 // K is the derivative of forces that the residual subtracts, those of friction are added there.
-void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g1, Eigen::MatrixXd& K,
+void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K,
                                Border& b) const {
     const FrictionOptions& o = options_.friction;
     const Traction& t = traction_[A];

@@ -393,14 +393,17 @@ void ContactTerm::residual(const Context& c, double* r) {
     }
 }
 
-// S df/dx1, minus what follows from the change of S.
-Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::VectorXd& g1) const {
-    const Gap& gap = at_theta_[A];
+// S df/dx1, minus what follows from the change of S: in the place of the second derivatives.
+Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, const Eigen::VectorXd& g1,
+                                                       const Eigen::VectorXd& f) {
+    Gap& gap = at_theta_[A];
     const Eigen::VectorXd g = vector_of(gap.gradient);
-    if (S_[A] == 0) return Eigen::MatrixXd::Zero(g.size(), g.size());
+    if (S_[A] == 0) gap.hessian.assign(g.size() * g.size(), 0.0);
+    Eigen::Map<Matrix> K(gap.hessian.data(), g.size(), g.size());
     const double t = theta(c.step);
-    Eigen::MatrixXd K = t * Eigen::Map<const Eigen::MatrixXd>(gap.hessian.data(), g.size(), g.size());
-    if (!is_discrete(c.step)) return K;
+    if (t != 1) K *= t;
+    if (dS_gap_[A] != 0) K.noalias() += (dS_gap_[A] * f) * g1.transpose();
+    if (S_[A] == 0 || !is_discrete(c.step)) return K;
     const Eigen::VectorXd D = stencil_of(A, D_);
     Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
     correction.complete(gap1_[A] - gap0_[A] - g.dot(D));
@@ -409,7 +412,9 @@ Eigen::MatrixXd ContactTerm::stiffness(int A, const Context& c, const Eigen::Vec
     const Eigen::VectorXd& p = correction.complement.motion();
     const Eigen::VectorXd dc =
         (g1 - g - t * vector_of(gap.along) - 2 * correction.c * (dp.transpose() * p)) / correction.size;
-    return K + S_[A] * (p * dc.transpose() + correction.c * dp);
+    K.noalias() += (S_[A] * p) * dc.transpose();
+    K += (S_[A] * correction.c) * dp;
+    return K;
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
@@ -431,7 +436,6 @@ void ContactTerm::tangent(const Context& c, double* values) {
     });
     known_at_ = Xt_, known_of_ = active_;
     border_places_.clear();
-    std::vector<Eigen::MatrixXd> K(gaps_->n());
     std::vector<Border> borders(gaps_->n());
     parallel_for(gaps_->n(), [&](int A) {
         Eigen::VectorXd g1, f;
@@ -439,13 +443,14 @@ void ContactTerm::tangent(const Context& c, double* values) {
             g1 = vector_of((at_theta ? at_theta_ : at_end_)[A].gradient);
             if (at_theta) g1 *= theta(c.step);
             force(A, c, f);
-            K[A] = stiffness(A, c, g1) + dS_gap_[A] * f * g1.transpose();
         }
         borders[A] = border(A, g1, f);
-        if (has_friction() && active_[A]) add_friction(A, c, g1, K[A], borders[A]);
+        if (!active_[A]) return;
+        Eigen::Map<Matrix> K = stiffness(A, c, g1, f);
+        if (has_friction()) add_friction(A, c, g1, K, borders[A]);
     });
     for (int A = 0; A < gaps_->n(); ++A) {
-        if (active_[A]) scatter(A, K[A], values);
+        if (active_[A]) scatter_stiffness(A, values);
         scatter(A, borders[A], values);
     }
 }
@@ -479,38 +484,60 @@ ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const 
     return b;
 }
 
-// Where blocks of nodes begin in the tangent, for all pairs of a stencil's forms; found once per stencil.
-const std::vector<std::int64_t>& ContactTerm::places(int A) {
+// Where blocks of nodes begin in the tangent, for all pairs of a stencil's forms, and all entries of its
+// multipliers; found once per stencil.
+const ContactTerm::Places& ContactTerm::places(int A) {
     const Skin& skin = gaps_->skin();
     Places& p = places_[A];
-    if (p.stencil == gaps_->stencil(A)) return p.at;
-    p.stencil = gaps_->stencil(A), p.at.clear();
+    if (p.known && p.stencil == gaps_->stencil(A)) return p;
+    p.known = true, p.stencil = gaps_->stencil(A), p.blocks.clear(), p.border.clear();
+    const std::vector<int> own = multipliers(A);
+    for (int i : own)
+        for (int j : own) p.border.push_back(pattern_->position(i, j));
     each_form(p.stencil, [&](int, int k) {
+        for (int j : own)
+            for (int i = 0; i < skin.dim; ++i) {
+                p.border.push_back(pattern_->position(j, skin.unknown[k] + i));
+                p.border.push_back(pattern_->position(skin.unknown[k] + i, j));
+            }
         each_form(p.stencil, [&](int, int l) {
             const bool block = skin.mesh_node[k] && skin.mesh_node[l];
-            p.at.push_back(block ? pattern_->position(skin.unknown[k], skin.unknown[l]) : -1);
+            p.blocks.push_back(block ? pattern_->position(skin.unknown[k], skin.unknown[l]) : -1);
         });
     });
-    return p.at;
+    return p;
 }
 
-void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) {
+namespace {
+// Adds a block of rows that are `apart` to values in rows of some length.
+template <int dim>
+void add_block(const double* block, std::size_t apart, double factor, double* values, std::int64_t length) {
+    for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j) values[i * length + j] += factor * block[i * apart + j];
+}
+}  // namespace
+
+void ContactTerm::scatter_stiffness(int A, double* values) {
     const Skin& skin = gaps_->skin();
     const auto& stencil = gaps_->stencil(A);
-    const std::int64_t* place = places(A).data();
+    const std::size_t apart = 3 * stencil.size();
+    const double* K = at_theta_[A].hessian.data();
+    const std::int64_t* place = places(A).blocks.data();
     each_form(stencil, [&](int v, int k) {
-        const std::int64_t length = pattern_->row_length(skin.unknown[k]);
+        const int row = skin.unknown[k];
+        const std::int64_t length = pattern_->row_length(row);
         each_form(stencil, [&](int w, int l) {
             const double factor = -skin.weight[k] * skin.weight[l];
-            const int row = skin.unknown[k], column = skin.unknown[l];
-            const bool block = skin.mesh_node[k] && skin.mesh_node[l];
+            const double* block = K + 3 * v * apart + 3 * w;
             const std::int64_t first = *place++;
+            if (first >= 0 && skin.dim == 3)
+                return add_block<3>(block, apart, factor, values + first, length);
+            if (first >= 0) return add_block<2>(block, apart, factor, values + first, length);
+            if (skin.mesh_node[k] && skin.mesh_node[l]) return;
             for (int i = 0; i < skin.dim; ++i)
                 for (int j = 0; j < skin.dim; ++j) {
-                    const std::int64_t at = !block      ? pattern_->position(row + i, column + j)
-                                            : first < 0 ? -1
-                                                        : first + i * length + j;
-                    if (at >= 0) values[at] += factor * K(3 * v + i, 3 * w + j);
+                    const std::int64_t at = pattern_->position(row + i, skin.unknown[l] + j);
+                    if (at >= 0) values[at] += factor * block[i * apart + j];
                 }
         });
     });
@@ -518,20 +545,21 @@ void ContactTerm::scatter(int A, const Eigen::MatrixXd& K, double* values) {
 
 void ContactTerm::scatter(int A, const Border& b, double* values) {
     const Skin& skin = gaps_->skin();
-    const std::vector<int> own = multipliers(A);
     const Eigen::Index m = b.square.rows();
-    auto add = [&](int row, int column, double value) {
-        const std::int64_t at = pattern_->position(row, column);
+    if (m == 0) return;
+    const std::int64_t* place = places(A).border.data();
+    auto add = [&](double value) {
+        const std::int64_t at = *place++;
         if (at >= 0) values[at] += value, border_places_.push_back(at);
     };
     for (Eigen::Index i = 0; i < m; ++i)
-        for (Eigen::Index j = 0; j < m; ++j) add(own[i], own[j], b.square(i, j));
+        for (Eigen::Index j = 0; j < m; ++j) add(b.square(i, j));
     if (!active_[A]) return;
     each_form(gaps_->stencil(A), [&](int v, int k) {
         for (Eigen::Index j = 0; j < m; ++j)
             for (int i = 0; i < skin.dim; ++i) {
-                add(own[j], skin.unknown[k] + i, skin.weight[k] * b.row(j, 3 * v + i));
-                add(skin.unknown[k] + i, own[j], skin.weight[k] * b.column(3 * v + i, j));
+                add(skin.weight[k] * b.row(j, 3 * v + i));
+                add(skin.weight[k] * b.column(3 * v + i, j));
             }
     });
 }

@@ -81,10 +81,13 @@ class ContactTerm : public Term {
     struct Record {
         std::vector<double> X, traction;
     };
+    // Where a gap's part of the tangent is among the values.
     struct Places {
+        bool known = false;
         std::vector<int> stencil;
-        std::vector<std::int64_t> at;
+        std::vector<std::int64_t> blocks, border;
     };
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     bool has_multipliers() const { return !options_.multiplier.empty(); }
     bool has_friction() const { return options_.friction.coefficient > 0; }
     bool has_tangential() const { return !options_.friction.multiplier.empty(); }
@@ -115,11 +118,11 @@ class ContactTerm : public Term {
     void press_discretely(int A, const Context&);
     double potential(int A, double gap) const;
     void force(int A, const Context&, Eigen::VectorXd& f) const;
-    Eigen::MatrixXd stiffness(int A, const Context&, const Eigen::VectorXd& g1) const;
-    const std::vector<std::int64_t>& places(int A);
-    void scatter(int A, const Eigen::MatrixXd& K, double* values);
+    Eigen::Map<Matrix> stiffness(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f);
+    const Places& places(int A);
+    void scatter_stiffness(int A, double* values);
     Border border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
-    void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::MatrixXd& K, Border&) const;
+    void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void scatter(int A, const Border&, double* values);
     void narrow();
     void book_friction(int A, const Context&, LedgerSums&) const;

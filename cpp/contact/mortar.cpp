@@ -17,6 +17,7 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using At = Eigen::Map<const Vector3>;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // V . n with n = m / |m|, and its derivatives by m.
 struct Normal {
@@ -89,9 +90,10 @@ class Mortar : public Gaps {
     Vector3 moment(int A, double* area = nullptr) const;
     Normal normal(const double* X, int A) const;
     void add_normal_gradient(const double* X, int A, const Vector3& u, double* g) const;
-    std::vector<Matrix3> moment_gradient(int A) const;
+    Eigen::MatrixXd moment_gradient(int A) const;
+    Eigen::Index ring_size(int A) const;
     std::vector<Matrix3> normal_gradient(const double* X, int A) const;
-    void add_normal_curvature(int A, const Vector3& g, Eigen::MatrixXd& H) const;
+    void add_normal_curvature(int A, const Vector3& g, Eigen::Ref<RowMatrix> H) const;
     void second(const double* X, int A, double S, const double* direction, Gap& out) const;
     void set_weights(int A, bool gradients, Grip& out) const;
     void set_tangents(const double* X, int A, bool gradients, Grip& out) const;
@@ -310,15 +312,20 @@ void Mortar::values(const double* X, double* gap, double* area) {
 }
 
 // dV/dx by vertices of the stencil.
-std::vector<Matrix3> Mortar::moment_gradient(int A) const {
-    std::vector<Matrix3> G(stencils_[A].size(), Matrix3::Zero());
+Eigen::MatrixXd Mortar::moment_gradient(int A) const {
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3, 3 * stencils_[A].size());
     for (const Share& s : shares_[A]) {
         const Segment* g = segment(s.pair);
         for (int c = 0; g && c < segment_corners; ++c)
-            for (int i = 0; s.local[c] >= 0 && i < 3; ++i)
-                for (int j = 0; j < 3; ++j) G[s.local[c]](i, j) += g->J[s.corner][i][3 * c + j];
+            for (int j = 0; s.local[c] >= 0 && j < 3; ++j)
+                for (int i = 0; i < 3; ++i) G(i, 3 * s.local[c] + j) += g->J[s.corner][i][3 * c + j];
     }
     return G;
+}
+
+// So many vertices at the beginning of the stencil make the normal.
+Eigen::Index Mortar::ring_size(int A) const {
+    return 1 + std::max(0, *std::max_element(ring_[A].begin(), ring_[A].end()));
 }
 
 // dm/dx of the sum of normals m, by vertices of the stencil.
@@ -339,7 +346,7 @@ std::vector<Matrix3> Mortar::normal_gradient(const double* X, int A) const {
 }
 
 // g . d2m/dx2
-void Mortar::add_normal_curvature(int A, const Vector3& g, Eigen::MatrixXd& H) const {
+void Mortar::add_normal_curvature(int A, const Vector3& g, Eigen::Ref<RowMatrix> H) const {
     if (skin_.dim == 2) return;
     const auto& ring = ring_[A];
     const Matrix3 E = -skew(g);
@@ -422,40 +429,47 @@ void Mortar::seconds(const double* X, const std::vector<double>& S, const double
     });
 }
 
-// Of one gap; the segments' common second derivatives go to the first wanted vertex of their first facet.
+// Of one gap; the segments' common second derivatives go to the first wanted vertex of their first facet. The
+// normal depends on its ring alone, which comes first in the stencil.
 void Mortar::second(const double* X, int A, double S, const double* direction, Gap& out) const {
     const Normal n = normal(X, A);
     const Vector3 V = moment(A), by_sum = n.gradient(V);
-    const auto G = moment_gradient(A), M = normal_gradient(X, A);
-    const int k = static_cast<int>(G.size());
-    Eigen::MatrixXd GG(3, 3 * k), MM(3, 3 * k);
-    for (int v = 0; v < k; ++v) GG.middleCols<3>(3 * v) = G[v], MM.middleCols<3>(3 * v) = M[v];
-    const Eigen::MatrixXd NN = n.derivative() * MM;
-    Eigen::MatrixXd H = NN.transpose() * GG + GG.transpose() * NN + MM.transpose() * n.hessian(V) * MM;
-    add_normal_curvature(A, by_sum, H);
-    Eigen::VectorXd g = GG.transpose() * n.n + MM.transpose() * by_sum;
-    out.gradient.assign(g.data(), g.data() + 3 * k);
+    const auto M = normal_gradient(X, A);
+    const Eigen::Index k = 3 * static_cast<Eigen::Index>(stencils_[A].size()), r = 3 * ring_size(A);
+    Eigen::MatrixXd MM(3, r);
+    for (Eigen::Index v = 0; 3 * v < r; ++v) MM.middleCols<3>(3 * v) = M[v];
+    const Eigen::MatrixXd GG = moment_gradient(A), NN = n.derivative() * MM;
+    out.hessian.assign(k * k, 0.0);
+    Eigen::Map<RowMatrix> H(out.hessian.data(), k, k);
+    const Eigen::MatrixXd mixed = S * NN.transpose() * GG;
+    H.topRows(r) += mixed;
+    H.leftCols(r) += mixed.transpose();
+    H.topLeftCorner(r, r) += S * MM.transpose() * n.hessian(V) * MM;
+    add_normal_curvature(A, S * by_sum, H);
+    Eigen::VectorXd g = GG.transpose() * n.n;
+    g.head(r) += MM.transpose() * by_sum;
+    out.gradient.assign(g.data(), g.data() + k);
     if (direction) {
-        Eigen::VectorXd D(3 * k);
-        for (int v = 0; v < k; ++v) D.segment<3>(3 * v) = At(direction + 3 * stencils_[A][v]);
-        Eigen::VectorXd HD = H * D;
+        Eigen::VectorXd D(k);
+        for (Eigen::Index v = 0; 3 * v < k; ++v) D.segment<3>(3 * v) = At(direction + 3 * stencils_[A][v]);
+        Eigen::VectorXd HD = H * D / S;
         for (const Share& s : shares_[A])
             for (int c = 0; segment(s.pair) && c < segment_corners; ++c)
                 for (int i = 0; s.local[c] >= 0 && i < 3; ++i)
                     HD[3 * s.local[c] + i] += segment(s.pair)->HD[s.corner][3 * c + i];
-        out.along.assign(HD.data(), HD.data() + 3 * k);
+        out.along.assign(HD.data(), HD.data() + k);
     }
-    H *= S;
     for (const Share& s : shares_[A]) {
         const Segment* segment = this->segment(s.pair);
         if (!segment || owner_[s.pair] != A) continue;
         for (int c = 0; c < segment_corners; ++c)
-            for (int d = 0; s.local[c] >= 0 && d < segment_corners; ++d)
-                for (int i = 0; s.local[d] >= 0 && i < 3; ++i)
-                    for (int j = 0; j < 3; ++j)
-                        H(3 * s.local[c] + i, 3 * s.local[d] + j) += segment->H[3 * c + i][3 * d + j];
+            for (int i = 0; s.local[c] >= 0 && i < 3; ++i) {
+                double* row = out.hessian.data() + k * (3 * s.local[c] + i);
+                for (int d = 0; d < segment_corners; ++d)
+                    for (int j = 0; s.local[d] >= 0 && j < 3; ++j)
+                        row[3 * s.local[d] + j] += segment->H[3 * c + i][3 * d + j];
+            }
     }
-    out.hessian.assign(H.data(), H.data() + H.size());
 }
 
 // --- friction

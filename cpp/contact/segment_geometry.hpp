@@ -79,53 +79,44 @@ struct Local {
     T xi, eta, product;
 };
 
-/// A facet over its coordinates: positions in space, and projected onto the plane.
+/// A facet over its coordinates: projected onto the plane, and its height above that.
 template <class T>
 struct Facet {
-    Bilinear<T> x, y, z, u, v;
+    Bilinear<T> u, v, height;
     int n;
-
-    Vec<T> position(const Local<T>& l) const {
-        return {x.at(l.xi, l.eta, l.product), y.at(l.xi, l.eta, l.product), z.at(l.xi, l.eta, l.product)};
-    }
 
     static Bilinear<T> over(const T* a, int n) {
         return n == 4 ? Bilinear<T>(a[0], a[1], a[2], a[3]) : Bilinear<T>(a[0], a[1], a[2]);
     }
-    static Facet make(const Vec<T>* p, const Planar<T>* q, int n) {
-        T c[5][4] = {{p[0].x, p[1].x, p[2].x, p[n - 1].x},
-                     {p[0].y, p[1].y, p[2].y, p[n - 1].y},
-                     {p[0].z, p[1].z, p[2].z, p[n - 1].z},
-                     {q[0].x, q[1].x, q[2].x, q[n - 1].x},
-                     {q[0].y, q[1].y, q[2].y, q[n - 1].y}};
-        return {over(c[0], n), over(c[1], n), over(c[2], n), over(c[3], n), over(c[4], n), n};
+    static Facet make(const Planar<T>* q, const T* height, int n) {
+        const T u[4] = {q[0].x, q[1].x, q[2].x, q[n - 1].x}, v[4] = {q[0].y, q[1].y, q[2].y, q[n - 1].y};
+        return {over(u, n), over(v, n), over(height, n), n};
     }
 };
 
-/// Inverse of the projected facet at a point. Newton in plain numbers, then two steps with that Jacobian,
-/// after which values and first and second derivatives are those of the inverse.
+/// Inverse of the projected facet at a point. Newton in plain numbers, then a step with the Jacobian that it
+/// ends with, after which values and first derivatives are those of the inverse.
 template <class T>
 inline Local<T> inverted(const Facet<T>& f, const Planar<T>& p) {
-    const bool quad = f.n == 4;
-    const double u0 = value(f.u.c0), u1 = value(f.u.c1), u2 = value(f.u.c2), u3 = quad ? value(f.u.c3) : 0;
-    const double v0 = value(f.v.c0), v1 = value(f.v.c1), v2 = value(f.v.c2), v3 = quad ? value(f.v.c3) : 0;
-    double xi = 0, eta = 0, a = 1, b = 0, c = 0, d = 1;
-    for (int k = 0; k < (quad ? 12 : 2); ++k) {
-        const double ru = u0 + u1 * xi + u2 * eta + u3 * xi * eta - value(p.x);
-        const double rv = v0 + v1 * xi + v2 * eta + v3 * xi * eta - value(p.y);
-        const double juu = u1 + u3 * eta, juv = u2 + u3 * xi, jvu = v1 + v3 * eta, jvv = v2 + v3 * xi;
-        const double i = 1 / (juu * jvv - juv * jvu);
-        a = i * jvv, b = -i * juv, c = -i * jvu, d = i * juu;
-        const double s = a * ru + b * rv, t = c * ru + d * rv;
+    constexpr double close = 1e-7;  // the next iterate is exact
+    const double x = value(p.x), y = value(p.y);
+    const double u1 = value(f.u.c1), u2 = value(f.u.c2), u3 = f.n == 4 ? value(f.u.c3) : 0;
+    const double v1 = value(f.v.c1), v2 = value(f.v.c2), v3 = f.n == 4 ? value(f.v.c3) : 0;
+    const double u0 = value(f.u.c0) - x, v0 = value(f.v.c0) - y;
+    double xi = 0, eta = 0, uu = u1, uv = u2, vu = v1, vv = v2, i = 0, step = 1;
+    for (int k = 0; k < 12; ++k) {
+        uu = u1 + u3 * eta, uv = u2 + u3 * xi, vu = v1 + v3 * eta, vv = v2 + v3 * xi;
+        i = 1 / (uu * vv - uv * vu);
+        if (step < close) break;
+        const double ru = u0 + uu * xi + u2 * eta, rv = v0 + vu * xi + v2 * eta;
+        const double s = i * (vv * ru - uv * rv), t = i * (uu * rv - vu * ru);
         xi -= s, eta -= t;
-        if (std::abs(s) + std::abs(t) < 1e-15) break;
+        if (u3 == 0 && v3 == 0) break;
+        step = std::abs(s) + std::abs(t);
     }
     const T ru = f.u.at(xi, eta, xi * eta) - p.x, rv = f.v.at(xi, eta, xi * eta) - p.y;
-    const T x1 = (-a) * ru + (-b) * rv + xi, y1 = (-c) * ru + (-d) * rv + eta;
-    const T product = x1 * y1;
-    const T su = f.u.at(x1, y1, product) - p.x, sv = f.v.at(x1, y1, product) - p.y;
-    const T x2 = x1 + ((-a) * su + (-b) * sv), y2 = y1 + ((-c) * su + (-d) * sv);
-    return {x2, y2, x2 * y2};
+    const T x1 = (-i * vv) * ru + (i * uv) * rv + xi, y1 = (i * vu) * ru + (-i * uu) * rv + eta;
+    return {x1, y1, x1 * y1};
 }
 
 template <class T>
@@ -148,6 +139,7 @@ inline void corner_shapes(int n, const Local<T>& l, T* N) {
 template <class T>
 struct Polygon {
     Planar<T> p[2 * segment_corners];
+    int line[2 * segment_corners];  // of which facet's edge the one behind a corner is part, see `Outline`
     int n = 0;
 
     int after(int k) const { return k + 1 < n ? k + 1 : 0; }
@@ -169,7 +161,7 @@ struct Polygon {
         return true;
     }
 
-    void clip(const Planar<T>& a, const Planar<T>& b, double slack) {
+    void clip(const Planar<T>& a, const Planar<T>& b, int number, double slack) {
         const Polygon old = *this;
         const Planar<T> along = b - a;
         T distance[2 * segment_corners];
@@ -181,10 +173,11 @@ struct Polygon {
         n = 0;
         for (int k = 0; k < old.n; ++k) {
             const int m = (k + 1) % old.n;
-            if (inside[k]) p[n++] = old.p[k];
+            if (inside[k]) line[n] = old.line[k], p[n++] = old.p[k];
             if (inside[k] == inside[m]) continue;
             const T t = distance[k] * reciprocal(distance[k] - distance[m]);
             const Planar<T> step = old.p[m] - old.p[k];
+            line[n] = inside[k] ? number : old.line[k];
             p[n++] = {old.p[k].x + t * step.x, old.p[k].y + t * step.y};
         }
     }
@@ -224,11 +217,15 @@ inline std::optional<T> weight(const Vec<T>& n1, const Vec<T>& n2, const Vec<T>&
     return w;
 }
 
-/// What a segment in space is made of: both facets over their plane, and their common polygon.
+/// What a segment in space is made of: both facets over their plane, and their common polygon. Lines of its
+/// edges: k from the first facet's corner k to the next, `facet_corners` + k the same of the second.
 template <class T>
 struct Outline {
     Polygon<T> polygon;
     Facet<T> f1, f2;
+    Vec<T> e1, e2, normal;         // of the plane
+    Planar<T> q[segment_corners];  // places of the facets' corners in it,
+    T height[segment_corners];     // and above it
     T weight;
 };
 
@@ -249,24 +246,28 @@ inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<
     const auto w = weight(normal, normal_of(second, n2), centre_of(second, n2) - centre, reach);
     if (!w) return {};
     const Vec<T> edge = first[1] - first[0];
-    const Vec<T> e1 = unit(edge - dot(edge, normal) * normal), e2 = cross(normal, e1);
-    Planar<T> q1[facet_corners], q2[facet_corners];
+    Outline<T> o;
+    o.weight = *w, o.normal = normal;
+    o.e1 = unit(edge - dot(edge, normal) * normal), o.e2 = cross(normal, o.e1);
     double size = 0;
+    auto place = [&](int k, const Vec<T>& x) {
+        const Vec<T> r = x - centre;
+        o.q[k] = {dot(o.e1, r), dot(o.e2, r)}, o.height[k] = dot(normal, r);
+    };
+    Polygon<T>& polygon = o.polygon;
     for (int k = 0; k < n1; ++k) {
-        const Vec<T> r = first[k] - centre;
-        q1[k] = {dot(e1, r), dot(e2, r)};
-        size += value(q1[k].x) * value(q1[k].x) + value(q1[k].y) * value(q1[k].y);
+        place(k, first[k]);
+        size += value(o.q[k].x) * value(o.q[k].x) + value(o.q[k].y) * value(o.q[k].y);
+        polygon.p[k] = o.q[k], polygon.line[k] = k;
     }
-    for (int k = 0; k < n2; ++k) {
-        const Vec<T> r = second[k] - centre;
-        q2[k] = {dot(e1, r), dot(e2, r)};
-    }
-    Polygon<T> polygon;
     polygon.n = n1;
-    for (int k = 0; k < n1; ++k) polygon.p[k] = q1[k];
-    for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k) polygon.clip(q2[(k + 1) % n2], q2[k], 1e-12 * size);
+    const Planar<T>* const q2 = o.q + facet_corners;
+    for (int k = 0; k < n2; ++k) place(facet_corners + k, second[k]);
+    for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k)
+        polygon.clip(q2[(k + 1) % n2], q2[k], facet_corners + k, 1e-12 * size);
     if (polygon.n < 3 || !polygon.find_centroid(1e-14 * size)) return {};
-    return Outline<T>{polygon, Facet<T>::make(first, q1, n1), Facet<T>::make(second, q2, n2), *w};
+    o.f1 = Facet<T>::make(o.q, o.height, n1), o.f2 = Facet<T>::make(q2, o.height + facet_corners, n2);
+    return o;
 }
 
 /// Calls each(weight, N of the first facet, N of the second, x2 - x1) at every quadrature point of a segment.
@@ -283,7 +284,9 @@ inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int 
             const Local<T> l1 = inverted(o->f1, p), l2 = inverted(o->f2, p);
             T N1[facet_corners], N2[facet_corners];
             corner_shapes(n1, l1, N1), corner_shapes(n2, l2, N2);
-            each(g.w * (o->weight * area), N1, N2, o->f2.position(l2) - o->f1.position(l1));
+            const T gap =
+                o->f2.height.at(l2.xi, l2.eta, l2.product) - o->f1.height.at(l1.xi, l1.eta, l1.product);
+            each(g.w * (o->weight * area), N1, N2, gap * o->normal);
         }
     }
     return true;

@@ -1,7 +1,7 @@
 // The kernels of mortar segments, compiled once per instruction set.
 #include <algorithm>
 
-#include "segment_adjoint.hpp"
+#include "segment_hessian.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -117,7 +117,8 @@ struct Moments {
     }
 };
 
-// The outline on a tape whose first entries are the coordinates.
+// --- edges in the plane: all of it on a tape whose first entries are the coordinates
+// --------------------------------------------------------------------------------
 template <class T, int K, class Seed>
 Corners<Taped<T, K>> on_tape(Seed seed) {
     using R = Taped<T, K>;
@@ -130,67 +131,28 @@ Corners<Taped<T, K>> on_tape(Seed seed) {
     return c;
 }
 
-template <class T, int K>
-T stripped(const Taped<T, K>& a) {
-    return a.v();
-}
-double stripped(const D& a) { return a.v; }
+/// Covectors over an edge: coefficients of 1 and of the coordinate.
+struct Covectors {
+    double c[2][3];
+};
 
-// Coefficients without their derivatives.
-template <class T, class R>
-Bilinear<T> values(const Bilinear<R>& b) {
-    Bilinear<T> r;
-    r.quad = b.quad;
-    r.c0 = stripped(b.c0), r.c1 = stripped(b.c1), r.c2 = stripped(b.c2), r.c3 = stripped(b.c3);
-    return r;
-}
-template <class T, class R>
-Facet<T> values(const Facet<R>& f) {
-    return {values<T>(f.x), values<T>(f.y), values<T>(f.z), values<T>(f.u), values<T>(f.v), f.n};
-}
-template <class T, class R>
-Outline<T> values(const Outline<R>& o) {
-    Outline<T> r{{}, values<T>(o.f1), values<T>(o.f2), stripped(o.weight)};
-    r.polygon.n = o.polygon.n;
-    for (int k = 0; k <= o.polygon.n; ++k)
-        r.polygon.p[k] = {stripped(o.polygon.p[k].x), stripped(o.polygon.p[k].y)};
-    return r;
+Covectors covectors(const double (*u)[3]) {
+    Covectors c{};
+    for (int i = 0; i < 3; ++i) c.c[0][i] = u[0][i], c.c[1][i] = u[1][i] - u[0][i];
+    return c;
 }
 
-template <class T, int K>
-void seed(const Facet<Taped<T, K>>& f, const T (*bar)[4], int set) {
-    auto& tape = Taped<T, K>::tape();
-    const Bilinear<Taped<T, K>>* const parts[5] = {&f.x, &f.y, &f.z, &f.u, &f.v};
-    for (int i = 0; i < 5; ++i) {
-        const Taped<T, K> c[4] = {parts[i]->c0, parts[i]->c1, parts[i]->c2, parts[i]->c3};
-        for (int k = 0; k < f.n; ++k) add_to(tape.adjoint(c[k].id, set), bar[i][k]);
+// One set for each end of the first edge, with its own covector alone.
+void one_by_one(const double (*n)[3], Covectors* each) {
+    for (int a = 0; a < 2; ++a) {
+        double one[2][3] = {};
+        for (int i = 0; i < 3; ++i) one[a][i] = n[a][i];
+        each[a] = covectors(one);
     }
 }
 
-// Adjoints of the coordinates, left on the tape, for K sets of covectors.
 template <class T, int K, class Seed, class Also>
-bool differentiate_3d(const FacetPair& p, Seed coordinate, const Covectors* u, Also also) {
-    using R = Taped<T, K>;
-    const Corners<R> c = on_tape<T, K>(coordinate);
-    const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
-    if (!o) return false;
-    OutlineAdjoint<T> bar[K] = {};
-    back_all<T, K>(values<T>(*o), u, bar, also);
-    for (int s = 0; s < K; ++s) {
-        seed(o->f1, bar[s].f1, s), seed(o->f2, bar[s].f2, s);
-        add_to(R::tape().adjoint(o->weight.id, s), bar[s].weight);
-        for (int k = 0; k <= o->polygon.n; ++k) {
-            add_to(R::tape().adjoint(o->polygon.p[k].x.id, s), bar[s].p[k].x);
-            add_to(R::tape().adjoint(o->polygon.p[k].y.id, s), bar[s].p[k].y);
-        }
-    }
-    R::tape().walk_back(N);
-    return true;
-}
-
-// The same for edges, all of it on the tape.
-template <class T, int K, class Seed, class Also>
-bool differentiate_2d(const FacetPair& p, const Seed& coordinate, const Covectors* u, Also also) {
+bool differentiate(const FacetPair& p, const Seed& coordinate, const Covectors* u, Also also) {
     using R = Taped<T, K>;
     const Corners<R> c = on_tape<T, K>(coordinate);
     const bool any =
@@ -208,111 +170,190 @@ bool differentiate_2d(const FacetPair& p, const Seed& coordinate, const Covector
     return any;
 }
 
-template <class T, int K, class Seed, class Also>
-bool differentiate(const FacetPair& p, Seed coordinate, const Covectors* u, Also also) {
-    return p.n_first == 2 ? differentiate_2d<T, K>(p, coordinate, u, also)
-                          : differentiate_3d<T, K>(p, coordinate, u, also);
-}
-
-Covectors covectors(const double (*u)[3], int n) {
-    if (n > 2) return {u, n};
-    Covectors c{};
-    for (int i = 0; i < 3; ++i) c.c[0][i] = u[0][i], c.c[1][i] = u[1][i] - u[0][i];
-    return c;
-}
-
-// One set for every corner of the first facet, with its own covector alone.
-void one_by_one(const FacetPair& p, const double (*n)[3], Covectors* each) {
-    for (int a = 0; a < p.n_first; ++a) {
-        double one[facet_corners][3] = {};
-        for (int i = 0; i < 3; ++i) one[a][i] = n[a][i];
-        each[a] = covectors(one, p.n_first);
-    }
-}
-
-// By forward derivatives of the outline, of which there are few coefficients.
-void chain(const D& coefficient, double bar, double* g) {
-    for (int i = 0; i < N; ++i) g[i] += bar * coefficient.d[i];
-}
-void chain(const Facet<D>& f, const double (*bar)[4], double* g) {
-    const Bilinear<D>* const parts[5] = {&f.x, &f.y, &f.z, &f.u, &f.v};
-    for (int i = 0; i < 5; ++i) {
-        const D* const c[4] = {&parts[i]->c0, &parts[i]->c1, &parts[i]->c2, &parts[i]->c3};
-        for (int k = 0; k < f.n; ++k) chain(*c[k], bar[i][k], g);
-    }
-}
-
-template <class Also>
-bool gradient_3d(const FacetPair& p, const Covectors* u, Also also, Segment& s) {
-    const Corners<D> c = varied(p);
-    const auto o = outline(c.x, p.n_first, c.x + facet_corners, p.n_second, p.reach);
-    if (!o) return false;
-    OutlineAdjoint<double> bar[facet_corners] = {};
-    back_all<double, facet_corners>(values<double>(*o), u, bar, also);
-    for (int a = 0; a < p.n_first; ++a) {
-        double* g = s.g[a];
-        std::fill_n(g, N, 0.0);
-        chain(o->f1, bar[a].f1, g), chain(o->f2, bar[a].f2, g), chain(o->weight, bar[a].weight, g);
-        for (int k = 0; k <= o->polygon.n; ++k)
-            chain(o->polygon.p[k].x, bar[a].p[k].x, g), chain(o->polygon.p[k].y, bar[a].p[k].y, g);
-    }
-    return true;
-}
-
-template <class Also>
-bool gradient_2d(const FacetPair& p, const Covectors* u, Also also, Segment& s) {
-    auto coordinate = [&](int k, int i) { return p.x[k][i]; };
-    const bool any = differentiate_2d<double, facet_corners>(p, coordinate, u, also);
-    for (int a = 0; any && a < p.n_first; ++a)
-        for (int i = 0; i < N; ++i) s.g[a][i] = Taped<double, facet_corners>::tape().adjoint(i, a);
-    return any;
-}
-
-void gradient(const FacetPair& p, const double (*n)[3], Segment& s) {
-    clear(s);
-    Covectors each[facet_corners] = {};
-    one_by_one(p, n, each);
+void gradient_2d(const FacetPair& p, const double (*n)[3], Segment& s) {
+    Covectors each[2];
+    one_by_one(n, each);
     const Values sums{p, s};
-    auto add = [&](double w, const Local<double>& l, const Vec<double>& gap) {
-        double shape[facet_corners];
-        corner_shapes(p.n_first, l, shape);
-        sums(w, shape, nullptr, gap);
-    };
-    s.any = p.n_first == 2 ? gradient_2d(p, each, add, s) : gradient_3d(p, each, add, s);
+    s.any = differentiate<double, 2>(
+        p, [&](int k, int i) { return p.x[k][i]; }, each,
+        [&](double w, const Local<double>& l, const Vec<double>& gap) {
+            double shape[facet_corners];
+            corner_shapes(2, l, shape);
+            sums(w, shape, nullptr, gap);
+        });
+    for (int a = 0; s.any && a < 2; ++a)
+        for (int i = 0; i < N; ++i) s.g[a][i] = Taped<double, 2>::tape().adjoint(i, a);
 }
 
-void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
-            Segment& s) {
-    clear(s);
+void second_2d(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
+               Segment& s) {
     Moments moments;
-    const Covectors all = covectors(u, p.n_first);
+    const Covectors all = covectors(u);
     auto coordinate = [&](int k, int i) {
         D x;
         x.v = p.x[k][i], x.d[3 * k + i] = 1;
         return x;
     };
-    auto add = [&](const D& w, const Local<D>& l, const Vec<D>& gap) {
+    s.any = differentiate<D, 1>(p, coordinate, &all, [&](const D& w, const Local<D>& l, const Vec<D>& gap) {
         D shape[facet_corners];
-        corner_shapes(p.n_first, l, shape);
-        moments.add(p.n_first, w, shape, gap);
-    };
-    s.any = differentiate<D, 1>(p, coordinate, &all, add);
+        corner_shapes(2, l, shape);
+        moments.add(2, w, shape, gap);
+    });
     moments.write(p, s);
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) s.H[i][j] = s.any ? Taped<D, 1>::tape().adjoint(i, 0).d[j] : 0;
     if (!direction) return;
     using L = Dual<1>;
-    Covectors each[facet_corners] = {};
-    one_by_one(p, n, each);
+    Covectors each[2];
+    one_by_one(n, each);
     auto moved = [&](int k, int i) {
         L x;
         x.v = p.x[k][i], x.d[0] = direction[3 * k + i];
         return x;
     };
-    differentiate<L, facet_corners>(p, moved, each, [](const L&, const Local<L>&, const Vec<L>&) {});
-    for (int a = 0; a < facet_corners; ++a)
+    differentiate<L, 2>(p, moved, each, [](const L&, const Local<L>&, const Vec<L>&) {});
+    for (int a = 0; a < 2; ++a)
+        for (int i = 0; i < N; ++i) s.HD[a][i] = s.any ? Taped<L, 2>::tape().adjoint(i, a).d[0] : 0;
+}
+
+// --- facets in space
+// --------------------------------------------------------------------------------
+template <class T>
+std::optional<Outline<T>> outline(const FacetPair& p, const Vec<T>* x) {
+    return outline(x, p.n_first, x + facet_corners, p.n_second, p.reach);
+}
+
+// How much a segment counts, by the corners' coordinates; 1 alone if it has not begun to fade.
+struct Fading {
+    double value = 1, g[N] = {}, H[N][N] = {};
+
+    Fading(const FacetPair& p, double weight) : value(weight) {
+        if (weight == 1) return;
+        using R = Taped<D, 1>;
+        const Corners<R> c = on_tape<D, 1>([&](int k, int i) {
+            D x;
+            x.v = p.x[k][i], x.d[3 * k + i] = 1;
+            return x;
+        });
+        const Vec<R>*first = c.x, *second = c.x + facet_corners;
+        const auto w =
+            VISVIVA_ISA::weight(normal_of(first, p.n_first), normal_of(second, p.n_second),
+                                centre_of(second, p.n_second) - centre_of(first, p.n_first), p.reach);
+        std::copy_n(w->v().d, N, g);
+        add_value(R::tape().adjoint(w->id, 0), 1);
+        R::tape().walk_back(N);
+        for (int i = 0; i < N; ++i) std::copy_n(R::tape().adjoint(i, 0).d, N, H[i]);
+    }
+    bool any() const { return value != 1; }
+};
+
+// V_a from I_a; the areas are those of `value` and not made here.
+void write_moments(const FacetPair& p, const Outline<double>& o, const double* I, double weight, Segment& s) {
+    for (int a = 0; a < p.n_first; ++a) {
+        const double c = weight * I[a];
+        s.V[a][0] = c * o.normal.x, s.V[a][1] = c * o.normal.y, s.V[a][2] = c * o.normal.z;
+    }
+}
+
+double dotted(const double* a, const double* b) {
+    double sum = 0;
+    for (int i = 0; i < N; ++i) sum += a[i] * b[i];
+    return sum;
+}
+double dotted(const double* n, const Vec<double>& v) { return n[0] * v.x + n[1] * v.y + n[2] * v.z; }
+
+void gradient_3d(const FacetPair& p, const double (*n)[3], Segment& s) {
+    const Corners<double> c = plain(p);
+    const auto o = outline(p, c.x);
+    if (!(s.any = o.has_value())) return;
+    LocalGradient<double> local(*o);
+    local.finish(*o);
+    for (int a = 0; a < p.n_first; ++a) std::fill_n(s.g[a], N, 0.0);
+    to_space(*o, local, c.x, n, s.g);
+    write_moments(p, *o, local.integral, o->weight, s);
+    if (o->weight == 1) return;
+    const Fading fading(p, o->weight);
+    for (int a = 0; a < p.n_first; ++a) {
+        const double whole = local.integral[a] * dotted(n[a], o->normal);
+        for (int i = 0; i < N; ++i) s.g[a][i] = fading.value * s.g[a][i] + whole * fading.g[i];
+    }
+}
+
+// Derivatives along a direction of the gradients of n_a . V_a before they fade.
+void along_3d(const FacetPair& p, const double (*n)[3], const double* direction, Segment& s) {
+    using L = Dual<1>;
+    Corners<L> c;
+    for (int k = 0; k < segment_corners; ++k) {
+        L* const x[3] = {&c.x[k].x, &c.x[k].y, &c.x[k].z};
+        for (int i = 0; i < 3; ++i) x[i]->v = p.x[k][i], x[i]->d[0] = direction[3 * k + i];
+    }
+    const auto o = outline(p, c.x);
+    if (!o) return;
+    LocalGradient<L> local(*o);
+    local.finish(*o);
+    L g[facet_corners][N];
+    to_space(*o, local, c.x, n, g);
+    for (int a = 0; a < p.n_first; ++a)
+        for (int i = 0; i < N; ++i) s.HD[a][i] = g[a][i].d[0];
+}
+
+// Of products with how much the segment counts. J and H still without that, `I` by the corners.
+void fade(const FacetPair& p, const Outline<double>& o, const double (*u)[3], const double (*n)[3],
+          const double* direction, const double* integral, Segment& s) {
+    const Fading fading(p, o.weight);
+    if (!fading.any()) return;
+    double whole = 0, g[N] = {};
+    for (int a = 0; a < p.n_first; ++a) {
+        whole += integral[a] * dotted(u[a], o.normal);
         for (int i = 0; i < N; ++i)
-            s.HD[a][i] = s.any ? Taped<L, facet_corners>::tape().adjoint(i, a).d[0] : 0;
+            for (int j = 0; j < 3; ++j) g[i] += u[a][j] * s.J[a][j][i];
+    }
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j)
+            s.H[i][j] =
+                fading.value * s.H[i][j] + g[i] * fading.g[j] + fading.g[i] * g[j] + whole * fading.H[i][j];
+    const double e[3] = {o.normal.x, o.normal.y, o.normal.z};
+    for (int a = 0; a < p.n_first; ++a) {
+        const double own = integral[a] * dotted(n[a], o.normal);
+        double by[N] = {};
+        for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < N; ++i) {
+                by[i] += n[a][j] * s.J[a][j][i];
+                s.J[a][j][i] = fading.value * s.J[a][j][i] + integral[a] * e[j] * fading.g[i];
+            }
+        if (!direction) continue;
+        const double faster = dotted(fading.g, direction), more = dotted(by, direction);
+        for (int i = 0; i < N; ++i)
+            s.HD[a][i] = fading.value * s.HD[a][i] + faster * by[i] + more * fading.g[i] +
+                         own * dotted(fading.H[i], direction);
+    }
+}
+
+void second_3d(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
+               Segment& s) {
+    const Corners<double> c = plain(p);
+    const auto o = outline(p, c.x);
+    if (!(s.any = o.has_value())) return;
+    const Spatial spatial(*o, c.x, u);
+    LocalGradient<double> local(*o);
+    const LocalHessian hessian(*o, local, spatial.c);
+    local.finish(*o);
+    spatial.first(local, s.J);
+    spatial.second(local, hessian.products(), s.H);
+    write_moments(p, *o, local.integral, o->weight, s);
+    if (direction) along_3d(p, n, direction, s);
+    fade(p, *o, u, n, direction, local.integral, s);
+}
+
+void gradient(const FacetPair& p, const double (*n)[3], Segment& s) {
+    clear(s);
+    p.n_first == 2 ? gradient_2d(p, n, s) : gradient_3d(p, n, s);
+}
+
+void second(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
+            Segment& s) {
+    clear(s);
+    p.n_first == 2 ? second_2d(p, u, n, direction, s) : second_3d(p, u, n, direction, s);
 }
 
 }  // namespace
