@@ -84,6 +84,7 @@ def push_blocks(thousands: int) -> tuple[Cost, float]:
         measure(cost, contact, lambda: next(marching))
     moved = upper.displacements(system.x)[upper.mesh.points[:, 2] == 0.5]
     print(f"  {system.linear_explanation}")
+    print_parts(system, 1 / STEPS, scheme, contact)
     return cost, float(moved[:, 2].mean())
 
 
