@@ -11,6 +11,7 @@ struct FlowView {
     int n = 0, n_blocks = 0;
     int dim = 2, n_nodes = 0, n_pressures = 0, n_points = 0;
     double rho = 1, mu = 1;
+    double convection = 1;          // 0: Stokes flow, which carries nothing along
     const int* index = nullptr;     // [node, then pressure] first unknown
     const double* N = nullptr;      // [point][node] the same for all elements, as M
     const double* M = nullptr;      // [point][pressure]

@@ -14,9 +14,9 @@ VISVIVA_INLINE V inverse_root(V a) { return 1.0 / vsqrt(a); }
 template <int D, int N>
 struct FlowPoint {
     V v[D], rate[D], L[D * D];  // velocity, its rate, its gradient dv_i/dx_j
-    V conv[D];                  // (v . grad) v
+    V c[D], conv[D];            // velocity that carries, zero in Stokes flow; (c . grad) v
     V p, div, div1;             // pressure, divergence, also that of the end of the step
-    V s[N];                     // v . grad N_a
+    V s[N];                     // c . grad N_a
     // Stabilised elements: residual of the momentum balance, Tezduyar's tau and its derivative by v, the same
     // of what penalises the divergence
     V R[D], tau, dtau[D], lsic, dlsic[D];
@@ -79,14 +79,15 @@ struct FlowElement {
                 for (int j = 0; j < D; ++j) at.L[i * D + j] += v[a * D + i] * G[a][j];
             }
         for (int b = 0; b < P; ++b) at.p += M_at(q, b) * p[b];
+        for (int i = 0; i < D; ++i) at.c[i] = f.convection * at.v[i];
         for (int i = 0; i < D; ++i) {
             at.div += at.L[i * D + i];
             at.conv[i] = V{};
-            for (int j = 0; j < D; ++j) at.conv[i] += at.L[i * D + j] * at.v[j];
+            for (int j = 0; j < D; ++j) at.conv[i] += at.L[i * D + j] * at.c[j];
         }
         for (int a = 0; a < N; ++a) {
             at.s[a] = V{};
-            for (int i = 0; i < D; ++i) at.s[a] += at.v[i] * G[a][i];
+            for (int i = 0; i < D; ++i) at.s[a] += at.c[i] * G[a][i];
         }
         if constexpr (stabilised) {
             for (int i = 0; i < D; ++i) {
@@ -107,10 +108,10 @@ struct FlowElement {
             Gv[i] = V{};
             for (int j = 0; j < D; ++j) {
                 const int low = i < j ? i : j, high = i < j ? j : i;
-                Gv[i] += m[low * D - low * (low - 1) / 2 + high - low] * at.v[j];
+                Gv[i] += m[low * D - low * (low - 1) / 2 + high - low] * at.c[j];
             }
-            along += Gv[i] * at.v[i];
-            speed2 += at.v[i] * at.v[i];
+            along += Gv[i] * at.c[i];
+            speed2 += at.c[i] * at.c[i];
         }
         const double nu = f.mu / f.rho, in_time = inertia() != 0 ? 4 / (step.h * step.h) : 0;
         at.tau = inverse_root(in_time + along + (nu * nu / D) * m[packed]);
@@ -118,7 +119,7 @@ struct FlowElement {
         const V cube = at.tau * at.tau * at.tau;
         for (int i = 0; i < D; ++i) {
             at.dtau[i] = -cube * Gv[i];
-            at.dlsic[i] = at.dtau[i] * speed2 + 2.0 * at.tau * at.v[i];
+            at.dlsic[i] = at.dtau[i] * speed2 + 2.0 * at.tau * at.c[i];
         }
     }
 

@@ -56,7 +56,7 @@ struct FlowTangent {
 
     // What multiplies N_b: derivatives of the carrying velocity
     VISVIVA_INLINE void outer(int q, int a, const V* G, const FlowPoint<D, N>& at, V* U) const {
-        const V wt = e.step.theta * e.volume(q), rho = e.f.rho * wt;
+        const V wt = e.f.convection * e.step.theta * e.volume(q), rho = e.f.rho * wt;
         for (int i = 0; i < D; ++i) {
             V behind = -0.5 * rho * at.v[i];
             if constexpr (Element::stabilised) behind += wt * at.tau * at.R[i];
@@ -88,7 +88,7 @@ struct FlowTangent {
             V GL[D], GR = V{};
             for (int j = 0; j < D; ++j) {
                 GL[j] = V{};
-                for (int i = 0; i < D; ++i) GL[j] += G[b][i] * at.L[i * D + j];
+                for (int i = 0; i < D; ++i) GL[j] += e.f.convection * G[b][i] * at.L[i * D + j];
                 GR += G[b][j] * at.R[j];
             }
             for (int j = 0; j < D; ++j)

@@ -29,7 +29,8 @@ FlowTerm::FlowTerm(const FlowData& d)
     in_lanes(metric_, d.metric, nq * (d.dim * (d.dim + 1) / 2 + 1), d.n);
     FlowView& f = view_;
     f.n = d.n, f.n_blocks = slots_.n_blocks(), f.dim = d.dim, f.n_nodes = d.n_nodes,
-    f.n_pressures = d.n_pressures, f.n_points = d.n_points, f.rho = d.density, f.mu = d.viscosity;
+    f.n_pressures = d.n_pressures, f.n_points = d.n_points, f.rho = d.density, f.mu = d.viscosity,
+    f.convection = d.convects ? 1 : 0;
     f.index = slots_.index(), f.N = N_.data(), f.M = M_.data(), f.G = G_.data(), f.w = w_.data(),
     f.X = X_.data(), f.metric = metric_.data();
     out_.assign(static_cast<std::size_t>(flow_ledger_rows) * f.n_blocks * slot_lanes, 0.0);

@@ -17,6 +17,7 @@ using FlowLoad = std::function<void(double t, double* values)>;
 struct FlowData {
     int n, n_nodes, n_pressures, n_points, dim;
     double density, viscosity;
+    bool convects;                                 // otherwise Stokes flow
     const int* index;                              // [element][node, then pressure] first unknown
     const double *N, *M;                           // [point][node], [point][pressure]
     const double *gradients, *volume, *positions;  // [point][node][dim], [point], [node][dim]

@@ -55,6 +55,9 @@ class Fluid(Meshed):
         Force per volume, or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
     periodic : pairs of str
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
+    convection : bool
+        Without it the flow is that of Stokes: so slow that the fluid's velocity carries no momentum along. The equations
+        are linear then, and one factorisation serves all steps of a length.
 
     Notes
     -----
@@ -81,6 +84,7 @@ class Fluid(Meshed):
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     body_force: VectorOrFunction = (0.0, 0.0, 0.0)
     periodic: Pairs = ()
+    convection: bool = True
 
     def __post_init__(self) -> None:
         for name in ("density", "viscosity"):
@@ -194,6 +198,7 @@ class Fluid(Meshed):
         term = _core.FlowTerm(
             self.density,
             self.viscosity,
+            self.convection,
             np.ascontiguousarray(index),
             batch.N,
             batch.M,

@@ -66,7 +66,8 @@ class Open(FluidBoundary):
         for p in flow_faces(self.fluid.grid, self.chosen):
             viscosity = self.fluid.viscosity if self.is_developed else 0.0
             index = np.ascontiguousarray(self.fluid.node_unknowns(p.nodes))
-            term = _core.OpenTerm(self.fluid.density, viscosity, index, p.N, p.gradients, p.normal)
+            carried = self.fluid.density if self.fluid.convection else 0.0
+            term = _core.OpenTerm(carried, viscosity, index, p.N, p.gradients, p.normal)
             load = self._loader(p)
             self._loads.append(load)
             term.set_load(load, p.normal.size)
