@@ -32,12 +32,17 @@ def box(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) -> 
 
 
 def patch(
-    dimension: int = 2, counts: tuple[int, ...] = (4, 3, 2), scale: float = 1.0, **options: Any
+    dimension: int = 2,
+    counts: tuple[int, ...] = (4, 3, 2),
+    scale: float = 1.0,
+    kind: str | None = None,
+    **options: Any,
 ) -> vv.Solid:
-    """A soft block away from the middle."""
+    """A soft block away from the middle, of cells of a `kind`."""
     size, origin = (scale * np.array(a)[:dimension] for a in ((0.3, 0.2, 0.25), (0.5, 0.43, 0.4)))
     shape: Any = vv.RectangleMesh if dimension == 2 else vv.BoxMesh
-    mesh = shape(size=tuple(size), counts=counts[:dimension], origin=tuple(origin))
+    kind = kind or ("quad4" if dimension == 2 else "hex8")
+    mesh = shape(size=tuple(size), counts=counts[:dimension], origin=tuple(origin), cell=kind)
     return vv.Solid(
         mesh=mesh, **{"material": vv.NeoHooke(young=20.0, poisson=0.3), "density": 1.5, **options}
     )

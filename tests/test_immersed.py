@@ -133,6 +133,21 @@ def test_energy_of_a_closed_box_balances(cell: str, density: float) -> None:
     assert np.abs(ledger["defect_position"]).max() < 1e-14
 
 
+@pytest.mark.parametrize("cell", ["quad9", "tri6"])
+def test_coarse_cells_without_stabilisation_are_stable(cell: str) -> None:
+    """At a cell Reynolds number of a million energy neither grows nor leaves but by the viscosity."""
+    parts = carried(cell, 4)
+    fluid = part(parts, vv.Fluid)
+    fluid.viscosity = 2.5e-7
+    result = vv.simulate(vv.System(parts), until=2.0, step=0.02)
+    ledger, total = result.ledger, result.ledger["total"]
+    assert fluid.density * 1.0 * 0.25 / fluid.viscosity == 1e6
+    assert ledger["potential_strain"].max() > 1e-4
+    assert np.all(np.diff(total) <= 1e-13 * total[0])
+    assert total[0] - total[-1] == pytest.approx(-ledger["work_viscosity"][-1], abs=1e-11 * total[0])
+    assert np.abs(ledger["imbalance"]).max() < 1e-12 * total[0]
+
+
 def test_energy_of_a_closed_cube_balances() -> None:
     result = vv.simulate(vv.System(carried("hex8", 3)), until=0.1, step=0.02)
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
@@ -303,3 +318,50 @@ def test_velocities_of_the_start_last() -> None:
     assert np.abs(solid.velocities(system.v) - before).max() == 0
     system.step(1e-3)
     assert np.allclose(solid.velocities(system.v), before, rtol=0, atol=0.02)
+
+
+def test_adaptive_steps_follow_a_body_in_a_vortex() -> None:
+    """Against short steps of one length; balances hold with every step."""
+
+    def end(step: float, rule: vv.Adaptive | None) -> tuple[Array, vv.Result]:
+        parts = carried("quad9", 4, counts=(2, 2))
+        system = vv.System(parts, vv.Newton(tolerance=1e-10))
+        result = vv.simulate(system, until=0.3, step=step, adaptive=rule)
+        return np.asarray(part(parts, vv.Solid).positions(system.x)), result
+
+    (exact, _), (found, result) = end(0.001, None), end(0.002, vv.Adaptive(tolerance=3e-4))
+    steps = np.diff(result.times)
+    assert steps.max() > 2 * steps.min()
+    assert len(steps) < 100
+    assert np.abs(found - exact).max() < 2e-4
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
+
+
+# --- what is told of it -------------------------------------------------------------------------------------
+def test_area_is_told_at_every_step() -> None:
+    """Against the area within the polygon of the outline (shoelace formula)."""
+    parts = carried("quad4", 6)
+    system, solid = vv.System(parts), part(parts, vv.Solid)
+    probe, whole = vv.Volume(solid=solid), solid.grid.volume
+    for _ in vv.march(system, until=0.3, step=0.1):
+        X = solid.points
+        edge = np.abs(X - [0.65, 0.53, 0]) > np.array([0.15, 0.1, 1]) - 1e-9
+        around = np.flatnonzero(edge.any(axis=1))
+        middle = X[around] - [0.65, 0.53, 0]
+        order = around[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
+        x, y = solid.positions(system.x)[order, :2].T
+        area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+        assert probe(system) == pytest.approx(area, rel=1e-12)
+        assert system.gauges()["area change"] == pytest.approx(abs(area / whole - 1), abs=1e-12)
+    assert abs(area / whole - 1) > 1e-6
+
+
+# --- pattern ------------------------------------------------------------------------------------------------
+def test_the_pattern_lasts_some_steps() -> None:
+    """It holds what the nodes reach at their velocity: a body that goes a cell in five steps needs few of them."""
+    parts = carried("quad4", 16, density=1.0)
+    system = vv.System(parts)
+    patterns = set()
+    for _ in vv.march(system, until=0.3, step=0.01):
+        patterns.add(system.core.n_entries)
+    assert 1 < len(patterns) < 10

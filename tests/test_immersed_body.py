@@ -168,6 +168,14 @@ BAD: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=box(), spacing=0.0),
         "spacing = 0.0 is not a number from 0.1 to 10",
     ),
+    "marks too close": (
+        lambda: vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=box("quad9"), spacing=1.0),
+        "marks with a spacing of 1 .*; take at least 1.1 with its elements, 1.5 is usual",
+    ),
+    "marks too close in triangles": (
+        lambda: vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=box("tri6"), spacing=1.2),
+        "take at least 1.3",
+    ),
     "no shape": (
         lambda: wet(shape=None, density=None, mass=1.0, inertia=(1.0, 1.0, 1.0)),
         "has no shape; give it one",

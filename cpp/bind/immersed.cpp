@@ -18,17 +18,22 @@ std::vector<T> vector_of(const Array<T>& a) {
     return {a.data(), a.data() + a.size()};
 }
 
-// The function takes places (n, dim) and whether they must be inside, and returns unknowns and weights (n,
-// width). It is Python that owns it.
+// A function that Python owns, while there is one.
+nb::object alive(const nb::weakref& function) {
+    nb::object call = function();
+    if (call.is_none()) throw std::runtime_error("an immersed solid was asked after its system was released");
+    return call;
+}
+
+nb::object rows(const double* values, std::size_t n, std::size_t dim) {
+    return nb::cast(nb::ndarray<nb::numpy, const double>(values, {n, dim}, nb::none()));
+}
+
+// Takes places (n, dim), returns unknowns and weights (n, width).
 Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t dim, std::size_t width) {
-    return [f = nb::weakref(function), n, dim, width](const double* places, bool must, int* unknown,
-                                                      double* weight) {
+    return [f = nb::weakref(function), n, dim, width](const double* places, int* unknown, double* weight) {
         nb::gil_scoped_acquire gil;
-        nb::object call = f();
-        if (call.is_none())
-            throw std::runtime_error("an immersed solid was asked after its system was released");
-        auto found = nb::cast<nb::tuple>(
-            call(nb::ndarray<nb::numpy, const double>(places, {n, dim}, nb::none()), must));
+        auto found = nb::cast<nb::tuple>(alive(f)(rows(places, n, dim)));
         const auto unknowns = nb::cast<Array<int>>(found[0]);
         const auto weights = nb::cast<Array<double>>(found[1]);
         if (unknowns.size() != n * width || weights.size() != n * width)
@@ -38,16 +43,30 @@ Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t d
     };
 }
 
+// Takes places and moves (n, dim), returns where the unknowns of each begin, (n + 1), and all of them.
+Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
+    return [f = nb::weakref(function), n, dim](const double* places, const double* moves) {
+        nb::gil_scoped_acquire gil;
+        auto found = nb::cast<nb::tuple>(alive(f)(rows(places, n, dim), rows(moves, n, dim)));
+        const auto starts = nb::cast<Array<int>>(found[0]), unknowns = nb::cast<Array<int>>(found[1]);
+        std::vector<std::vector<int>> coupled(n);
+        for (std::size_t k = 0; k < n; ++k)
+            coupled[k].assign(unknowns.data() + starts.data()[k], unknowns.data() + starts.data()[k + 1]);
+        return coupled;
+    };
+}
+
 }  // namespace
 
 void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
         .def("__init__", [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
-                            const Array<double>& weight, const Array<int>& multiplier,
-                            nb::object interpolate) {
+                            const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
+                            nb::object couple) {
             const int n = static_cast<int>(multiplier.size()), terms = static_cast<int>(vector.size()) / n;
             new (t) ImmersedTerm(
                 {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
-                interpolation_of(std::move(interpolate), n, dim, width));
+                interpolation_of(std::move(interpolate), n, dim, width),
+                coupling_of(std::move(couple), n, dim));
         });
 }

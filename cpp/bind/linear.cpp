@@ -125,6 +125,7 @@ void bind_choice(nb::module_& m) {
         .def_rw("memory_limit", &LinearChoice::memory_limit)
         .def_rw("library", &LinearChoice::library)
         .def_rw("matching", &LinearChoice::matching)
+        .def_rw("minimum_degree", &LinearChoice::minimum_degree)
         .def_rw("threads", &LinearChoice::threads)
         .def_rw("method", &LinearChoice::method)
         .def_rw("preconditioner", &LinearChoice::preconditioner)

@@ -145,8 +145,8 @@ class Pardiso : public LinearSolver {
 
     void set_parameters() {
         std::fill(pt_, pt_ + 64, nullptr), std::fill(iparm_, iparm_ + 64, 0);
-        iparm_[0] = 1;                     // what follows is given
-        iparm_[1] = 2;                     // nested dissection
+        iparm_[0] = 1;  // what follows is given
+        iparm_[1] = ordering();
         iparm_[7] = matches() ? 2 : 0;     // steps of iterative refinement; 0: where pivots were perturbed
         iparm_[9] = type_ == 11 ? 13 : 8;  // pivots below 10^-this are perturbed
         iparm_[10] = matches() ? 1 : 0;    // scaling and
@@ -192,6 +192,7 @@ class Pardiso : public LinearSolver {
         return message_ = "the tangent is singular", false;
     }
 
+    int ordering() const { return choice_.minimum_degree ? 0 : 2; }  // 2: nested dissection
     bool matches() const { return type_ != 2 && choice_.matching; }
     bool failed(int error) { return message_ = meaning(error), false; }
     int perturbed() const { return type_ == 2 ? 0 : iparm_[13]; }

@@ -114,20 +114,19 @@ void ScaledMatrix::scale_by_largest() {
     left_.resize(n_);
     for (int i = 0; i < n_; ++i) left_[i] = is_algebraic(i) ? size : 1 / size;
     right_ = left_;
-    apply(left_, right_);
     std::vector<double> r(n_), c(n_);
     auto factor = [](double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; };
     for (int sweep = 0; sweep < 3; ++sweep) {
         std::fill(r.begin(), r.end(), 0.0), std::fill(c.begin(), c.end(), 0.0);
         std::vector<double>& other = symmetric() ? r : c;
         for_each([&](int i, int j, int k) {
-            const double a = std::abs(value_[k]);
+            const double a = std::abs(value_[k]) * left_[i] * right_[j];
             r[i] = std::max(r[i], a), other[j] = std::max(other[j], a);
         });
         for (int i = 0; i < n_; ++i) r[i] = factor(r[i]), c[i] = symmetric() ? r[i] : factor(c[i]);
-        apply(r, c);
         for (int i = 0; i < n_; ++i) left_[i] *= r[i], right_[i] *= c[i];
     }
+    apply(left_, right_);
 }
 
 // Median of the largest entries of rows among what moves; rows of rounding alone do not count.

@@ -6,8 +6,8 @@
 
 namespace visviva {
 
-ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate)
-    : points_(std::move(points)), interpolate_(std::move(interpolate)) {
+ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple)
+    : points_(std::move(points)), interpolate_(std::move(interpolate)), couple_(std::move(couple)) {
     const std::size_t n = static_cast<std::size_t>(points_.n());
     now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
     at_tangent_ = now_;
@@ -52,11 +52,11 @@ bool ImmersedTerm::search(const double* x0, const double* x1) {
         const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
         start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = from + theta_ * (to - from);
     });
-    interpolate_(places_.data(), true, now_.unknown.data(), now_.weight.data());
+    interpolate_(places_.data(), now_.unknown.data(), now_.weight.data());
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
         known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
-    if (!known) couple_ahead(x0, x1);
+    if (!known) couple(x0, x1);
     return !known;
 }
 
@@ -91,21 +91,14 @@ bool ImmersedTerm::is_coupled(int point, int unknown) const {
 }
 
 // The pattern lasts for some steps if it holds what comes next.
-void ImmersedTerm::couple_ahead(const double* x0, const double* x1) {
-    constexpr int steps = 3;
-    coupled_.assign(points_.n(), {});
-    std::vector<int> unknown = now_.unknown;
-    std::vector<double> weight = now_.weight, places = places_;
-    for (int step = 0; step <= steps; ++step) {
-        if (step > 0) {
-            each([&](int k, int i, int, int) {
-                places[k * points_.dim + i] += points_.value(x1, k, i) - points_.value(x0, k, i);
-            });
-            interpolate_(places.data(), false, unknown.data(), weight.data());
-        }
-        for (std::size_t e = 0; e < unknown.size(); ++e)
-            if (unknown[e] >= 0) coupled_[e / points_.width].push_back(unknown[e]);
-    }
+void ImmersedTerm::couple(const double* x0, const double* x1) {
+    std::vector<double> moves(places_.size());
+    each([&](int k, int i, int, int) {
+        moves[k * points_.dim + i] = points_.value(x1, k, i) - points_.value(x0, k, i);
+    });
+    coupled_ = couple_(places_.data(), moves.data());
+    for (std::size_t e = 0; e < now_.unknown.size(); ++e)
+        coupled_[e / points_.width].push_back(now_.unknown[e]);
     for (auto& all : coupled_) {
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());

@@ -10,8 +10,12 @@
 namespace visviva {
 
 /// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their
-/// weights. Outside of it unknowns are -1, or an exception is thrown if they `must` be inside.
-using Interpolation = std::function<void(const double* places, bool must, int* unknown, double* weight)>;
+/// weights. Throws where one is outside of it.
+using Interpolation = std::function<void(const double* places, int* unknown, double* weight)>;
+
+/// First unknowns of all velocities that places [n][dim] may come to follow while they go on by `moves` per
+/// step: for each, without order.
+using Coupling = std::function<std::vector<std::vector<int>>(const double* places, const double* moves)>;
 
 /// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
 /// multiplier and follows `width` velocities.
@@ -31,7 +35,7 @@ struct ImmersedPoints {
 
 class ImmersedTerm : public Term {
   public:
-    ImmersedTerm(ImmersedPoints points, Interpolation interpolate);
+    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple);
 
     bool search(const double* x0, const double* x1) override;
     void write_memory(std::vector<double>& memory) const override;
@@ -50,7 +54,7 @@ class ImmersedTerm : public Term {
     template <class F>
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
-    void couple_ahead(const double* x0, const double* x1);
+    void couple(const double* x0, const double* x1);
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
     double moved(const Context&, int point, int i) const;
@@ -59,6 +63,7 @@ class ImmersedTerm : public Term {
 
     ImmersedPoints points_;
     Interpolation interpolate_;
+    Coupling couple_;
     // [point][width] first unknowns of velocities, and their weights
     struct Weights {
         std::vector<int> unknown;

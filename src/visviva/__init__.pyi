@@ -81,6 +81,7 @@ from .probe import (
     SupportForce,
     SupportTorque,
     Velocity,
+    Volume,
 )
 from .reactions import ReactionForce, ReactionTorque, ServoInputs, reaction
 from .result import Result
@@ -241,6 +242,7 @@ __all__ = [
     "Velocity",
     "VelocityBoundary",
     "VisvivaError",
+    "Volume",
     "Yeoh",
     "arc_length",
     "equilibrium",

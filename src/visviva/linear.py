@@ -136,6 +136,11 @@ class Problem:
         return self.has_flow and self.n >= LARGE_FLOW and self.n_entries > DENSE_ROWS_OF_FLOWS * self.n
 
     @property
+    def is_plane_flow(self) -> bool:
+        """The unsymmetric tangent of a plane mesh whose pattern tells the pivots: minimum degree orders it best."""
+        return self.has_diagonal and not self.symmetric and self.n_entries <= DENSE_ROWS * self.n
+
+    @property
     def is_small(self) -> bool:
         """Eigen's factors are as fast as PARDISO's."""
         return self.n <= (SMALL_WIDE if self.n_entries > WIDE_ROWS * self.n else SMALL)
@@ -245,7 +250,7 @@ class Direct(LinearOptions):
         c = _core.LinearChoice()
         c.backend, c.kind, c.regularization = backend, kind, problem.regularization
         c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
-        c.matching = not problem.has_diagonal
+        c.matching, c.minimum_degree = not problem.has_diagonal, problem.is_plane_flow
         return c
 
 

@@ -127,6 +127,29 @@ class Extreme(Reading):
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
+class Volume(Reading):
+    """Probe: present volume of a solid, its area if it is plane.
+
+    Parameters
+    ----------
+    solid : Solid
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> sheet = vv.RectangleMesh(size=(2.0, 0.5), counts=(2, 1))
+    >>> pad = vv.Solid(mesh=sheet, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
+    >>> vv.Volume(solid=pad)(vv.System([pad]))
+    1.0
+    """
+
+    solid: Solid
+
+    def __call__(self, system: System) -> float:
+        return self.solid.volume(system.x)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
 class SupportForce(Reading):
     """Probe: force (3,) by which supports hold nodes of a solid: `Fixed`, `Prescribed`, `SymmetryPlane`.
 

@@ -16,6 +16,10 @@ FLOW = [
         for cell in ("quad4", "tri3", "quad9", "tri6", "hex8", "tet4", "hex27", "tet10")
     ],
     *[
+        Entry(f"Stokes stream, {cell}", partial(stream, cell, convection=False), NOTHING, h=0.05, steps=20)
+        for cell in ("quad4", "tri6", "tet4")
+    ],
+    *[
         Entry(f"enclosed flow, {cell}", partial(enclosed, cell), NOTHING, h=0.05, steps=20)
         for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
     ],
@@ -27,6 +31,14 @@ FLOW = [
     *[
         Entry(f"immersed, {cell}", partial(large, cell), NOTHING, h=0.02, steps=10)
         for cell in ("quad4", "tri3", "quad9", "tri6", "hex8")
+    ],
+    *[
+        Entry(f"immersed {kind}", partial(large, cell, kind=kind), NOTHING, h=0.02, steps=10)
+        for cell, kinds in (
+            ("quad4", ("tri3", "tri6", "quad8", "quad9")),
+            ("hex8", ("tet4", "tet10", "hex20")),
+        )
+        for kind in kinds
     ],
     Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
     Entry("immersed, damped", lambda: large("quad4", damping=0.1), NOTHING, h=0.02, steps=10),

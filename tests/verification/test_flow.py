@@ -217,3 +217,81 @@ def test_backflow_brings_no_energy(cell: str) -> None:
         taken += 0.5 * np.sum(leaving * np.sum(v**2, axis=2))
     assert np.diff(result.ledger["work_outflow"])[-1] == pytest.approx(-0.05 * taken, rel=1e-10)
     assert result.ledger.imbalance() < 1e-10
+
+
+# --- Stokes flow --------------------------------------------------------------------------------------------
+def creeping(X: Array) -> tuple[Array, Array]:
+    """Velocity (n, 3) and pressure (n,) of Bercovier & Engelman (1979) in the unit square, at rest at its walls."""
+    x, y = X[:, 0], X[:, 1]
+
+    def shape(s: Array, t: Array) -> Array:
+        return -256 * s**2 * (s - 1) ** 2 * t * (t - 1) * (2 * t - 1)
+
+    return np.stack([shape(x, y), -shape(y, x), 0 * x], axis=1), (x - 0.5) * (y - 0.5)
+
+
+def pushing(t: float, X: Array) -> Array:
+    """Body force of that flow at the viscosity 1: less the Laplacian of the velocity, and the pressure's gradient."""
+    x, y = X[:, 0], X[:, 1]
+
+    def laplacian(s: Array, t: Array) -> Array:
+        a, b = s**2 * (s - 1) ** 2, t * (t - 1) * (2 * t - 1)
+        return -256 * ((12 * s**2 - 12 * s + 2) * b + a * (12 * t - 6))
+
+    return np.stack([y - 0.5 - laplacian(x, y), x - 0.5 + laplacian(y, x), 0 * x], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("cell", "orders"), [("quad9", (3, 2)), ("tri6", (3, 2)), ("quad4", (1.95, 1.6)), ("tri3", (1.95, 1.6))]
+)
+def test_stokes_flow_converges(cell: str, orders: tuple[float, float]) -> None:
+    """In a fluid so dense that convection, were there any, would blow it up; the equations are linear."""
+    found = []
+    for n in (12, 24) if orders[0] == 3 else (24, 48):
+        mesh = vv.RectangleMesh(size=(1, 1), counts=(n, n), cell=cell)
+        fluid = vv.Fluid(mesh=mesh, density=1e6, viscosity=1.0, body_force=pushing, convection=False)
+        system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
+        result = vv.quasi_static(system, until=1.0, step=1.0)
+        assert result.statistics.iterations <= 2  # of which the second only finds that nothing is left
+        found.append(errors(fluid, system.x, creeping))
+    assert np.all(np.log2(np.array(found[0]) / found[1]) > np.array(orders) - 0.15)
+
+
+@pytest.mark.parametrize("cell", ["quad9", "tri6", "quad4"])
+def test_unsteady_stokes_flow_is_linear(cell: str) -> None:
+    """Eddies that decay with exp(-2 nu t) without a pressure; one factorisation serves all steps, and what is twice as
+    large at the start is twice as large at the end."""
+    nu, ends = 0.1, []
+    for size in (1.0, 2.0):
+        mesh = vv.RectangleMesh(size=(2 * np.pi, 2 * np.pi), counts=(16, 16), cell=cell)
+        start = eddies(0.0, nu)
+        moving: Any = {"velocity": lambda X, a=size, f=start: a * f(X)[0], "periodic": TURN}
+        fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=nu, convection=False, **moving)
+        system = vv.System([fluid])
+        result = vv.simulate(system, until=1.0, step=0.05, scheme=vv.Midpoint())
+        assert result.statistics.factorizations == 1
+        assert np.abs(fluid.pressures(system.x)).max() < 0.01
+        ends.append(fluid.velocities(system.x))
+        exact = size * eddies(1.0, nu)(fluid.points)[0]
+        assert np.abs(ends[-1] - exact).max() < 0.01 * size * (1 if cell != "quad4" else 2)
+        assert result.ledger.imbalance() < 1e-12
+    assert np.allclose(2 * ends[0], ends[1], rtol=0, atol=1e-9)
+
+
+# --- adaptive steps -----------------------------------------------------------------------------------------
+def test_adaptive_steps_follow_a_flow_that_starts() -> None:
+    """A channel under a force from rest on: short steps first, long ones later, the series of the profile all along."""
+    mesh = vv.RectangleMesh(size=(0.25, 1.0), counts=(1, 16), cell="quad9")
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0, body_force=(1, 0, 0), periodic=(("x0", "x1"),))
+    system = vv.System([fluid, *(vv.NoSlip(fluid=fluid, faces=side) for side in ("y0", "y1"))])
+    rule, lengths, worst = vv.Adaptive(tolerance=1e-4), [], 0.0
+    y, n = fluid.points[:, 1], np.arange(1, 200, 2)[:, None] * np.pi
+    marching = vv.march(system, until=1.0, step=1e-3, scheme=vv.Midpoint(), adaptive=rule)
+    for _ in marching:
+        lengths.append(system.last_step)
+        exact = 0.5 * y * (1 - y) - np.sum(4 / n**3 * np.sin(n * y) * np.exp(-(n**2) * system.time), axis=0)
+        worst = max(worst, float(np.abs(fluid.velocities(system.x)[:, 0] - exact).max()))
+    assert worst < 2e-3 * 0.125
+    assert max(lengths) > 10 * min(lengths)
+    assert len(lengths) < 100
+    assert system.time == pytest.approx(1.0, abs=1e-12)

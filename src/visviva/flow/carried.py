@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
+
+
+AHEAD, MARGIN = 3, 0.45
+"""The pattern of the coupling holds what so many more steps at the present velocity would reach, and so many edges of
+cells around."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -52,7 +58,7 @@ class Carried(Component):
     def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
         """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
         transfer = Transfer(self.fluid)
-        self._find = self._finder(transfer)  # the core does not keep it alive
+        self._calls = self._finder(transfer), self._coupler(transfer)  # which the core does not keep alive
         term = _core.ImmersedTerm(
             self.fluid.dimension,
             transfer.width,
@@ -60,7 +66,7 @@ class Carried(Component):
             np.ascontiguousarray(vectors, dtype=np.int32),
             np.ascontiguousarray(weights, dtype=float),
             np.ascontiguousarray(multipliers, dtype=np.int32),
-            self._find,
+            *self._calls,
         )
         term.name = self.label
         lost = model.account(self, "immersed damping", "dissipation")
@@ -80,20 +86,26 @@ class Carried(Component):
         nodal = flow.values[unknowns[:, :, None] - flow.start + np.arange(d)]
         return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
 
-    def _finder(self, transfer: Transfer) -> Callable[[Array, bool], tuple[Ints, Array]]:
-        def find(places: Array, must: bool) -> tuple[Ints, Array]:
-            cells, xi = self.fluid.location.find(places)
-            inside = cells >= 0
-            if must:
-                self._refuse_outside(places, cells, RunError)
-            unknowns = np.full((len(places), transfer.width), -1, dtype=np.int32)
-            weights = np.zeros(unknowns.shape)
-            unknowns[inside], weights[inside] = transfer.at(
-                Place(self.fluid, places[inside], (cells[inside], xi[inside]))
-            )
-            return unknowns, weights
+    def _finder(self, transfer: Transfer) -> Callable[[Array], tuple[Ints, Array]]:
+        def find(places: Array) -> tuple[Ints, Array]:
+            found = self.fluid.location.find(places)
+            self._refuse_outside(places, found[0], RunError)
+            return transfer.at(Place(self.fluid, places, found))
 
         return find
+
+    def _coupler(self, transfer: Transfer) -> Callable[[Array, Array], tuple[Ints, Ints]]:
+        def couple(places: Array, moves: Array) -> tuple[Ints, Ints]:
+            n, d = places.shape
+            edges = self.fluid.grid.volumes[self.fluid.location.find(places)[0]] ** (1 / d)
+            corners = np.array(list(itertools.product((-1, 1), repeat=d)))
+            around = MARGIN * edges[:, None] * corners[:, None, :]
+            ahead = np.arange(0, AHEAD + 0.25, 0.5)[:, None, None, None] * moves
+            cells, _ = self.fluid.location.find((places + around + ahead).reshape(-1, d))
+            points = np.broadcast_to(np.arange(n), (ahead.shape[0], len(corners), n)).ravel()
+            return transfer.within(n, points[cells >= 0], cells[cells >= 0])
+
+        return couple
 
     def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
         if np.all(cells >= 0):

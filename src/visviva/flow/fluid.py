@@ -56,8 +56,8 @@ class Fluid(Meshed):
     periodic : pairs of str
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
     convection : bool
-        Without it the flow is that of Stokes: so slow that the fluid's velocity carries no momentum along. The equations
-        are linear then, and one factorisation serves all steps of a length.
+        Without it the flow is that of Stokes: so slow that fluid carries no momentum along. The equations are linear
+        then, and one factorisation serves all steps of a length.
 
     Notes
     -----

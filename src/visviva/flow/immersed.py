@@ -20,6 +20,7 @@ from visviva.flow.carried import Carried, Cells
 
 if TYPE_CHECKING:
     from visviva.model import Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 
@@ -187,6 +188,11 @@ class Immersed(Carried):
         model.dead_forces(self, "gravity", self.solid.node_unknowns(nodes), force)
 
     # --- results ----------------------------------------------------------------------------------------------
+    def gauges(self, system: System) -> dict[str, float]:
+        whole = self.solid.grid.volume
+        change = abs(self.solid.volume(system.x) / whole - 1)
+        return {"area change" if self.solid.dimension == 2 else "volume change": change}
+
     def forces(self, x: Array) -> Array:
         """Forces (n, 3) of the fluid on the nodes of the solid at the unknowns `x` of the system."""
         return self._forces(self.force, x)

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LEAST_BOX, LEAST_SIMPLEX = 1.1, 1.3
+"""Marks closer than this, in edges of cells, are refused in Taylor-Hood elements: some make the tangent singular."""
+
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class ImmersedBody(Carried):
@@ -37,14 +40,16 @@ class ImmersedBody(Carried):
     fluid : Fluid
         It also fills the place of the body. A plane fluid of thickness 1 needs a shape of length 1 along z, a prism.
     spacing : float
-        Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it.
+        Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it (half
+        edges of quadratic ones).
     damping : float
         See `Immersed`.
 
     Raises
     ------
     InputError
-        If the body has no shape, lies partly outside of the fluid, or does not fit into a plane fluid.
+        If the body has no shape, lies partly outside of the fluid, or does not fit into a plane fluid; or for marks too
+        close.
     RunError
         If it leaves the fluid later.
 
@@ -55,8 +60,9 @@ class ImmersedBody(Carried):
     balance momenta and energy exactly. In the middle of a step rigid motions are exact at the marks: with
     ``x1 - x0 = w x (x0 + x1) / 2`` for directors that stay orthonormal, they are velocities without strain.
 
-    Marks closer than the cells ask for more than the velocities can do. The body takes away the inertia and weight of
-    the fluid it displaces.
+    Marks closer than the nodes of the velocity ask for more than these can do: in Taylor-Hood elements spacings below
+    1.1 (quadrilaterals, hexahedra) or 1.3 (triangles, tetrahedra) are refused. The body takes away the inertia and
+    weight of the fluid it displaces.
 
     Examples
     --------
@@ -77,6 +83,13 @@ class ImmersedBody(Carried):
         super().__post_init__()
         if not 0.1 <= self.spacing <= 10.0:
             raise InputError(f"{self.label}: spacing = {self.spacing} is not a number from 0.1 to 10")
+        least = self._least_spacing()
+        if self.spacing < least:
+            raise InputError(
+                f"{self.label}: marks with a spacing of {self.spacing:g} ask for more than the velocities of "
+                f"{self.fluid.label} can do, and leave its pressures inside of {self.body.label} undetermined; take at "
+                f"least {least:g} with its elements, 1.5 is usual, and finer cells for more detail"
+            )
         if self.body.shape is None:
             raise InputError(f"{self.label}: {self.body.label} has no shape; give it one")
         self._shape: AnyShape = self.body.shape
@@ -86,6 +99,12 @@ class ImmersedBody(Carried):
             )
         if self.fluid.dimension == 2:
             self._check_plane()
+
+    def _least_spacing(self) -> float:
+        """From where on pressures of Taylor-Hood elements are determined in trials; stabilised ones always are."""
+        if self.fluid.is_stabilised:
+            return 0.1
+        return LEAST_SIMPLEX if next(iter(self.fluid.grid.cells)).startswith(("tri", "tet")) else LEAST_BOX
 
     def _check_plane(self) -> None:
         z = self._shape.surface()[0][:, 2]

@@ -79,14 +79,16 @@ class Location:
     def find(self, places: Array) -> tuple[Ints, Array]:
         """Cells (n,), -1 outside of all, and reference coordinates (n, d) of places (n, d)."""
         cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
-        k = min(NEAREST, self.mesh.n_cells)
-        _, near = self._tree.query(places, k=k)
-        near = np.reshape(near, (len(places), k))
-        for j in range(k):
-            lost = np.flatnonzero(cells < 0)
-            if len(lost) == 0:
+        _, near = self._tree.query(places)
+        self._try(places, np.arange(len(places)), near, cells, xi)
+        lost, k = np.flatnonzero(cells < 0), min(NEAREST, self.mesh.n_cells)
+        _, near = self._tree.query(places[lost], k=k)
+        near = np.reshape(near, (len(lost), k))
+        for j in range(1, k):
+            open_ = cells[lost] < 0
+            self._try(places, lost[open_], near[open_, j], cells, xi)
+            if np.all(cells[lost] >= 0):
                 return cells, xi
-            self._try(places, lost, near[lost, j], cells, xi)
         low, high = self._boxes
         for row in np.flatnonzero(cells < 0):
             inside = np.flatnonzero(np.all((low <= places[row]) & (places[row] <= high), axis=1))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.mesh.cells import CELLS
+from visviva.mesh.convert import cell_numbers
 from visviva.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class Transfer:
     def __init__(self, fluid: Fluid) -> None:
         self.fluid = fluid
         self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in fluid.grid.cells)
-        self.width = self._width()
+        self.width = int(np.diff(self._stencils.indptr).max())
 
     def at(self, places: Place) -> tuple[Ints, Array]:
         """First unknowns (n, width) of velocities at places, and their weights."""
@@ -52,6 +53,16 @@ class Transfer:
         number -= np.repeat(rows.indptr[:-1], count)
         nodes[place, number], weights[place, number] = rows.indices, rows.data
         return np.ascontiguousarray(self.fluid.node_unknowns(nodes.astype(int))), weights
+
+    def within(self, n: int, points: NDArray[np.int64], cells: NDArray[np.int64]) -> tuple[Ints, Ints]:
+        """First unknowns that `n` points refer to in cells, those of one in pairs: starts (n + 1), and unknowns."""
+        import scipy.sparse as sp
+
+        shape = (n, self._stencils.shape[0])
+        nodes = sp.csr_array(
+            sp.coo_array((np.ones(len(cells)), (points, cells)), shape=shape) @ self._stencils
+        )
+        return nodes.indptr.astype(np.int32), self.fluid.node_unknowns(nodes.indices)
 
     def _rows(self, found: Place) -> sp.csr_array:
         """Weights (n, n_nodes) of nodal velocities."""
@@ -71,19 +82,18 @@ class Transfer:
         rows.sort_indices()
         return rows
 
-    def _width(self) -> int:
-        mesh = self.fluid.grid
-        if not self._linear:
-            return max(int(nodes.shape[1]) for nodes in mesh.cells.values())
+    @cached_property
+    def _stencils(self) -> sp.csr_array:
+        """Nodes that places in a cell refer to (n_cells, n_nodes)."""
         import scipy.sparse as sp
 
-        near = sum(abs(g) for g in self._gradients)
-        most = 0
-        for nodes in mesh.cells.values():
-            cell = np.repeat(np.arange(len(nodes)), nodes.shape[1])
-            of = sp.csr_array((np.ones(nodes.size), (cell, nodes.ravel())), shape=(len(nodes), mesh.n_nodes))
-            most = max(most, int(np.diff((of + of @ near).indptr).max()))
-        return most
+        mesh = self.fluid.grid
+        cell = np.concatenate(
+            [np.repeat(k, mesh.cells[c].shape[1]) for c, k in cell_numbers(mesh.cells).items()]
+        )
+        node = np.concatenate([nodes.ravel() for nodes in mesh.cells.values()])
+        of = sp.csr_array((np.ones(len(node)), (cell, node)), shape=(mesh.n_cells, mesh.n_nodes))
+        return of + of @ sum(abs(g) for g in self._gradients) if self._linear else of
 
     @cached_property
     def _gradients(self) -> list[Any]:
