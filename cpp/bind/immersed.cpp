@@ -60,13 +60,16 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
 
 void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
-        .def("__init__", [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
-                            const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
-                            nb::object couple) {
-            const int n = static_cast<int>(multiplier.size()), terms = static_cast<int>(vector.size()) / n;
-            new (t) ImmersedTerm(
-                {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
-                interpolation_of(std::move(interpolate), n, dim, width),
-                coupling_of(std::move(couple), n, dim));
-        });
+        .def("__init__",
+             [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
+                const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
+                nb::object couple) {
+                 const int n = static_cast<int>(multiplier.size()),
+                           terms = static_cast<int>(vector.size()) / n;
+                 new (t) ImmersedTerm({dim, terms, width, damping, vector_of(vector), vector_of(weight),
+                                       vector_of(multiplier)},
+                                      interpolation_of(std::move(interpolate), n, dim, width),
+                                      coupling_of(std::move(couple), n, dim));
+             })
+        .def_prop_ro("location", &ImmersedTerm::location);
 }

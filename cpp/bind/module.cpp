@@ -385,6 +385,7 @@ static void bind_system(nb::module_& m) {
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
         .def("search", &System::search)
         .def_prop_ro("revision", &System::revision)
+        .def_prop_ro("rewiring", &System::rewiring)
         .def("linearise",
              [](System& s, const Step& step, const Doubles& signals, Array residual) {
                  nb::gil_scoped_release release;

@@ -6,6 +6,7 @@
 #include "complement.hpp"
 #include "core/parallel.hpp"
 #include "core/pattern.hpp"
+#include "core/stopwatch.hpp"
 
 namespace visviva {
 
@@ -31,19 +32,6 @@ struct Correction {
         if (size <= 1e-14 * arms.squaredNorm()) size = 0;  // what would be mended is less than rounding
     }
     void complete(double defect) { c = size > 0 ? defect / size : 0; }
-};
-
-// Adds the CPU time of its life.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& sum) : sum_(sum), start_(std::clock()) {}
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-    ~Stopwatch() { sum_ += static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC; }
-
-  private:
-    double& sum_;
-    std::clock_t start_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "dispatch.hpp"
 #include "parallel.hpp"
 #include "pattern.hpp"
+#include "stopwatch.hpp"
 
 namespace visviva {
 
@@ -112,6 +113,7 @@ void System::hold(const Pattern& pattern) {
 
 // The coupling has changed: a new pattern.
 void System::rewire() {
+    const Stopwatch watch(rewiring_);
     finalize();
     describe_nodes();
     solver_->analyze(csr_, blocks_);

@@ -115,7 +115,8 @@ class System {
     // The equations that the linear solver gets.
     const Csr& solved() const { return elimination_ ? elimination_->left() : condensed(); }
     int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
-    int revision() const { return revision_; }  // of the pattern
+    int revision() const { return revision_; }     // of the pattern
+    double rewiring() const { return rewiring_; }  // CPU seconds for new ones
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
@@ -160,6 +161,7 @@ class System {
     void book_path(const Context&);
 
     int n_ = 0, revision_ = 0;
+    double rewiring_ = 0;
     std::vector<int> order_;
     std::vector<char> fixed_;
     std::vector<double> inverse_scale_;

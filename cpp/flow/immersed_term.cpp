@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/stopwatch.hpp"
+
 namespace visviva {
 
 ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple)
@@ -41,6 +43,7 @@ double ImmersedTerm::moved(const Context& c, int k, int i) const {
 // way keeps the second order, and makes the motion linear in the velocities. It stays through all iterations
 // and attempts of a step.
 bool ImmersedTerm::search(const double* x0, const double* x1) {
+    const Stopwatch watch(location_);
     bool same = true, moves = false;
     each([&](int k, int i, int, int) {
         const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);

@@ -46,6 +46,7 @@ class ImmersedTerm : public Term {
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
+    double location() const { return location_; }  // CPU seconds that it has taken
 
   private:
     /// f(point, component, multiplier, first velocity)
@@ -73,6 +74,7 @@ class ImmersedTerm : public Term {
     std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
     std::vector<double> start_, places_;
     double theta_ = 0.5;  // of the last step: schemes do not change
+    double location_ = 0;
     bool ahead_ = false;  // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;
 };

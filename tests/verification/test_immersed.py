@@ -7,7 +7,7 @@ import pytest
 from discs import disc
 
 import visviva as vv
-from visviva.examples import valve
+from visviva.examples import valve, valve_3d
 
 
 def test_soft_disc_in_a_driven_cavity() -> None:
@@ -47,3 +47,20 @@ def test_coarse_valve_opens_like_the_body_fitted_one() -> None:
     assert np.allclose(upper, lower * [1, -1], rtol=0, atol=1e-6)
     assert upper[0] == pytest.approx(0.579, abs=0.01)
     assert upper[1] == pytest.approx(0.403, abs=0.015)
+
+
+def test_valve_in_space_opens_symmetrically() -> None:
+    """Flaps mirror each other in the plane between them, and themselves in the one across; volumes stay."""
+    study = valve_3d.study(until=0.3)
+    result = vv.simulate(study.system, until=study.until, step=study.step, scheme=study.scheme)
+    valve_3d.check(result)
+    x = study.system.x
+    lower, upper = (s for s in study.system.components if isinstance(s, vv.Solid))
+    mirror, side = (valve_3d.HEIGHT, 1), (valve_3d.WIDTH, 2)
+    for a, b, (size, axis) in ((lower, upper, mirror), (lower, lower, side)):
+        turned, X = b.positions(x).copy(), b.points.copy()
+        turned[:, axis], X[:, axis] = size - turned[:, axis], size - X[:, axis]
+        same = np.linalg.norm(X[:, None] - a.points, axis=2).argmin(axis=0)
+        assert np.allclose(turned[same], a.positions(x), rtol=0, atol=1e-5)
+    assert 0.1 < float(study.probes["lower_tip"](study.system)[0]) < 0.2  # type: ignore[operator]
+    assert vv.Volume(solid=lower)(study.system) == pytest.approx(0.7 * 0.6 * 0.2, rel=0.01)

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 import visviva as vv
 
 Array = NDArray[np.float64]
+Cells = Literal["full", "coarse"] | tuple[int, int]
+"""Of the fluid, by name or along and across."""
 
 HEIGHT, LENGTH, FLAP, THICKNESS, RIGHT = 1.61, 8.0, 0.7, 0.0212, 2.0
 COUNTS = {"full": (256, 64), "coarse": (128, 32)}
@@ -53,9 +55,10 @@ def through(fluid: vv.Fluid, lower: vv.Solid, upper: vv.Solid, x: Array) -> floa
     return float(v[0] * (b - a)[1] - v[1] * (b - a)[0])
 
 
-def channel(mesh: Literal["full", "coarse"], density: float) -> tuple[vv.Fluid, list[Any]]:
+def channel(mesh: Cells, density: float) -> tuple[vv.Fluid, list[Any]]:
     """The fluid, and what holds at its boundary."""
-    grid = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=COUNTS[mesh], cell="quad4")
+    counts = COUNTS[mesh] if isinstance(mesh, str) else mesh
+    grid = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=counts, cell="quad4")
     blood = vv.Fluid(mesh=grid, density=density, viscosity=1.0, name="blood")
     return blood, [
         vv.VelocityBoundary(fluid=blood, faces="x0", velocity=inflow, name="inflow"),
@@ -66,7 +69,7 @@ def channel(mesh: Literal["full", "coarse"], density: float) -> tuple[vv.Fluid, 
 
 
 def study(
-    mesh: Literal["full", "coarse"] = "full",
+    mesh: Cells = "full",
     density: float = 10.0,
     upper_young: float = 5.6e6,
     lower_young: float = 5.6e6,

@@ -69,9 +69,15 @@ class Carried(Component):
             *self._calls,
         )
         term.name = self.label
+        self.term = term
         lost = model.account(self, "immersed damping", "dissipation")
         book(term, [model.account(self, "constraint", "constraint"), lost], [model.index(self)] * 2, 2)
         model.batch(term)
+
+    @property
+    def costs(self) -> dict[str, float]:
+        """CPU seconds that finding its points in the fluid has taken so far, and what they may follow later."""
+        return {"location": self.term.location}
 
     def _located(self, places: Array) -> Place:
         """Where places (n, d) of the start are in the fluid."""
