@@ -33,7 +33,7 @@ def curve(counts: tuple[int, int], step: float, until: float) -> tuple[Array, Ar
     for _ in vv.march(system, until=until, step=step):
         times.append(system.time)
         tips.append(np.asarray(probe(system))[:2])  # type: ignore[operator]
-    return np.array(times), np.array(tips), (time.process_time() - start) / (len(times) - 1)
+    return np.array(times), np.abs(tips), (time.process_time() - start) / (len(times) - 1)
 
 
 def row(case: str, until: float) -> str:
