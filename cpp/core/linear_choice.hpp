@@ -26,7 +26,7 @@ struct LinearChoice {
     // its ordering knows the pattern alone, and lasts.
     bool matching = true;
     bool minimum_degree = false;  // instead of nested dissection: less fill in the plane, and sooner found
-    double memory_limit = 0;  // bytes; 0: what the machine has available
+    double memory_limit = 0;      // bytes; 0: what the machine has available
 
     std::string library;  // path of oneMKL's single dynamic library; empty: where the system looks
     int threads = 1;
