@@ -58,6 +58,7 @@ PRESSED, CLOSE = 5000, 1e-4
 contact stand beside them in statics, and its tolerance: hardly an iteration more of Newton's."""
 
 
+FLOW_REGULARIZATION = 1e-8  # of pressures, in a matrix with entries of unit size
 LARGE_FLOW, CLOSE_FLOW = 15_000, 1e-3
 """From so many equations of a flow in space GMRES is faster than factors, and its tolerance: Newton goes on anyway."""
 
@@ -251,6 +252,10 @@ class Direct(LinearOptions):
         c.backend, c.kind, c.regularization = backend, kind, problem.regularization
         c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
         c.matching, c.minimum_degree = not problem.has_diagonal, problem.is_plane_flow
+        if problem.has_flow and kind == _core.MatrixKind.general and backend == _core.Backend.pardiso:
+            # Velocities are definite, so pressures have pivots of one sign once their diagonal has: nothing is matched
+            # anew for every tangent. Newton's iteration makes up for what little that changes.
+            c.matching, c.regularization = False, max(problem.regularization, FLOW_REGULARIZATION)
         return c
 
 
