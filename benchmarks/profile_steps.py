@@ -47,7 +47,7 @@ def parts(system: vv.System, step: Any, repeat: int) -> dict[str, float]:
     """Microseconds of the parts at the present state; what a call from Python takes by itself is subtracted."""
     core, signals = system.core, system.signals(step).copy()
     residual, d = np.zeros(len(system.x)), np.zeros(len(system.x))
-    values = np.zeros(core.n_entries)
+    values = np.zeros(2 * core.n_entries + 10 * len(d))  # room for what is eliminated before solving
     call = best(lambda: core.refuse(step, signals), repeat)
     r = best(lambda: core.assemble(step, signals, residual, None), repeat)
     both = best(lambda: core.assemble(step, signals, residual, values), repeat)
