@@ -1,125 +1,118 @@
-"""An immersed elastic flag against published values, FSI1 of Turek & Hron (2006): what docs/theory/immersed.rst says.
+"""Immersed elastic solids against published values of body-fitted meshes: what docs/theory/immersed.rst says.
 
-    python benchmarks/immersed_accuracy.py [--fine 6] [--along 40] [--step 0.2] [--until 14]
+    python benchmarks/immersed_accuracy.py [fsi1 crowded volume half_cylinder fsi2]
 
-The fluid's mesh has a hole for the cylinder; the flag behind it is immersed, on a mesh of its own. Backward Euler from
-rest. References are those of body-fitted meshes.
+fsi1: the flag of Turek & Hron (2006) at rest, on finer and finer meshes. crowded: the same with more and more nodes
+of the solid. volume: body-fitted, what a solid that keeps its volume changes. half_cylinder: Liu et al. (2014). fsi2:
+how the pushed end of a heavier flag swings on a coarse mesh.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+import warnings
 
+import flag_fitted
+import half_cylinder
 import numpy as np
+from flag_case import PUBLISHED, Flag, Rows, channel
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.examples.cylinder import CENTRE, HEIGHT, RADIUS
-from visviva.mesh.grid import assembled
 
 Array = NDArray[np.float64]
 
-LENGTH, BOX, END, THICK, CLEAR = 2.5, 0.4, 0.6, 0.02, 1.0001
-LAST = 4.0
-"""The last part of the time, about one swing of the flag."""
-PUBLISHED = {"u_x": 2.270493e-5, "u_y": 8.208773e-4, "drag": 14.29426, "lift": 0.763746}
-"""FeatFlow's level 7."""
+MESHES = ((Rows(12, 2), (14, 1)), (Rows(12, 4), (14, 2)), (Rows(24, 8, 4), (28, 4)))
+"""Of channel and flag, from coarse to fine: the flag's nodes are farther apart than those of the velocity."""
+SWING = 81.6e-3
+"""FSI2, amplitude of u_y: FeatFlow, level 4."""
+LAST = 2.0
 
 
-def graded(t: Array) -> Array:
-    """From 0 to the height of the channel, closer about the flag."""
-    s, middle = np.asarray(2 * t - 1), CENTRE[1]
-    return np.asarray(middle + np.where(s < 0, middle, HEIGHT - middle) * np.sinh(3.0 * s) / np.sinh(3.0))
-
-
-def channel(fine: int) -> vv.Mesh:
-    """A channel with a hole: four fans about the cylinder, rows along the flag and rows that lengthen downstream."""
-    edges = (
-        lambda t: np.column_stack([0 * t + BOX, graded(t)]),
-        lambda t: np.column_stack([BOX * (1 - t), 0 * t + HEIGHT]),
-        lambda t: np.column_stack([0 * t, HEIGHT * (1 - t)]),
-        lambda t: np.column_stack([BOX * t, 0 * t]),
-    )
-
-    def fan(k: int, places: Array) -> Array:
-        out, turn = places[:, :1], places[:, 1]
-        edge, angle = edges[k](turn), (k - 0.5 + turn) * np.pi / 2
-        arc = CENTRE + RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
-        return np.asarray(arc + np.expm1(1.5 * out) / np.expm1(1.5) * (edge - arc))
-
-    def rows(places: Array, first: float, last: float, growth: float) -> Array:
-        x = first + (last - first) * np.expm1(growth * places[:, 0]) / np.expm1(growth)
-        return np.column_stack([x, graded(places[:, 1])])
-
-    n, past = 2 * fine, END + 0.1
-    fans = [
-        ((n, n), lambda p, k=k: fan(k, p), (("cylinder", name), (None, None)))
-        for k, name in enumerate((None, "y1", "x0", "y0"))
-    ]
-    beside = ((n, n), lambda p: rows(p, BOX, past, 1e-6), ((None, None), ("y0", "y1")))
-    after = ((n, n), lambda p: rows(p, past, LENGTH, 2.5), ((None, "x1"), ("y0", "y1")))
-    return assembled([*fans, beside, after], "quad9", 1e-9)
-
-
-def flag_mesh(n: int, m: int) -> vv.Mesh:
-    """The flag from the cylinder's arc (a hair outside of it) to its end."""
-    flat = vv.RectangleMesh(size=(1, 1), counts=(n, m), cell="quad9").build()
-    y = CENTRE[1] + THICK * (flat.points[:, 1] - 0.5)
-    left = CENTRE[0] + np.sqrt((CLEAR * RADIUS) ** 2 - (y - CENTRE[1]) ** 2)
-    return vv.Mesh(
-        np.column_stack([left + flat.points[:, 0] * (END - left), y]), flat.cells, face_sets=flat.face_sets
-    )
-
-
-def inflow(t: float, X: Array) -> Array:
-    return np.outer(min(t, 1.0) * 0.2 * 6 * X[:, 1] * (HEIGHT - X[:, 1]) / HEIGHT**2, (1.0, 0.0, 0.0))
-
-
-def flag(fine: int, along: int, step: float, until: float) -> None:
-    """Print the end's displacement and the forces on cylinder and flag, at the end and their range before it."""
-    water = vv.Fluid(mesh=channel(fine), density=1000.0, viscosity=1.0)
-    solid = vv.Solid(
-        mesh=flag_mesh(along, max(2, fine // 3)),
-        material=vv.SaintVenantKirchhoff(shear=0.5e6, poisson=0.4),
-        density=1000.0,
-    )
-    wet = vv.Immersed(solid=solid, fluid=water)
-    parts = [
-        water,
-        vv.VelocityBoundary(fluid=water, faces="x0", velocity=inflow),
-        *(vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1", "cylinder")),
-        vv.Outlet(fluid=water, faces="x1"),
-        solid,
-        vv.Fixed(solid=solid, nodes="x0"),
-        wet,
-    ]
-    system, start = vv.System(parts, vv.Newton(tolerance=1e-9)), time.process_time()
-    end = int(np.argmin(np.linalg.norm(solid.points[:, :2] - (END, CENTRE[1]), axis=1)))
-    rows: list[Array] = []
-    for _ in vv.march(system, until=until, step=step, scheme=vv.BackwardEuler()):
-        held = vv.FlowForce(fluid=water, faces="cylinder")(system)
-        force = held + wet.forces(system.x).sum(axis=0)
-        rows.append(np.hstack([solid.displacements(system.x)[end, :2], force[:2]]))
-    print(f"fine = {fine}: {system.core.n_equations} equations, {time.process_time() - start:.0f} CPU s")
-    last = np.array(rows[-round(LAST / step) :])
-    for (name, reference), values in zip(PUBLISHED.items(), last.T, strict=True):
+def fsi1() -> None:
+    for rows, cells in MESHES:
+        begin, case = time.process_time(), Flag(channel(rows), cells)
+        states = case.march(14.0, 0.2)
+        last = states[states[:, 0] > 14.0 - LAST, 1:]
         print(
-            f"  {name:5s} {values[-1]:12.5g} (from {values.min():.5g} to {values.max():.5g}), "
-            f"body-fitted {reference:12.5g}: {100 * (values[-1] / reference - 1):+.1f} %"
+            f"fsi1, {rows.across} cells over the flag, {cells[0]} x {cells[1]} in it: {case.system.core.n_equations} "
+            f"equations, {time.process_time() - begin:.0f} CPU s"
         )
+        for (name, reference), values in zip(PUBLISHED.items(), last.T, strict=True):
+            off, moves = values[-1] / reference - 1, np.ptp(values) / abs(values[-1])
+            print(
+                f"  {name:5s} {values[-1]:12.5g}, body-fitted {reference:12.5g}: {100 * off:+.1f} %; "
+                f"moves by {100 * moves:.1e} % in the last {LAST:g} s",
+                flush=True,
+            )
+
+
+def crowded() -> None:
+    rows = Rows(12, 4)
+    for cells in ((14, 2), (28, 2), (40, 2), (28, 4)):
+        case = Flag(channel(rows), cells)
+        places, unseen, least = case.unseen()
+        states = case.march(14.0, 0.2)
+        print(
+            f"crowded, {cells[0]} x {cells[1]} cells in the flag: {places} nodes, {unseen} patterns unseen (least "
+            f"{least:.1e}); u_y {states[-1, 2]:.4g}, moves by "
+            f"{100 * np.ptp(states[states[:, 0] > 12, 2]) / abs(states[-1, 2]):.1e} % in the last 2 s, "
+            f"{case.system.rejected} steps retried"
+        )
+    case = Flag(channel(rows), (14, 2))
+    case.march(14.0, 0.2)
+    for step in (1.0, 4.0, 20.0):
+        states = case.march(case.system.time + 10 * step, step)
+        print(
+            f"crowded, 14 x 2: steps of {step:g} s: u_y from {states[:, 2].min():.5g} to {states[:, 2].max():.5g}"
+        )
+
+
+def volume() -> None:
+    for poisson, (alone, both) in flag_fitted.together(Rows(16, 4), (0.4, 0.4999)).items():
+        print(
+            f"volume, body-fitted, Poisson's ratio {poisson:g}: u_x {alone[0]:.4g}, u_y {alone[1]:.4g} under the load "
+            f"of the straight flag; in balance u_x {both[0]:.4g}, u_y {both[1]:.4g}, drag {both[2]:.4g}, "
+            f"lift {both[3]:.4g}",
+            flush=True,
+        )
+
+
+def half() -> None:
+    for name, material in half_cylinder.MATERIALS.items():
+        for per_unit in (8, 16):
+            u, area = half_cylinder.bend(per_unit, material())
+            print(
+                f"half cylinder, {name}, {per_unit} quad9 per unit: top moves by {u[0]:.4f}, {u[1]:.4f} (published "
+                f"{half_cylinder.PUBLISHED}: {100 * (u[0] / half_cylinder.PUBLISHED - 1):+.0f} %), area {area:.4f}"
+            )
+        u, area = half_cylinder.bend(16, material(), "quad4")
+        print(f"half cylinder, {name}, 16 quad4 per unit: {u[0]:.4f}, {u[1]:.4f}, area {area:.4f}")
+
+
+def fsi2() -> None:
+    case = Flag(channel(Rows(16, 2)), (14, 1), mean=1.0, density=10000.0, tolerance=1e-7, push=300.0)
+    states = case.march(3.0, 0.01, vv.BDF2())
+    for first in np.arange(0.0, 3.0, 0.5):
+        values = states[(states[:, 0] > first) & (states[:, 0] < first + 0.505)]
+        print(
+            f"fsi2, t = {first:g} to {first + 0.5:g}: u_y from {values[:, 2].min():.4g} to {values[:, 2].max():.4g}, "
+            f"drag {values[-1, 3]:.4g}; it should swing by {SWING} in the end"
+        )
+
+
+CASES = {"fsi1": fsi1, "crowded": crowded, "volume": volume, "half_cylinder": half, "fsi2": fsi2}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--fine", type=int, default=6)
-    parser.add_argument("--along", type=int, default=40, help="cells along the flag")
-    parser.add_argument("--step", type=float, default=0.2)
-    parser.add_argument("--until", type=float, default=14.0)
-    given = parser.parse_args()
-    flag(given.fine, given.along, given.step, given.until)
+    parser.add_argument("cases", nargs="*", default=[*CASES][:-1], help=", ".join(CASES))
+    warnings.simplefilter("ignore")
+    for name in parser.parse_args().cases:
+        CASES[name]()
 
 
 if __name__ == "__main__":
