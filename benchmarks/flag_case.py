@@ -142,49 +142,29 @@ class Flag:
         Of the channel.
     cells : (int, int)
         Of the flag, along and across.
-    mean, density : float
-        Of the inflow when it has grown, within a second; of the flag.
-    push : float
-        Traction up on the flag's end for two seconds, to start swings.
     """
 
-    def __init__(
-        self,
-        mesh: vv.Mesh,
-        cells: tuple[int, int],
-        mean: float = 0.2,
-        density: float = 1000.0,
-        tolerance: float = 1e-9,
-        push: float = 0.0,
-    ) -> None:
+    def __init__(self, mesh: vv.Mesh, cells: tuple[int, int]) -> None:
         water = vv.Fluid(mesh=mesh, density=1000.0, viscosity=1.0)
         solid = vv.Solid(
             mesh=flag_mesh(*cells),
             material=vv.SaintVenantKirchhoff(shear=0.5e6, poisson=0.4),
-            density=density,
-        )
-        pulse = vv.Traction(
-            solid=solid,
-            faces="x1",
-            traction=lambda t, X: np.tile(
-                (0.0, push * np.sin(np.pi * t / 2) ** 2 * (t < 2), 0.0), (len(X), 1)
-            ),
+            density=1000.0,
         )
         self.water, self.solid, self.wet = water, solid, vv.Immersed(solid=solid, fluid=water)
         self.system = vv.System(
             [
                 water,
                 vv.VelocityBoundary(
-                    fluid=water, faces="x0", velocity=lambda t, X: profile(X, min(t, 1.0) * mean)
+                    fluid=water, faces="x0", velocity=lambda t, X: profile(X, min(t, 1.0) * 0.2)
                 ),
                 *(vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1", "cylinder")),
                 vv.Outlet(fluid=water, faces="x1"),
                 solid,
                 vv.Fixed(solid=solid, nodes="x0"),
                 self.wet,
-                *([pulse] if push else []),
             ],
-            vv.Newton(tolerance=tolerance),
+            vv.Newton(tolerance=1e-9),
         )
         self.end = int(np.argmin(np.linalg.norm(solid.points[:, :2] - (END, CENTRE[1]), axis=1)))
 
@@ -194,9 +174,9 @@ class Flag:
         force = held + self.wet.forces(self.system.x).sum(axis=0)
         return np.hstack([self.solid.displacements(self.system.x)[self.end, :2], force[:2]])
 
-    def march(self, until: float, step: float, scheme: vv.Scheme | None = None) -> Array:
-        """Times and states (n, 5) after every step."""
-        steps = vv.march(self.system, until=until, step=step, scheme=scheme or vv.BackwardEuler())
+    def march(self, until: float, step: float) -> Array:
+        """Times and states (n, 5) after every step of backward Euler."""
+        steps = vv.march(self.system, until=until, step=step, scheme=vv.BackwardEuler())
         return np.array([[self.system.time, *self.state()] for _ in steps])
 
     def unseen(self, small: float = 1e-2) -> tuple[int, int, float]:

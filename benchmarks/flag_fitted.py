@@ -112,7 +112,7 @@ def displacement(water: vv.Fluid, system: vv.System, tip: float, poisson: float)
 
 
 def together(rows: Rows, ratios: tuple[float, ...]) -> dict[float, tuple[Array, Array]]:
-    """By Poisson's ratio: displacement (2,) under the load of the straight flag, and that with the forces (4,) of FSI1."""
+    """By Poisson's ratio: displacement (2,) under the load of the straight flag, and FSI1 (4,) with forces."""
     straight, curved = flow(rows, 0.0), flow(rows, BENT)
     found = {}
     for poisson in ratios:

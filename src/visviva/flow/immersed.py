@@ -61,6 +61,9 @@ class Immersed(Carried):
     added to that of the fluid: inside, the material is visco-elastic with the viscosity of the fluid, and the pressure
     keeps its volume. Nodes that a support holds do not follow the fluid (35).
 
+    Nodes of the solid should be about as far apart as those of the velocity: farther apart the fluid passes between
+    them, closer together a stiff solid at rest creeps, see :doc:`/theory/immersed`.
+
     Examples
     --------
     >>> import visviva as vv
