@@ -62,7 +62,7 @@ class Immersed(Carried):
     keeps its volume. Nodes that a support holds do not follow the fluid (35).
 
     Nodes of the solid should be about as far apart as those of the velocity: farther apart the fluid passes between
-    them, closer together a stiff solid at rest creeps, see :doc:`/theory/immersed`.
+    them, closer together a stiff solid at rest may creep, see :doc:`/theory/immersed`.
 
     Examples
     --------
