@@ -1,5 +1,6 @@
 // The geometry of mortar segments over any number type.
 #pragma once
+#include <algorithm>
 #include <optional>
 
 #include "dual.hpp"
@@ -133,6 +134,10 @@ inline void corner_shapes(int n, const Local<T>& l, T* N) {
     }
 }
 
+/// Edges that lie along each other within this part of the facet do not cross: their crossing would slide by
+/// their shift divided by their angle, which areas do not feel, but derivatives do by rounding.
+inline constexpr double along_each_other = 1e-8;
+
 /// The common polygon of two convex ones, the second given clockwise (Sutherland & Hodgman 1974). Behind its
 /// corners stands its centroid, about which it is cut into triangles: they change smoothly where corners come
 /// and go, and so do integrals that are not exact.
@@ -161,22 +166,28 @@ struct Polygon {
         return true;
     }
 
+    // Within `slack` of the edge all is on its inner side, or nothing, as the facet beyond sees it the other
+    // way round: what this one does not cut off that one does not have.
     void clip(const Planar<T>& a, const Planar<T>& b, int number, double slack) {
         const Polygon old = *this;
         const Planar<T> along = b - a;
         T distance[2 * segment_corners];
         bool inside[2 * segment_corners];
+        double least = 0, most = 0;
         for (int k = 0; k < old.n; ++k) {
             distance[k] = cross(along, old.p[k] - a);
-            inside[k] = value(distance[k]) >= -slack;
+            inside[k] = value(distance[k]) >= 0;
+            least = std::min(least, value(distance[k])), most = std::max(most, value(distance[k]));
         }
+        if (least >= -slack && most > slack) return;
         n = 0;
+        if (most <= slack) return;
         for (int k = 0; k < old.n; ++k) {
             const int m = (k + 1) % old.n;
             if (inside[k]) line[n] = old.line[k], p[n++] = old.p[k];
             if (inside[k] == inside[m]) continue;
-            const T t = distance[k] * reciprocal(distance[k] - distance[m]);
             const Planar<T> step = old.p[m] - old.p[k];
+            const T t = distance[k] * reciprocal(distance[k] - distance[m]);
             line[n] = inside[k] ? number : old.line[k];
             p[n++] = {old.p[k].x + t * step.x, old.p[k].y + t * step.y};
         }
@@ -264,7 +275,7 @@ inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<
     const Planar<T>* const q2 = o.q + facet_corners;
     for (int k = 0; k < n2; ++k) place(facet_corners + k, second[k]);
     for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k)
-        polygon.clip(q2[(k + 1) % n2], q2[k], facet_corners + k, 1e-12 * size);
+        polygon.clip(q2[(k + 1) % n2], q2[k], facet_corners + k, along_each_other * size);
     if (polygon.n < 3 || !polygon.find_centroid(1e-14 * size)) return {};
     o.f1 = Facet<T>::make(o.q, o.height, n1), o.f2 = Facet<T>::make(q2, o.height + facet_corners, n2);
     return o;
@@ -309,8 +320,9 @@ inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach
     const T length2 = dot(along, along), scale = reciprocal(length2);
     const T s0 = scale * dot(second[0] - first[0], along), s1 = scale * dot(second[1] - first[0], along);
     if (!(value(s1) < value(s0) - 1e-12)) return false;
-    T low = value(s1) > 0 ? s1 : 0.0 * s1, high = value(s0) < 1 ? s0 : 0.0 * s0 + 1.0;
-    if (!(value(high) - value(low) > 1e-14)) return false;
+    constexpr double slack = 1e-12;  // what one edge does not cut off, the next one does not have
+    const T low = value(s1) > slack ? s1 : 0.0 * s1, high = value(s0) < 1 - slack ? s0 : 0.0 * s0 + 1.0;
+    if (!(value(high) - value(low) > slack)) return false;
     const T length = *counts * root(length2), part = high - low, slope = reciprocal(s1 - s0);
     for (int g = 0; g < 3; ++g) {
         const T s = low + line_points[g] * part, t = slope * (s - s0);
