@@ -108,6 +108,21 @@ def test_bad_input_is_refused_with_its_cure(name: str) -> None:
         vv.System(build())
 
 
+@pytest.mark.parametrize("massless", ["first", "second", "both"])
+def test_solids_without_mass_that_nothing_holds_are_refused_in_time(massless: str) -> None:
+    """Contact would throw them at any speed; what a support holds may be without mass."""
+    masses = {"first": (0.0, 1.0), "second": (1.0, 0.0), "both": (0.0, 0.0)}[massless]
+    meshes = [vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0, 0, z)) for z in (1.001, 0.0)]
+    a, b = (vv.Solid(mesh=m, material=RUBBER, density=d) for m, d in zip(meshes, masses, strict=True))
+    contact = vv.Contact(first=a, second=b, first_faces="z0", second_faces="z1")
+    with pytest.raises(
+        InputError, match=r"Solid '.*' \(translation along x, y, z.*no mass.*give it a density"
+    ):
+        ran([a, b, contact])
+    weightless = [s for s in (a, b) if s.density == 0]
+    ran([a, b, contact, *(vv.Fixed(solid=s, nodes="z1") for s in weightless)], steps=1)
+
+
 @pytest.mark.parametrize("build", [bricks, plates])
 @pytest.mark.parametrize("options", KINDS, ids=str)
 def test_overlap_at_the_start_is_refused_with_depth_and_place(
@@ -341,3 +356,42 @@ def test_a_corner_that_an_edge_cuts_off_turns_no_force() -> None:
     found = [gradient(shift) for shift in np.linspace(-1e-5, 1e-5, 21)]
     jump = max(np.abs(b - a).max() for a, b in pairwise(found))
     assert jump < 5e-5 * np.abs(found[0]).max()
+
+
+def aligned(n: int, other: int) -> tuple[list[vv.Solid], vv.Contact, vv.System]:
+    """A block pressed onto one of the same outline: borders and middle lines of both meshes lie along each other."""
+    below = vv.BoxMesh(size=(1, 1, 0.5), counts=(other, other, 1)).build()
+    above = vv.BoxMesh(size=(1, 1, 0.5), counts=(n, n, 1)).build().moved((0, 0, 0.5))
+    under, over = (vv.Solid(mesh=m, material=vv.NeoHooke(young=1000.0, poisson=0.3)) for m in (below, above))
+    contact = vv.Contact(first=over, first_faces="z0", second=under, second_faces="z1")
+    hold = vv.Fixed(solid=under, nodes="z0")
+    press = vv.Prescribed(solid=over, nodes="z1", motion=("0", "0", "-0.05 * t"))
+    return [under, over], contact, vv.System([under, over, hold, press, contact])
+
+
+@pytest.mark.parametrize(("n", "other"), [(6, 6), (6, 7), (6, 8)])
+def test_blocks_of_equal_outlines_take_few_iterations(n: int, other: int) -> None:
+    solids, contact, system = aligned(n, other)
+    steps = list(vv.march(system, until=1.0, step=0.2, scheme=vv.Static(tolerance=1e-8)))
+    assert len(steps) == 5
+    assert max(step.iterations for step in steps) <= 4
+    assert np.count_nonzero(contact.pressures) >= len(contact.pressures) - 4  # all but corners
+    middle = [s.displacements(system.x)[np.all(np.abs(s.points[:, :2] - 0.5) < 1e-9, axis=1)] for s in solids]
+    assert max(np.abs(u[:, :2]).max() for u in middle if len(u)) < 1e-12  # what is symmetric stays so
+
+
+def test_edges_along_each_other_do_not_amplify_rounding() -> None:
+    """Gradients of the gaps hardly change where meshes shift by less than a billionth against each other."""
+    _, contact, _ = aligned(3, 3)
+    gaps = contact._gaps(1.0)[0]
+    assert contact.opposite is not None
+    X = np.vstack([contact.places, contact.opposite.places])
+    x, y = X[:, 0] - 0.5, X[:, 1] - 0.5
+    X = X + np.column_stack(
+        [x * (0.01 + 0.003 * y**2), y * (0.01 + 0.004 * x**2), 0.003 * x**2 + 0.002 * y**2]
+    )
+    shift = np.random.default_rng(0).standard_normal(X.shape) * [1, 1, 0]
+    found = [
+        linearised(gaps, X + s * shift)[1].toarray() for s in (-1e-9, -1e-10, -1e-12, 0, 1e-12, 1e-10, 1e-9)
+    ]
+    assert max(np.abs(b - a).max() for a, b in pairwise(found)) < 1e-8 * np.abs(found[0]).max()

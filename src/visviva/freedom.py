@@ -1,16 +1,18 @@
-"""Rigid motions that nothing holds: what makes a structure unfit for statics, said by body and direction."""
+"""Rigid motions that nothing holds: what makes a structure unfit for statics, or for motion without mass."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.errors import InputError
-from visviva.scheme import Static
+from visviva.scheme import EnergyMomentum, Static
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -86,23 +88,51 @@ def refuse_free(system: System) -> None:
     >>> block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1, poisson=0.3))
     >>> refuse_free(vv.System([block, vv.Fixed(solid=block, nodes="z0")]))
     """
-    bodies = [m for c in system.components if isinstance(c, Attachable) and (m := rigid_motions(system, c))]
-    if not bodies:
-        return
-    kept = [m.moves[:, m.possible] for m in bodies]
-    null = _null_space(_resistance(system, np.hstack([*kept, _coordinates(system)])))
-    ends = np.cumsum([part.shape[1] for part in kept])
-    found = []
-    for m, first, end in zip(bodies, [0, *ends], ends, strict=False):
-        free = np.zeros((6, null.shape[1]))
-        free[m.possible] = null[first:end]
-        if np.abs(free).max(initial=0.0) > CLEAR and not m.body.is_massless:
-            found.append(f"{m.body.label} ({m.in_words(free)})")
-    if found:
+    bodies = [c for c in system.components if isinstance(c, Attachable)]
+    if found := free_bodies(system, bodies, Static().step(system.time, 0.0)):
         raise InputError(
             f"nothing holds {', nor '.join(found)}: statics has no solution; hold it by vv.Fixed, "
             "vv.SymmetryPlane, a joint or a spring, or run it in time"
         )
+
+
+def refuse_massless(system: System) -> None:
+    """Refuse solids without mass that can move rigidly without resistance, for an analysis in time.
+
+    Raises
+    ------
+    InputError
+        With the free motions of every such solid.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    >>> refuse_massless(vv.System([vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1, poisson=0.3), density=1.0)]))
+    """
+    bodies: list[Attachable] = [c for c in system.components if isinstance(c, Solid) and c.density == 0]
+    if found := free_bodies(system, bodies, EnergyMomentum().step(system.time, 1.0)):
+        raise InputError(
+            f"{', and '.join(found)} has no mass, and nothing holds it: forces, such as those of a contact, would move "
+            "it at any speed; give it a density, or hold it by vv.Fixed, vv.Tie, a joint or a spring"
+        )
+
+
+def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list[str]:
+    """Those of the bodies that can move rigidly in a step and meet nothing while all others stay; their motions."""
+    motions = [m for body in bodies if (m := rigid_motions(system, body))]
+    if not motions:
+        return []
+    kept = [m.moves[:, m.possible] for m in motions]
+    null = _null_space(_resistance(system, np.hstack([*kept, _coordinates(system)]), step))
+    ends = np.cumsum([part.shape[1] for part in kept])
+    found = []
+    for m, first, end in zip(motions, [0, *ends], ends, strict=False):
+        free = np.zeros((6, null.shape[1]))
+        free[m.possible] = null[first:end]
+        if np.abs(free).max(initial=0.0) > CLEAR and not m.body.is_massless:
+            found.append(f"{m.body.label} ({m.in_words(free)})")
+    return found
 
 
 def rigid_motions(system: System, body: Attachable) -> Motions | None:
@@ -143,14 +173,13 @@ def _coordinates(system: System) -> Array:
     return moves
 
 
-def _resistance(system: System, motions: Array) -> Array:
+def _resistance(system: System, motions: Array, step: Any) -> Array:
     """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
     import scipy.sparse as sp
 
     system.core.search()  # bodies may rest on what they touch
     row, col, unknown = system.pattern
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
-    step = Static().step(system.time, 0.0)
     system.core.assemble(step, system.signals(step), residual, values)
     K = sp.csr_array((values, col, row), shape=(len(unknown),) * 2)
     R = motions[unknown]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from visviva.adaptive import Adaptive, adaptive_steps
 from visviva.errors import InputError
-from visviva.freedom import refuse_free
+from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
 from visviva.newton import StepFailure
 from visviva.result import Result
@@ -98,9 +98,10 @@ def prepare(system: System, scheme: Scheme) -> None:
     be held, and other linear solvers are due; so they are with tangents that are symmetric or not.
     """
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
-    if due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}:
-        if not scheme.has_inertia:
-            refuse_free(system)
+    changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
+    if changes or system.report is None:
+        (refuse_massless if scheme.has_inertia else refuse_free)(system)
+    if changes:
         system.choose_linear(**due)
     if system.report is None:
         from visviva.check import check

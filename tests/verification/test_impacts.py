@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -121,6 +123,33 @@ def test_thousands_of_steps_with_dozens_of_impacts(kind: str) -> None:
     assert impacts > steps / 200
     assert drift < 1e-10
     result.assert_conserved("energy", *momenta, tolerance=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["conserving", "penalty", "dissipative"])
+def test_balls_in_a_box_keep_energy_and_momenta(kind: str) -> None:
+    """Three free bodies in space, mortar segments, 200 steps with a dozen impacts; `benchmarks/impacts.py` takes
+    thousands."""
+    benchmark = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "impacts.py"))
+    parts, contacts = benchmark["balls_in_a_box"](**benchmark["KINDS"][kind])
+    touches: list[list[bool]] = []
+    result = vv.simulate(
+        vv.System(parts),
+        until=4.0,
+        step=0.02,
+        observe=lambda _: touches.append([bool(c.pressures.max() > 0) for c in contacts]),
+    )
+    impacts = (np.diff(np.array(touches, dtype=int), axis=0) > 0).sum(axis=0)
+    assert impacts.min() >= 1
+    assert impacts.sum() >= 10
+    momenta = [f"{what}_{axis}" for what in ("momentum", "angular") for axis in "xyz"]
+    result.assert_conserved("energy", *momenta, tolerance=1e-11)
+    total = result.ledger["total"]
+    assert np.max(total - total[0]) < 1e-12 * total[0]
+    assert np.diff(total).max() < 1e-12 * total[0]
+    if kind == "dissipative":
+        assert total[-1] < 0.9 * total[0]
+    else:
+        assert np.abs(total - total[0]).max() < 1e-12 * total[0]
 
 
 # --- order in time ------------------------------------------------------------------------------------------
