@@ -330,6 +330,33 @@ def test_redundant_constraints_are_regularised(library: Any) -> None:
     assert np.linalg.norm((A @ x - b)[:n]) < 1e-6
 
 
+class LastResort(linear.LinearOptions):
+    """Conjugate gradients that may take one iteration, and factors in the shortest steps."""
+
+    def choose(self, problem: Problem) -> Choice:
+        hopeless = Iterative(method="gmres", preconditioner="none", tolerance=1e-14, max_iterations=1)
+        factors = Direct().choose(problem).in_order
+        for c in factors:
+            c.last_resort = True
+        return Choice((*hopeless.choose(problem).in_order, *factors), "for a test")
+
+
+def test_last_resort_serves_after_three_halvings() -> None:
+    """The step is cut three times before factors are made, and then goes as with factors alone."""
+
+    def moved(options: Any, step: float) -> tuple[vv.System, Any]:
+        mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+        rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+        solid = vv.Solid(mesh=mesh, material=rubber, density=1.0, angular_velocity=(0, 0, 1))
+        system = vv.System([solid], vv.Newton(linear=options))
+        return system, next(vv.march(system, until=0.8, step=step))
+
+    system, _ = moved(LastResort(), 0.08)
+    assert (system.rejected, system.time) == (3, pytest.approx(0.01, rel=1e-12))
+    exact, _ = moved(Direct(), 0.01)
+    np.testing.assert_allclose(system.x, exact.x, atol=1e-12)
+
+
 def test_torus_at_a_small_step_needs_no_factors() -> None:
     """With the inertia of a small step the blocks of the nodes precondition well enough."""
     body = torus(24, 12, 2, h=0.05)

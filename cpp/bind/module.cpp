@@ -314,6 +314,7 @@ static void bind_system(nb::module_& m) {
         .def_prop_ro("n_eliminated", &System::n_eliminated)
         .def("use_linear",
              [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
+        .def("allow_last_resort", &System::allow_last_resort)
         .def_prop_ro("solver",
                      [](const System& s) { return s.solver() ? s.solver()->name() : std::string(); })
         .def_prop_ro("linear_message",

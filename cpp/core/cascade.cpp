@@ -21,12 +21,13 @@ class Cascade : public LinearSolver {
         values_.assign(values, values + pattern_->col.size());
         message_.clear();
         if (at_ > 0 && ++served_ > patience_) at_ = 0, served_ = 0, patience_ *= 2;
+        if (choices_[at_].last_resort && !is_allowed_) at_ = 0, served_ = 0;
         return attempt([&] { return solver_->factor(values_.data(), place); });
     }
 
     bool solve(const double* r, const Place& place, double* d) override {
         if (solver_->solve(r, place, d)) return true;
-        if (at_ + 1 == choices_.size()) return message_ = solver_->message(), false;
+        if (is_last()) return message_ = solver_->message(), false;
         note(solver_->message());
         ++at_;
         return attempt([&] { return solver_->factor(values_.data(), place) && solver_->solve(r, place, d); });
@@ -38,6 +39,7 @@ class Cascade : public LinearSolver {
     std::vector<double> state() const override {
         return {static_cast<double>(at_), static_cast<double>(served_), static_cast<double>(patience_)};
     }
+    void allow_last_resort(bool on) override { is_allowed_ = on; }
     void set_state(const std::vector<double>& s) override {
         at_ = static_cast<std::size_t>(s[0]), served_ = static_cast<int>(s[1]),
         patience_ = static_cast<int>(s[2]);
@@ -54,12 +56,15 @@ class Cascade : public LinearSolver {
     template <class F>
     bool attempt(F&& works) {
         for (;; ++at_) {
-            const bool last = at_ + 1 == choices_.size();
             prepare();
             if (works()) return true;
-            if (last) return message_ = solver_->message(), false;
+            if (is_last()) return message_ = solver_->message(), false;
             note(solver_->message());
         }
+    }
+
+    bool is_last() const {
+        return at_ + 1 == choices_.size() || (choices_[at_ + 1].last_resort && !is_allowed_);
     }
 
     void prepare() {
@@ -79,6 +84,7 @@ class Cascade : public LinearSolver {
     std::vector<double> values_;
     std::size_t at_ = 0, prepared_ = 0;
     int served_ = 0, patience_ = 16;
+    bool is_allowed_ = true;
     std::string message_;
 };
 

@@ -66,6 +66,8 @@ class LinearSolver {
     virtual double memory() const { return 0; }
     // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
     virtual void forget() {}
+    // Whether solvers that are a last resort may take over where others fail.
+    virtual void allow_last_resort(bool /*on*/) {}
     // What decides which solver serves, for a restart.
     virtual std::vector<double> state() const { return {}; }
     virtual void set_state(const std::vector<double>&) {}

@@ -22,6 +22,7 @@ struct LinearChoice {
     Backend backend = Backend::sparse_lu;
     MatrixKind kind = MatrixKind::general;
     double regularization = 0;
+    bool last_resort = false;  // serves only when that is allowed
     // Whether the diagonal may vanish, so that PARDISO has to match rows and columns by the values; otherwise
     // its ordering knows the pattern alone, and lasts.
     bool matching = true;

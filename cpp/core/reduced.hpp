@@ -40,6 +40,7 @@ class Reduced : public LinearSolver {
     int n_negative() const override { return solver_->n_negative(); }  // of what is left
     double memory() const override { return solver_->memory(); }
     void forget() override { solver_->forget(); }
+    void allow_last_resort(bool on) override { solver_->allow_last_resort(on); }
     std::vector<double> state() const override { return solver_->state(); }
     void set_state(const std::vector<double>& s) override { solver_->set_state(s); }
     int singular_unknown() const override {

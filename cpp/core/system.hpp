@@ -57,6 +57,7 @@ class System {
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
     void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
     void set_solver(std::unique_ptr<LinearSolver> solver);
+    void allow_last_resort(bool on) { solver_->allow_last_resort(on); }
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);

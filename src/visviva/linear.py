@@ -132,6 +132,12 @@ class Problem:
         return pressed and self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
 
     @property
+    def is_large_impact(self) -> bool:
+        """A time step of a large three-dimensional mesh in contact, which costs less in halves than by factors."""
+        pressed = self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0 and self.has_inertia
+        return pressed and self.n >= LARGE and self.n_entries > DENSE_ROWS * self.n
+
+    @property
     def is_large_flow(self) -> bool:
         """A flow in space whose factors fill."""
         return self.has_flow and self.n >= LARGE_FLOW and self.n_entries > DENSE_ROWS_OF_FLOWS * self.n
@@ -340,7 +346,8 @@ class Automatic(LinearOptions):
 
     Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
     should that fail, by factors, large flows in space by GMRES with the commutator of the pressures; everything else by
-    factors. In time steps, conjugate gradients with the diagonal
+    factors. Time steps of large solids in contact whose iterative solver fails are cut in halves, three times, before
+    factors are made. In time steps, conjugate gradients with the diagonal
     alone come first: where steps are short they need a few iterations only. They do so too under discrete gradients,
     the tangents of which are not quite symmetric: what is not is small beside the mass then, and the residual is
     looked at. Where multigrid takes over, GMRES takes the place of conjugate gradients.
@@ -393,6 +400,10 @@ class Automatic(LinearOptions):
             )
         choices = [*(f.choose(problem) for f in first), direct]
         reasons = [str(problem), *(c.explanation.removeprefix(f"{problem}: ") for c in choices)]
+        if problem.is_large_impact:
+            for c in direct.in_order:
+                c.last_resort = True
+            reasons[-1] = f"in the shortest steps {reasons[-1]}"
         text = "; should it not converge, ".join(reasons[1:])
         return Choice(tuple(c for choice in choices for c in choice.in_order), f"{reasons[0]}: {text}")
 

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 HALVINGS = 6
 """A step that fails is tried again with half its length this many times before the run gives up."""
+LAST_RESORT = 3
+"""From so many halvings on linear solvers may be used that cost more than half a step does."""
 
 
 def march(
@@ -65,6 +67,7 @@ def march(
         h = min(step / 2**system.halvings, until - system.time)
         if abs(until - system.time - h) < 1e-9 * step:
             h = until - system.time if system.halvings or abs(h - step) > 1e-9 * step else step
+        system.core.allow_last_resort(system.halvings >= LAST_RESORT)
         try:
             report = system.step(h, scheme)
         except StepFailure:
@@ -75,6 +78,8 @@ def march(
             system.halvings += 1
             system.part *= 2
             continue
+        finally:
+            system.core.allow_last_resort(True)
         lengthen(system)
         yield report
 
