@@ -150,6 +150,8 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     refuse_unheld(system, at)
     positions = project_positions(system, at) if repair else told(worst(at))
     if positions.moved:
+        for component in system.components:
+            component.follow_start(system)
         at = Instant(system)
     if len(at.multipliers):
         at.factor()

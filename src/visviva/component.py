@@ -54,6 +54,9 @@ class Component(metaclass=Validated):
     def start(self, system: System, scheme: Scheme) -> None:
         """Before the first step of a run with a scheme."""
 
+    def follow_start(self, system: System) -> None:
+        """After the check has moved the start of other components onto their constraints."""
+
     def trouble(self, x: Array) -> str:
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""

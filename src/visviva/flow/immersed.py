@@ -125,6 +125,13 @@ class Immersed(Carried):
         self._displace(model)
         self._compare_sizes(places.cells)
 
+    def follow_start(self, system: System) -> None:
+        """The velocities of the fluid have been made free of divergence: nodes that kept the old ones would swing."""
+        d, motion = self.solid.dimension, self.solid.motion
+        found = self.fluid.at(self.solid.positions(system.x)).velocities(system.x)[:, :d].ravel()
+        free = ~motion.fixed
+        system.v[motion.start + np.flatnonzero(free)] = found[free]
+
     def _compare_sizes(self, cells: Cells) -> None:
         """Warn where the fluid could pass between the nodes of the solid."""
         d = self.solid.dimension
