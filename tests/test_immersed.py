@@ -309,13 +309,14 @@ def test_start_is_the_velocity_of_the_fluid() -> None:
 
 
 def test_velocities_of_the_start_last() -> None:
-    """The check before the first step leaves them alone, so that nothing swings from step to step."""
+    """The check before the first step leaves them but for the flow's divergence, and nothing swings after it."""
     parts = carried("quad9", 4)
     system = vv.System(parts)
     solid = part(parts, vv.Solid)
-    before = solid.velocities(system.v)
+    given = solid.velocities(system.v)
     system.check()
-    assert np.abs(solid.velocities(system.v) - before).max() == 0
+    before = solid.velocities(system.v)
+    assert np.allclose(before, given, rtol=0, atol=0.005)
     system.step(1e-3)
     assert np.allclose(solid.velocities(system.v), before, rtol=0, atol=0.02)
 

@@ -92,6 +92,8 @@ class Problem:
         Of unsymmetric tangents: no entry of the diagonal vanishes.
     has_flow : bool
         Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
+    is_flow : bool
+        Nothing else is: all constraints are pressures.
     """
 
     n: int
@@ -106,6 +108,7 @@ class Problem:
     regularization: float = 0.0
     has_diagonal: bool = False
     has_flow: bool = False
+    is_flow: bool = False
 
     @property
     def kind(self) -> _core.MatrixKind:
@@ -258,7 +261,7 @@ class Direct(LinearOptions):
         c.backend, c.kind, c.regularization = backend, kind, problem.regularization
         c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
         c.matching, c.minimum_degree = not problem.has_diagonal, problem.is_plane_flow
-        if problem.has_flow and kind == _core.MatrixKind.general and backend == _core.Backend.pardiso:
+        if problem.is_flow and kind == _core.MatrixKind.general and backend == _core.Backend.pardiso:
             # Velocities are definite, so pressures have pivots of one sign once their diagonal has: nothing is matched
             # anew for every tangent. Newton's iteration makes up for what little that changes.
             c.matching, c.regularization = False, max(problem.regularization, FLOW_REGULARIZATION)

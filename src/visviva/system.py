@@ -241,6 +241,7 @@ class System:
         """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
         fields = [f for f in self.model.fields if not f.is_local]
         symmetric = all(f.symmetric for f in fields)
+        has_flow = not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
         return Problem(
             n=self.core.n_equations,
             n_entries=self.core.n_entries,
@@ -253,7 +254,8 @@ class System:
             has_inertia=self.has_inertia,
             regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
             has_diagonal=not symmetric and self._has_diagonal(),
-            has_flow=not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields),
+            has_flow=has_flow,
+            is_flow=has_flow and all(f.order < 2 for f in fields),
         )
 
     def _has_diagonal(self) -> bool:
