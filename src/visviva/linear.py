@@ -129,16 +129,21 @@ class Problem:
         return self.is_definite and self.has_modes and self.n_entries > DENSE_ROWS * self.n
 
     @property
+    def is_contact(self) -> bool:
+        """Symmetric, with pressures of contact and no other constraints."""
+        return self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0
+
+    @property
     def is_pressed(self) -> bool:
         """The static tangent of a three-dimensional mesh with contact pressures."""
-        pressed = self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0 and not self.has_inertia
-        return pressed and self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
+        large = self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
+        return self.is_contact and large and not self.has_inertia
 
     @property
     def is_large_impact(self) -> bool:
         """A time step of a large three-dimensional mesh in contact, which costs less in halves than by factors."""
-        pressed = self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0 and self.has_inertia
-        return pressed and self.n >= LARGE and self.n_entries > DENSE_ROWS * self.n
+        large = self.n >= LARGE and self.n_entries > DENSE_ROWS * self.n
+        return self.is_contact and large and self.has_inertia
 
     @property
     def is_large_flow(self) -> bool:
@@ -371,7 +376,7 @@ class Automatic(LinearOptions):
         direct = Direct(threads=self.threads).choose(problem)
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
         first = []
-        if problem.symmetric and problem.n_pressures and problem.n_multipliers == 0 and problem.has_inertia:
+        if problem.is_contact and problem.has_inertia:
             first.append(
                 Iterative(method="gmres", preconditioner="saddle", tolerance=LOOSE, max_iterations=FEW_SADDLE)
             )
