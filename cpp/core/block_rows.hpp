@@ -5,6 +5,13 @@
 
 namespace visviva {
 
+// Patterns change by little: room for some growth saves the memory from being made anew every time.
+template <class T>
+void assign_with_room(std::vector<T>& a, std::size_t n, T value) {
+    if (a.capacity() < n) a.reserve(n + n / 8);
+    a.assign(n, value);
+}
+
 // What the kernels see: block row i holds blocks row[i] .. row[i + 1], stored by columns.
 template <class T>
 struct BlockView {
@@ -28,7 +35,7 @@ struct BlockRows {
     std::size_t n_values() const { return col.size() * rows * cols; }
     T* block(std::int64_t k) { return value.data() + k * rows * cols; }
     const T* block(std::int64_t k) const { return value.data() + k * rows * cols; }
-    void allocate() { value.assign(n_values() + padding, T(0)); }
+    void allocate() { assign_with_room(value, n_values() + padding, T(0)); }
     BlockView<T> view() const { return {rows, cols, row.data(), col.data(), value.data()}; }
 };
 

@@ -18,11 +18,11 @@ class Cascade : public LinearSolver {
     // After the present solver has served for long enough, the preferred one is tried again: with twice the
     // patience every time that it fails.
     bool factor(const double* values, const Place& place) override {
-        values_.assign(values, values + pattern_->col.size());
+        values_ = values;
         message_.clear();
         if (at_ > 0 && ++served_ > patience_) at_ = 0, served_ = 0, patience_ *= 2;
         if (choices_[at_].last_resort && !is_allowed_) at_ = 0, served_ = 0;
-        return attempt([&] { return solver_->factor(values_.data(), place); });
+        return attempt([&] { return solver_->factor(values_, place); });
     }
 
     bool solve(const double* r, const Place& place, double* d) override {
@@ -30,9 +30,12 @@ class Cascade : public LinearSolver {
         if (is_last()) return message_ = solver_->message(), false;
         note(solver_->message());
         ++at_;
-        return attempt([&] { return solver_->factor(values_.data(), place) && solver_->solve(r, place, d); });
+        return attempt([&] { return solver_->factor(values_, place) && solver_->solve(r, place, d); });
     }
 
+    void aim(double residual) override {
+        if (solver_) solver_->aim(residual);
+    }
     void forget() override {
         if (solver_) solver_->forget();
     }
@@ -81,7 +84,7 @@ class Cascade : public LinearSolver {
     std::unique_ptr<LinearSolver> solver_;
     const Csr* pattern_ = nullptr;
     const Blocks* blocks_ = nullptr;
-    std::vector<double> values_;
+    const double* values_ = nullptr;
     std::size_t at_ = 0, prepared_ = 0;
     int served_ = 0, patience_ = 16;
     bool is_allowed_ = true;

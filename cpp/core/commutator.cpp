@@ -144,16 +144,15 @@ class Commutator : public Preconditioning {
 
     // P, and its factors
     bool factor() {
-        std::vector<double> values;
         Csr pattern;
-        assemble(pattern, values);
+        assemble(pattern, values_);
         const bool again = pattern.row == pattern_.row && pattern.col == pattern_.col;
         if (!again || !solver_) {
             pattern_ = std::move(pattern);
             solver_ = make_linear(choices());
             solver_->analyze(pattern_, blocks_);
         }
-        if (pattern_.n == 0 || solver_->factor(values.data(), {})) return true;
+        if (pattern_.n == 0 || solver_->factor(values_.data(), {})) return true;
         return message = "the pressures: " + solver_->message(), false;
     }
 
@@ -238,6 +237,7 @@ class Commutator : public Preconditioning {
     std::vector<int> node_;
     std::vector<double> row_, column_, inverse_;
     IncompleteFactors factors_;
+    std::vector<double> values_;  // of P, for as long as its factors may be made again
     Csr pattern_;
     Blocks blocks_;
     std::unique_ptr<LinearSolver> solver_;

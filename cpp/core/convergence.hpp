@@ -38,6 +38,13 @@ class Convergence {
     double last() const { return last_; }
     bool has_tangent() const { return latest_ >= 0; }  // one made in this step
     bool is_slow() const { return ratio_ > keep_factor_; }
+    bool is_sluggish() const {
+        return ratio_ > 0.1;
+    }  // too slow to leave as it is, too fast for a new tangent
+
+    /// The relative residual that solutions of iteration k may leave: with a kept tangent the error of the
+    /// tangent is larger.
+    double enough(int k) const { return latest_ == k ? 0 : std::min(0.05, 0.1 * ratio_); }
 
     /// Whether the error is small enough. Contraction that stops at the rounding of the constraints, or with
     /// the tangent just made, has met rounding.

@@ -33,6 +33,7 @@ class Krylov : public LinearSolver {
 
     bool solve(const double* r, const Place&, double* d) override {
         message_.clear();
+        tolerance_ = std::max(aim_, choice_.tolerance), aim_ = 0;
         n_iterations_ = 0;
         matrix_.gather(r, b_.data());
         const double size = norm(b_);
@@ -50,6 +51,7 @@ class Krylov : public LinearSolver {
         return true;
     }
 
+    void aim(double residual) override { aim_ = residual; }
     void forget() override { preconditioning_->forget(); }
     int n_iterations() const override { return n_iterations_; }
     double memory() const override {
@@ -77,11 +79,11 @@ class Krylov : public LinearSolver {
         r_ = b_;
         if (preconditioning_->starts_exact())
             preconditioning_->apply(b_.data(), x_.data()), now = residual() / size;
-        for (; now > choice_.tolerance && n_iterations_ < choice_.max_iterations && !trouble;) {
+        for (; now > tolerance_ && n_iterations_ < choice_.max_iterations && !trouble;) {
             if (choice_.method != KrylovMethod::gmres && now > 0.9 * before) break;
             KrylovRun run{matrix_,
                           *preconditioning_,
-                          0.9 * choice_.tolerance * size,
+                          0.9 * tolerance_ * size,
                           choice_.max_iterations - n_iterations_,
                           x_,
                           r_,
@@ -91,7 +93,7 @@ class Krylov : public LinearSolver {
             n_iterations_ += std::max(run.iterations, 1);
             before = now, now = residual() / size;
         }
-        return now <= choice_.tolerance || failed(trouble, now);
+        return now <= tolerance_ || failed(trouble, now);
     }
 
     void start(KrylovRun& run) const {
@@ -124,6 +126,7 @@ class Krylov : public LinearSolver {
     std::vector<double> b_, x_, r_;
     std::vector<std::vector<double>> basis_;
     int n_iterations_ = 0;
+    double aim_ = 0, tolerance_ = 0;
     std::string message_;
 };
 

@@ -1,6 +1,7 @@
 // Krylov's methods for A x = b, right-preconditioned.
 #pragma once
 #include "precondition.hpp"
+#include "vectors.hpp"
 
 namespace visviva {
 
@@ -19,9 +20,5 @@ struct KrylovRun {
 void conjugate_gradients(KrylovRun&);
 void gmres(KrylovRun&, int restart);
 void bicgstab(KrylovRun&);
-
-// Sums in pieces of fixed length: the same bits however the pieces are shared out.
-double dot(const std::vector<double>& a, const std::vector<double>& b);
-double norm(const std::vector<double>& a);
 
 }  // namespace visviva

@@ -5,44 +5,22 @@
 
 namespace visviva {
 
-using Vector = std::vector<double>;
-
-double dot(const Vector& a, const Vector& b) {
-    constexpr std::size_t piece = 1024;
-    double sum = 0;
-    for (std::size_t begin = 0; begin < a.size(); begin += piece) {
-        const std::size_t end = std::min(begin + piece, a.size());
-        double part[8] = {};
-        std::size_t i = begin;
-        for (; i + 8 <= end; i += 8)
-            for (int l = 0; l < 8; ++l) part[l] += a[i + l] * b[i + l];
-        for (; i < end; ++i) part[0] += a[i] * b[i];
-        sum += ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
-    }
-    return sum;
-}
-
-double norm(const Vector& a) { return std::sqrt(dot(a, a)); }
-
-static void add(double factor, const Vector& x, Vector& y) {
-    for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
-}
-
 void conjugate_gradients(KrylovRun& run) {
     const std::size_t n = run.r.size();
     Vector z(n), p(n), q(n);
-    double rz = 0;
-    while (norm(run.r) > run.target && run.iterations < run.max_iterations) {
+    double rz = 0, rr = dot(run.r, run.r);
+    while (std::sqrt(rr) > run.target && run.iterations < run.max_iterations) {
         run.preconditioning.apply(run.r.data(), z.data());
         const double rz1 = dot(run.r, z);
         if (!(rz1 > 0)) return void(run.trouble = "the preconditioner is not positive definite");
         const double beta = run.iterations == 0 ? 0 : rz1 / rz;
         rz = rz1;
-        for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+        scale_add(beta, p, z);
         run.matrix.multiply(p.data(), q.data());
         const double pq = dot(p, q);
         if (!(pq > 0)) return void(run.trouble = "the tangent is not positive definite");
-        add(rz / pq, p, run.x), add(-rz / pq, q, run.r);
+        add(rz / pq, p, run.x);
+        rr = add_dot(-rz / pq, q, run.r, run.r);
         ++run.iterations;
     }
 }
@@ -96,22 +74,20 @@ void gmres(KrylovRun& run, int restart) {
     Hessenberg h(m);
     h.g[0] = norm(run.r);
     if (!(h.g[0] > 0)) return;
-    for (double& a : v[0]) a /= h.g[0];
+    scale(1 / h.g[0], v[0]);
     Vector z(n), y(m);
     int k = 0;
     while (k < m && std::abs(h.g[k]) > run.target) {
         run.preconditioning.apply(v[k].data(), z.data());
         Vector& w = room(k + 1);
         run.matrix.multiply(z.data(), w.data());
-        for (int i = 0; i <= k; ++i) {
-            h.at(i, k) = dot(w, v[i]);
-            add(-h.at(i, k), v[i], w);
-        }
-        const double length = h.at(k + 1, k) = norm(w);
+        h.at(0, k) = dot(w, v[0]);
+        for (int i = 0; i < k; ++i) h.at(i + 1, k) = add_dot(-h.at(i, k), v[i], w, v[i + 1]);
+        const double length = h.at(k + 1, k) = std::sqrt(add_dot(-h.at(k, k), v[k], w, w));
         if (!std::isfinite(length)) return void(run.trouble = "it met a number that is not finite");
         h.rotate(k++);
         if (length == 0) break;
-        for (double& a : w) a /= length;
+        scale(1 / length, w);
     }
     run.iterations = k;
     if (!h.solve(k, y)) return void(run.trouble = "the tangent is singular");

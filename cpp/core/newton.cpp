@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acceleration.hpp"
 #include "convergence.hpp"
 #include "system.hpp"
 
@@ -98,6 +99,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // get one iteration more.
     bool confirmed = false;
     Convergence convergence(options.keep_factor, contraction_);
+    Acceleration acceleration;
+    const bool accelerates = !solver_->keeps_rigidity();  // by updates that are not sums
     update_vectors(step);
     // Velocities are increments by the step length: errors are judged against the increment of the whole
     // step.
@@ -110,16 +113,21 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         if (outdated && !refresh) {
             refresh = full || !amend(context);
             convergence.forget();
+            acceleration.forget();
         }
         if (refresh) {
             ++report.factorizations;
             if (!renew_tangent(context, fused))
                 return failed(std::move(report), singular(), solver_->singular_unknown());
             convergence.renew(k);
+            acceleration.forget();
         }
+        solver_->aim(convergence.enough(k));
         for (int u : held_) r_[u] = 0;
         if (!solver_->solve(r_.data(), place(step), d_.data()))
             return failed(std::move(report), solver_->message(), -1);
+        if (accelerates && (acceleration.runs() || convergence.is_sluggish()))
+            acceleration.apply(d_, inverse_scale_);
         const double size = iterate(step);
         report.increments.push_back(size);
         report.iterations = k + 1;

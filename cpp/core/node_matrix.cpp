@@ -10,6 +10,7 @@
 namespace visviva {
 
 constexpr int largest_block = 6;
+constexpr int piece = 512;          // block rows of a task
 constexpr double largest_fill = 2;  // entries of blocks over entries of the pattern
 
 void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
@@ -72,20 +73,24 @@ void NodeMatrix::make_pattern() {
     }
 }
 
-// Calls f(begin, end) for pieces of the block rows, which are always the same ones.
+// The largest of what f(begin, end) makes of pieces of 0 .. n.
 template <class F>
-static void in_pieces(int n, F f) {
-    constexpr int piece = 512;
-    parallel_for((n + piece - 1) / piece, [&](int k) { f(k * piece, std::min(n, (k + 1) * piece)); });
+static double largest_of(int n, F f) {
+    std::vector<double> part((n + piece - 1) / piece, 0.0);
+    in_pieces(n, piece, [&](int begin, int end) { part[begin / piece] = f(begin, end); });
+    return part.empty() ? 0 : *std::max_element(part.begin(), part.end());
 }
 
 bool NodeMatrix::fill(const double* values) {
     std::vector<char> finite(a_.n());
-    double largest = 0;
-    for (int i = 0; is_single_ && i < csr_->n; ++i)
-        largest = std::max(largest, std::abs(values[csr_->row[i]]));  // an entry of each row will do
+    const double largest = largest_of(is_single_ ? csr_->n : 0, [&](int begin, int end) {
+        double some = 0;
+        for (int i = begin; i < end; ++i)
+            some = std::max(some, std::abs(values[csr_->row[i]]));  // an entry of each row will do
+        return some;
+    });
     scale_ = largest > 0 ? 1 / largest : 1;
-    in_pieces(a_.n(), [&](int begin, int end) {
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
         for (int b = begin; b < end; ++b) finite[b] = fill(b, values);
     });
     return std::find(finite.begin(), finite.end(), 0) == finite.end();
@@ -113,25 +118,35 @@ bool NodeMatrix::fill(int b, const double* values) {
     return std::isfinite(sum);
 }
 
+void multiply(const BlockRows<double>& a, const double* x, double* y) {
+    in_pieces(a.n(), piece,
+              [&](int begin, int end) { kernels().block_multiply(a.view(), x, y, begin, end); });
+}
+
 void NodeMatrix::multiply(const double* x, double* y) const {
-    if (is_single_) return multiply_single(x, y);
-    in_pieces(a_.n(), [&](int begin, int end) { kernels().block_multiply(a_.view(), x, y, begin, end); });
+    if (is_single_)
+        multiply_single(x, y);
+    else
+        visviva::multiply(a_, x, y);
 }
 
 void NodeMatrix::multiply_single(const double* x, double* y) const {
-    double largest = 0;
-    for (std::size_t i = 0; i < size(); ++i) largest = std::max(largest, std::abs(x[i]));
+    const double largest = largest_of(a_.n(), [&](int begin, int end) {
+        double part = 0;
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) part = std::max(part, std::abs(x[i]));
+        return part;
+    });
     if (!(largest > 0 && std::isfinite(largest))) {
         std::copy(x, x + size(), y);
         return;
     }
     const double back = largest / scale_;
-    for (std::size_t i = 0; i < size(); ++i) x_[i] = static_cast<float>(x[i] / largest);
-    in_pieces(a_.n(), [&](int begin, int end) {
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) x_[i] = static_cast<float>(x[i] / largest);
+    });
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
         kernels().block_multiply_single(single_.view(), x_.data(), y_.data(), begin, end);
-        for (std::size_t i = static_cast<std::size_t>(begin) * a_.rows;
-             i < static_cast<std::size_t>(end) * a_.rows; ++i)
-            y[i] = back * y_[i];
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) y[i] = back * y_[i];
     });
 }
 

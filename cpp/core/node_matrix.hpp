@@ -6,6 +6,9 @@
 
 namespace visviva {
 
+// y = A x, shared out among threads
+void multiply(const BlockRows<double>& a, const double* x, double* y);
+
 class NodeMatrix {
   public:
     // `single`: products in single precision, half the traffic, where they need no more than a few digits.

@@ -22,4 +22,10 @@ void parallel_for(int n, F f) {
     for (int i = 0; i < n; ++i) f(i);
 }
 
+// Calls f(begin, end) for pieces of 0 .. n, which are always the same ones.
+template <class F>
+void in_pieces(int n, int piece, F f) {
+    parallel_for((n + piece - 1) / piece, [&](int k) { f(k * piece, std::min(n, (k + 1) * piece)); });
+}
+
 }  // namespace visviva

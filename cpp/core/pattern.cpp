@@ -45,7 +45,8 @@ void Pattern::finish(Csr& csr) {
         start_[i] = total;
         total += length_[i] * size_[i];
     }
-    csr.col.reserve(total), csr.row.assign(1, 0);
+    if (csr.col.capacity() < static_cast<std::size_t>(total)) csr.col.reserve(total + total / 8);
+    csr.row.assign(1, 0);
     csr.row.reserve(csr.n + 1);
     for (int i = 0; i < n_nodes; ++i)
         for (int c = 0; c < size_[i]; ++c) {

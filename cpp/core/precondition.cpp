@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dispatch.hpp"
 #include "incomplete.hpp"
 
 namespace visviva {
@@ -43,9 +42,7 @@ class BlockDiagonal : public Preconditioning {
         inverse_ = inverse_diagonal<double>(matrix.blocks(), diagonal_alone_);
         return true;
     }
-    void apply(const double* r, double* z) override {
-        kernels().block_multiply(inverse_.view(), r, z, 0, inverse_.n());
-    }
+    void apply(const double* r, double* z) override { multiply(inverse_, r, z); }
     double memory() const override { return 8.0 * static_cast<double>(inverse_.value.size()); }
     const char* name() const override { return diagonal_alone_ ? "diagonal" : "block diagonal"; }
 

@@ -6,7 +6,6 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 
-#include "dispatch.hpp"
 #include "precondition.hpp"
 
 namespace visviva {
@@ -26,7 +25,7 @@ class Saddle : public Preconditioning {
 
     // z = D^-1 r, lambda = S^-1 (r - C z), z -= D^-1 B lambda
     void apply(const double* r, double* z) override {
-        kernels().block_multiply(inverse_.view(), r, z, 0, inverse_.n());
+        multiply(inverse_, r, z);
         const int m = a_->rows;
         Eigen::VectorXd s(static_cast<Eigen::Index>(algebraic_.size()));
         for (std::size_t i = 0; i < algebraic_.size(); ++i) {

@@ -48,7 +48,7 @@ void System::finalize() {
     pattern.finish(csr_);
     ++revision_;
     const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
-    values_.assign(csr_.col.size() + 1, 0.0);
+    assign_with_room(values_, csr_.col.size() + 1, 0.0);
     std::vector<std::int64_t> position(entries.size());
     for (std::size_t k = 0; k < entries.size(); ++k) {
         const auto p = pattern.position(entries[k].first, entries[k].second);
