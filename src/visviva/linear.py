@@ -289,7 +289,7 @@ class Iterative(LinearOptions):
         (``pip install visviva[amg]``), best for statics. "auto" takes
         multigrid where it can, else blocks.
     tolerance : float
-        Of the residual, relative to the right-hand side.
+        Of the residual, relative to the right-hand side; a tenth of the contraction of a kept tangent, if that is more.
     max_iterations, restart : int
         Limit of iterations, and length of a cycle of GMRES.
 
