@@ -38,9 +38,8 @@ class Convergence {
     double last() const { return last_; }
     bool has_tangent() const { return latest_ >= 0; }  // one made in this step
     bool is_slow() const { return ratio_ > keep_factor_; }
-    bool is_sluggish() const {
-        return ratio_ > 0.1;
-    }  // too slow to leave as it is, too fast for a new tangent
+    /// Too slow to be left as it is, not slow enough for a new tangent.
+    bool is_sluggish() const { return ratio_ > 0.1; }
 
     /// The relative residual that solutions of iteration k may leave: with a kept tangent the error of the
     /// tangent is larger.

@@ -4,6 +4,7 @@
 
 #include "acceleration.hpp"
 #include "convergence.hpp"
+#include "dispatch.hpp"
 #include "system.hpp"
 
 namespace visviva {
@@ -126,9 +127,12 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         for (int u : held_) r_[u] = 0;
         if (!solver_->solve(r_.data(), place(step), d_.data()))
             return failed(std::move(report), solver_->message(), -1);
-        if (accelerates && (acceleration.runs() || convergence.is_sluggish()))
+        double size = 0;  // that of the kept tangent's own increment tells of the residual
+        if (accelerates && (acceleration.runs() || convergence.is_sluggish())) {
+            size = kernels().vector_largest(n_, d_.data(), inverse_scale_.data());
             acceleration.apply(d_, inverse_scale_);
-        const double size = iterate(step);
+        }
+        size = std::max(size, iterate(step));
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (!std::isfinite(size))
