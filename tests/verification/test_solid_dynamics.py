@@ -55,8 +55,8 @@ def test_midpoint_rule_lets_the_energy_go() -> None:
     assert swing(result) > 1e-2
     assert turning(result) < 1e-11
     with pytest.raises(vv.RunError, match="inverted"):
-        tossed(vv.Midpoint(), 200, 2 * STEP)
-    assert swing(tossed(vv.EnergyMomentum(), 200, 2 * STEP)) < 1e-11
+        tossed(vv.Midpoint(), 1000, 2 * STEP)  # when is chance: the motion is chaotic
+    assert swing(tossed(vv.EnergyMomentum(), 1000, 2 * STEP)) < 1e-11
 
 
 def test_trapezoidal_rule_lets_energy_and_angular_momentum_go() -> None:
