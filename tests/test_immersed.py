@@ -133,6 +133,29 @@ def test_energy_of_a_closed_box_balances(cell: str, density: float) -> None:
     assert np.abs(ledger["defect_position"]).max() < 1e-14
 
 
+def test_energy_of_many_bodies_in_a_closed_box_balances() -> None:
+    """A lighter free solid, a heavier one that is anchored, and a rigid body on a spring, in one fluid."""
+    fluid = box("quad9", 6)
+    free = patch(density=0.5)
+    mesh = vv.RectangleMesh(size=(0.2, 0.15), counts=(3, 2), origin=(0.1, 0.6))
+    held = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=200.0, poisson=0.2), density=3.0)
+    block = vv.RigidBody(density=2.0, shape=vv.Box(size=(0.2, 0.15, 1.0)), position=(0.35, 0.3, 0.0))
+    ground = vv.Ground()
+    spring = vv.Spring(a=ground.point((0.1, 0.2, 0)), b=block.point(), stiffness=5.0)
+    parts = [
+        fluid, vv.NoSlip(fluid=fluid, faces="all"), free, vv.Immersed(solid=free, fluid=fluid),
+        held, vv.Fixed(solid=held, nodes="x0"), vv.Immersed(solid=held, fluid=fluid),
+        block, vv.ImmersedBody(body=block, fluid=fluid), ground, spring,
+    ]  # fmt: skip
+    system = vv.System(parts, vv.Newton(tolerance=1e-13))
+    result = vv.simulate(system, until=0.3, step=0.03)
+    energy = result.ledger["total"]
+    assert (np.diff(energy) < 0).all()
+    assert result.ledger["potential_strain"][-1] > 1e-5 * energy[0]
+    assert result.ledger["potential_spring"][-1] > 1e-5 * energy[0]
+    result.assert_conserved("energy", tolerance=1e-12)
+
+
 @pytest.mark.parametrize("cell", ["quad9", "tri6"])
 def test_coarse_cells_without_stabilisation_are_stable(cell: str) -> None:
     """At a cell Reynolds number of a million energy neither grows nor leaves but by the viscosity."""
@@ -261,6 +284,10 @@ BAD: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: vv.Immersed(solid=patch(velocity=(1, 0, 0)), fluid=box()),
         "starts with the velocity of",
     ),
+    "solid of volume in a plane fluid": (
+        lambda: vv.Immersed(solid=patch(3), fluid=box()),
+        "of dimension 3 and .* of dimension 2",
+    ),
     "plane stress": (lambda: vv.Immersed(solid=patch(plane="stress"), fluid=box()), "plane strain"),
     "thickness": (lambda: vv.Immersed(solid=patch(thickness=0.1), fluid=box()), "thickness 1"),
     "twice": (
@@ -331,18 +358,22 @@ def test_start_follows_the_flow_without_divergence() -> None:
     assert np.abs(solid.velocities(system.v) - around).max() < 1e-12
 
 
-def test_adaptive_steps_follow_a_body_in_a_vortex() -> None:
-    """Against short steps of one length; balances hold with every step."""
+@pytest.mark.parametrize("damping", [0.0, 0.5])
+def test_adaptive_steps_follow_a_body_in_a_vortex(damping: float) -> None:
+    """Against short steps of one length; balances hold with every step, and velocities that swing from step to step
+    without damping shorten none."""
 
     def end(step: float, rule: vv.Adaptive | None) -> tuple[Array, vv.Result]:
-        parts = carried("quad9", 4, counts=(2, 2), damping=0.5)
+        parts = carried("quad9", 4, counts=(2, 2), damping=damping)
         system = vv.System(parts, vv.Newton(tolerance=1e-10))
         result = vv.simulate(system, until=0.3, step=step, adaptive=rule)
         return np.asarray(part(parts, vv.Solid).positions(system.x)), result
 
     (exact, _), (found, result) = end(0.001, None), end(0.002, vv.Adaptive(tolerance=3e-4))
-    steps = np.diff(result.times)
-    assert steps.max() > 2 * steps.min()
+    assert result.statistics.rejected == 0
+    assert (
+        150 < result.statistics.steps < 250
+    )  # 383 with 35 rejected, where the swinging was taken for an error
     assert np.abs(found - exact).max() < 2e-4
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
 

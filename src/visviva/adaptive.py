@@ -24,7 +24,9 @@ class Adaptive:
     """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
 
     The increment of a step is compared with the explicit two-step formula of second order, which differs from
-    the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step.
+    the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step. Velocities of
+    fluids, of which the midpoint rule and backward Euler know the mean rates of steps, are compared over two steps at a
+    time, in which what swings from step to step cancels: no step is short enough to resolve that.
 
     Parameters
     ----------
@@ -59,20 +61,29 @@ class Adaptive:
 
 @dataclass
 class _Estimate:
-    """The velocities before the last step, and that step's length."""
+    """The velocities before the last step, that step's length and the length of the one before.
+
+    `means` are the unknowns whose rates are means over the last step.
+    """
 
     inverse_scale: Array
+    means: NDArray[np.bool_]
     rates: Array | None = None
     length: float = 0.0
+    before: float = 0.0
 
     def error(self, increment: Array, rates: Array, h: float, tolerance: float) -> float:
         """Estimated error of a step as a multiple of `tolerance`."""
         bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
         if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
             return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
-        before = 0.5 * h / self.length * (rates - self.rates) * self.inverse_scale
-        milne = 3 * (1 + self.length / h)
-        return float(np.abs(h * (bend - before)).max() / milne / tolerance)
+        L = self.length
+        before = 0.5 * h / L * (rates - self.rates) * self.inverse_scale
+        off = h * (bend - before) / (3 * (1 + L / h))
+        earlier = (L * rates + self.before * self.rates) / (L + self.before)
+        smooth = ((increment + L * rates) / (h + L) - earlier) * self.inverse_scale
+        off[self.means] = h * smooth[self.means] / 12
+        return float(np.abs(off).max() / tolerance)
 
 
 def adaptive_steps(
@@ -83,9 +94,12 @@ def adaptive_steps(
     ``system.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
-    estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0))
-    h, last, estimate.length = system.pace.get(
-        "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0])
+    has_means = np.count_nonzero(scheme.transport(1.0)[2]) == 1
+    estimate = _Estimate(
+        np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)
+    )
+    h, last, estimate.length, estimate.before = system.pace.get(
+        "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0, 0.0])
     ).tolist()
     estimate.rates = system.pace.get("rates")
     while until - system.time > 1e-12 * max(abs(until), step):
@@ -107,10 +121,10 @@ def adaptive_steps(
             h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
             continue
         system.accept(attempt, scheme)
-        estimate.rates, estimate.length = rates, taken
+        estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
         h, last = float(np.clip(h, low, high)), error
-        system.pace |= {"adaptive": np.array([h, last, taken]), "rates": rates}
+        system.pace |= {"adaptive": np.array([h, last, taken, estimate.before]), "rates": rates}
         yield attempt.report
 
 
