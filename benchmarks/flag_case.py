@@ -1,4 +1,4 @@
-"""The flag of Turek & Hron (2006) behind its cylinder, immersed: geometry, meshes and system, published values of FSI1.
+"""The flag of Turek & Hron (2006) behind its cylinder, immersed: geometry, meshes and system, published values.
 
 The channel's rows lie along the flag; how many there are over its thickness is free.
 """
@@ -21,6 +21,26 @@ Array = NDArray[np.float64]
 LENGTH, BOX, END, THICK, CLEAR = 2.5, 0.4, 0.6, 0.02, 1.0001
 PUBLISHED = {"u_x": 2.270493e-5, "u_y": 8.208773e-4, "drag": 14.29426, "lift": 0.763746}
 """FSI1, FeatFlow's level 7."""
+SWINGS = {
+    "u_x": (-14.85e-3, 12.70e-3),
+    "u_y": (1.30e-3, 81.6e-3),
+    "drag": (215.06, 77.65),
+    "lift": (0.61, 237.8),
+}
+FREQUENCY = 1.93
+"""FSI2, mean and amplitude, FeatFlow's level 4 (Turek & Hron print 80.6e-3 for u_y and 2.0 for the frequency)."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Density of the flag, and the mean velocity of the inflow as a function of time."""
+
+    density: float
+    speed: Callable[[float], float]
+
+
+FSI1 = Kind(1000.0, lambda t: 0.2 * min(t, 1.0))
+FSI2 = Kind(10000.0, lambda t: 0.5 * (1 - np.cos(np.pi * min(t, 2.0) / 2)))
 
 
 @dataclass(frozen=True)
@@ -142,22 +162,26 @@ class Flag:
         Of the channel.
     cells : (int, int)
         Of the flag, along and across.
+    kind : Kind
+    damping : float
+        Of the immersed flag.
     """
 
-    def __init__(self, mesh: vv.Mesh, cells: tuple[int, int]) -> None:
+    def __init__(
+        self, mesh: vv.Mesh, cells: tuple[int, int], kind: Kind = FSI1, damping: float = 0.0
+    ) -> None:
         water = vv.Fluid(mesh=mesh, density=1000.0, viscosity=1.0)
         solid = vv.Solid(
             mesh=flag_mesh(*cells),
             material=vv.SaintVenantKirchhoff(shear=0.5e6, poisson=0.4),
-            density=1000.0,
+            density=kind.density,
         )
-        self.water, self.solid, self.wet = water, solid, vv.Immersed(solid=solid, fluid=water)
+        self.water, self.solid = water, solid
+        self.wet = vv.Immersed(solid=solid, fluid=water, damping=damping)
         self.system = vv.System(
             [
                 water,
-                vv.VelocityBoundary(
-                    fluid=water, faces="x0", velocity=lambda t, X: profile(X, min(t, 1.0) * 0.2)
-                ),
+                vv.VelocityBoundary(fluid=water, faces="x0", velocity=lambda t, X: profile(X, kind.speed(t))),
                 *(vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1", "cylinder")),
                 vv.Outlet(fluid=water, faces="x1"),
                 solid,
@@ -174,9 +198,9 @@ class Flag:
         force = held + self.wet.forces(self.system.x).sum(axis=0)
         return np.hstack([self.solid.displacements(self.system.x)[self.end, :2], force[:2]])
 
-    def march(self, until: float, step: float) -> Array:
-        """Times and states (n, 5) after every step of backward Euler."""
-        steps = vv.march(self.system, until=until, step=step, scheme=vv.BackwardEuler())
+    def march(self, until: float, step: float, scheme: vv.Scheme | None = None) -> Array:
+        """Times and states (n, 5) after every step, of backward Euler by default."""
+        steps = vv.march(self.system, until=until, step=step, scheme=scheme or vv.BackwardEuler())
         return np.array([[self.system.time, *self.state()] for _ in steps])
 
     def unseen(self, small: float = 1e-2) -> tuple[int, int, float]:

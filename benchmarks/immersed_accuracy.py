@@ -1,8 +1,9 @@
 """Immersed elastic solids against published values of body-fitted meshes: what docs/theory/immersed.rst says.
 
-    python benchmarks/immersed_accuracy.py [fsi1 crowded volume half_cylinder]
+    python benchmarks/immersed_accuracy.py [fsi1 fsi2 crowded volume half_cylinder]
 
-fsi1: the flag of Turek & Hron (2006) at rest, on finer and finer meshes. crowded: the same with more and more nodes
+fsi1: the flag of Turek & Hron (2006) at rest, on finer and finer meshes. fsi2: the heavier one that swings, from rest;
+a line per second, with the swing in it. crowded: the same with more and more nodes
 of the solid. volume: body-fitted, what a solid that keeps its volume changes. half_cylinder: Liu et al. (2014).
 """
 
@@ -15,8 +16,10 @@ import warnings
 import flag_fitted
 import half_cylinder
 import numpy as np
-from flag_case import PUBLISHED, Flag, Rows, channel
+from flag_case import FREQUENCY, FSI2, PUBLISHED, SWINGS, Flag, Rows, channel
 from numpy.typing import NDArray
+
+import visviva as vv
 
 Array = NDArray[np.float64]
 
@@ -41,6 +44,22 @@ def fsi1() -> None:
                 f"moves by {100 * moves:.1e} % in the last {LAST:g} s",
                 flush=True,
             )
+
+
+def fsi2(until: float = 18.0, step: float = 0.02) -> None:
+    """BDF2, two cells over the flag: how far its end and the forces swing, second by second."""
+    begin, case, second = time.process_time(), Flag(channel(Rows(12, 2)), (14, 1), FSI2), []
+    print(f"fsi2: {case.system.core.n_equations} equations; body-fitted {SWINGS}, {FREQUENCY} Hz")
+    for _ in vv.march(case.system, until=until, step=step, scheme=vv.BDF2()):
+        second.append(case.state())
+        if len(second) < round(1 / step):
+            continue
+        states, second = np.array(second), []
+        middle, swing = (states.max(axis=0) + states.min(axis=0)) / 2, np.ptp(states, axis=0) / 2
+        parts = ", ".join(
+            f"{name} {m:.4g} +- {s:.4g}" for name, m, s in zip(SWINGS, middle, swing, strict=True)
+        )
+        print(f"  t = {case.system.time:.3g}: {parts}; {time.process_time() - begin:.0f} CPU s", flush=True)
 
 
 def crowded() -> None:
@@ -86,7 +105,7 @@ def half() -> None:
         print(f"half cylinder, {name}, 16 quad4 per unit: {u[0]:.4f}, {u[1]:.4f}, area {area:.4f}")
 
 
-CASES = {"fsi1": fsi1, "crowded": crowded, "volume": volume, "half_cylinder": half}
+CASES = {"fsi1": fsi1, "fsi2": fsi2, "crowded": crowded, "volume": volume, "half_cylinder": half}
 
 
 def main() -> None:
