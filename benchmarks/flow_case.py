@@ -12,7 +12,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,10 +54,24 @@ class FlowCase:
         return 4.0 * y * (self.height - y) / self.height**2
 
 
+class Case(Protocol):
+    """What a march needs of a case."""
+
+    @property
+    def step(self) -> float: ...
+
+    @property
+    def steps(self) -> int: ...
+
+    @property
+    def tolerance(self) -> float: ...
+
+
 class Discretisation(Protocol):
     """The case in a code that leaves Newton's method to its user."""
 
-    case: FlowCase
+    @property
+    def case(self) -> Case: ...
 
     def begin(self, t: float) -> None:
         """The state becomes that of the start of a step, with the inflow of its end."""
@@ -101,16 +115,19 @@ def iterate(flow: Discretisation, record: Record) -> None:
     raise RuntimeError(f"no convergence in {MOST} iterations")
 
 
-Run = Callable[[FlowCase, str], Record]
+Run = Callable[[Any, str], Record]
 """Of the case and a variant of the code."""
 
 
-def main(run: Run, variants: tuple[str, ...]) -> None:
-    """Command line of a code: prints one line of JSON, the fields of `Record`; the first variant is the default."""
+def main(run: Run, variants: tuple[str, ...], kind: Callable[..., Any] = FlowCase) -> None:
+    """Command line of a code: prints one line of JSON, the fields of `Record`; the first variant is the default.
+
+    `kind` makes the case of `n` and `steps`.
+    """
     parser = argparse.ArgumentParser()
     parser.add_argument("--variant", choices=variants, default=variants[0])
     parser.add_argument("--n", type=int, default=FlowCase.n, help="cells along the channel")
     parser.add_argument("--steps", type=int, default=FlowCase.steps)
     chosen = parser.parse_args()
-    case = FlowCase(n=chosen.n, steps=chosen.steps)
+    case = kind(n=chosen.n, steps=chosen.steps)
     print(json.dumps(asdict(run(case, chosen.variant))), flush=True)

@@ -18,6 +18,8 @@ class Record:
     solution: float = 0.0
     iterations: int = 0
     steps: int = 0
+    tangents: int = 0
+    unknowns: int = 0
     energies: list[float] = field(default_factory=list)
     answer: float = float("nan")
     peak_mb: float = 0.0

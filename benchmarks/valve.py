@@ -1,0 +1,70 @@
+"""The paper's two flaps in a channel beside NGSolve: alternating rounds, one process and one thread per measurement.
+
+    python benchmarks/valve.py --python ngsolve=PATH [--n 256] [--steps 5] [--code visviva]
+
+prints one markdown table of the first steps, in which the flaps open: CPU time of a step as median [least-greatest]
+over the rounds, its ratio to ours, and the displacement of the lower tip along the channel at their end. The codes
+solve the same case, NGSolve body-fitted, ours immersed; nodes of the velocities are as close to each other in both,
+NGSolve's closer at the flaps. PATH is a Python interpreter that has the code; without it this one is tried.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+from collections.abc import Sequence
+
+from contenders import Contender, add_options, alternate, present
+from record import Record
+from valve_case import ValveCase
+
+OURS = Contender("visviva, immersed, Q1Q1", "ours_valve.py", "visviva", "immersed")
+CONTENDERS = (
+    OURS,
+    Contender("NGSolve, body-fitted, P2P1, tangents kept", "peer_ngsolve_valve.py", "ngsolve", "kept"),
+    Contender("NGSolve, body-fitted, P2P1, full Newton", "peer_ngsolve_valve.py", "ngsolve", "anew"),
+)
+COLUMNS = (
+    "code", "equations", "iterations/step", "tangents/step", "CPU s/step", "ratio", "assembly, s/iteration",
+    "solution, s/iteration", "peak MB", "tip",
+)  # fmt: skip
+
+
+def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record]) -> str:
+    """One line of the table."""
+    times = [r.cpu / r.steps for r in records]
+    median, last = statistics.median(times), records[-1]
+    parts = [
+        statistics.median(getattr(r, name) / r.iterations for r in records)
+        for name in ("assembly", "solution")
+    ]
+    texts = [
+        contender.title,
+        str(last.unknowns),
+        f"{last.iterations / last.steps:.3g}",
+        f"{last.tangents / last.steps:.3g}",
+        f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
+        f"{median / statistics.median(r.cpu / r.steps for r in ours):.2f}" if ours else "",
+        *(f"{part:.3g}" if part else "" for part in parts),
+        f"{last.peak_mb:.0f}",
+        f"{last.answer:.4f}",
+    ]
+    return "| " + " | ".join(texts) + " |"
+
+
+def main() -> None:
+    """Measure and print the table."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    add_options(options)
+    options.add_argument("--n", type=int, default=ValveCase.n, help="spaces between nodes along the channel")
+    chosen = options.parse_args()
+    steps = chosen.steps or ValveCase.steps
+    figures = alternate(present(CONTENDERS, chosen), [f"--n={chosen.n}", f"--steps={steps}"], chosen)
+    print(f"\nn = {chosen.n}, up to t = {steps * ValveCase.step:.2f}\n")
+    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
+    for code, records in figures.items():
+        print(row(code, records, figures.get(OURS, [])), flush=True)
+
+
+if __name__ == "__main__":
+    main()
