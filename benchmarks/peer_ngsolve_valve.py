@@ -110,10 +110,10 @@ class Valve:
         """Takes the increment off; sizes of the velocities in it and in the state."""
         if self.anew:
             self.tangents += 1
-            if self.inverse is None:
+            if not self.changes or self.tangents <= 2:
                 self.inverse = self.f.mat.Inverse(self.space.FreeDofs(), inverse="pardiso")
             else:
-                self.inverse.Update()  # keeps the order of elimination
+                self.inverse.Update()  # keeps order and matching, which the first tangents of all do not suit
         self.out.data = self.inverse * self.right
         self.new.vec.data -= self.out
         self.changes.append(self.size(self.out))
