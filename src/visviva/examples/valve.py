@@ -94,7 +94,7 @@ def study(
         probes[f"{side}_tip"] = lambda s, b=solid, n=node, X=start: b.positions(s.x)[n] - X
         probes[f"{side}_area"] = vv.Volume(solid=solid)
     probes["gap_flow"] = lambda s: through(blood, *flaps, s.x)
-    newton = vv.Newton(tolerance=1e-9, keep_factor=0.3, tangents=2)
+    newton = vv.Newton(tolerance=1e-9, keep_factor=0.5, tangents=2)
     system = vv.System(parts, newton)
     return vv.Study(
         system,
