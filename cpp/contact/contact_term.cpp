@@ -15,6 +15,9 @@ namespace {
 using Map = Eigen::Map<const Eigen::VectorXd>;
 
 constexpr double touching = 1e-9;  // part of a vertex's share of the surface
+// Part of a vertex' area that the other surface must cover: with less, its gap also closes where the cover
+// vanishes, and Newton's method goes there, while the multiplier grows without bound.
+constexpr double least_cover = 1e-3;
 // Parts of the reach by which surfaces may leave what the search has swept, until it is done again, and at
 // all; and by which the end of a step may move until stencils are made again.
 constexpr double again = 0.125, too_far = 0.35, moved = 0.03;
@@ -51,7 +54,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
-    for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_}) a->assign(n, 0);
+    for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
     at_theta_.resize(n), at_end_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
@@ -247,9 +250,12 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
 }
 
-// The gap below which there is pressure. Conserving impact: what is closed shall not close further.
+// The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
+// give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {
-    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
+    if (c.step.motion[0][0] == 0) return 0;
+    const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
+    const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
 }
 
@@ -260,12 +266,23 @@ double ContactTerm::slack(int A, const Context& c) const {
 
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
     const bool holds = options_.conserving && c.step.motion[0][0] != 0;
-    if (area1_[A] == 0 || (holds && (gap0_[A] > 0 || area0_[A] == 0))) return false;
+    if (area1_[A] == 0 || !covered_[A] || (holds && gap0_[A] > 0)) return false;
     const double lambda = c.vectors.x1[options_.multiplier[A]];
     const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
     const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * size(A);
     return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
+}
+
+// Once covered in the iterations of a step, a vertex may carry until its end. Conserving impact asks for its
+// start alone.
+void ContactTerm::cover(const Context& c) {
+    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        const double least = least_cover * options_.area[A];
+        if (changes_ < 0) covered_[A] = area0_[A] > least;
+        if (!holds && area1_[A] > least) covered_[A] = 1;
+    }
 }
 
 // All at once at first; should that go round in circles, the first gap alone that wants to change does, which
@@ -274,6 +291,7 @@ void ContactTerm::choose_active(const Context& c) {
     constexpr int patience = 6;
     bool changed = false;
     unsettled_ = false;
+    cover(c);
     for (int A = 0; A < gaps_->n(); ++A) {
         const char wanted = wants_pressure(A, c);
         if (wanted == active_[A]) continue;

@@ -24,7 +24,9 @@ struct FrictionOptions {
 struct ContactOptions {
     std::vector<int> multiplier;    // unknown of each gap; empty: penalty
     std::vector<double> stiffness;  // of each gap: pressure per weighted gap
+    std::vector<double> area;       // of each vertex at rest
     bool conserving = false;        // gaps that are closed must not close further, open ones may
+    bool presses_out = false;       // in time too, what overlaps at the start of a step is pushed apart
     std::vector<double> damping;    // of each gap: pressure per rate of penetration, beside a penalty
     FrictionOptions friction;
 };
@@ -108,6 +110,7 @@ class ContactTerm : public Term {
     bool wants_pressure(int A, const Context&) const;
     double least_gap(int A, const Context&) const;
     double slack(int A, const Context&) const;
+    void cover(const Context&);
     double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
     void recall();
     void keep(const Context&);
@@ -146,7 +149,8 @@ class ContactTerm : public Term {
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
-    int changes_ = -1;  // of the active set since the step began; -1: not chosen yet
+    std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
+    int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
     bool unsettled_ = false;
     std::vector<Gap> at_theta_, at_end_;
     std::vector<Grip> grips_;

@@ -155,12 +155,12 @@ def rigid_block() -> Any:
     return solid, {"second_faces": "y1"}
 
 
-def punch_errors(kind: Any, n: int) -> tuple[float, float]:
+def punch_errors(kind: Any, n: int, beyond: float = 0.5) -> tuple[float, float]:
     """Errors of the force, and of the pressures on four fifths of the half width in the mean square.
 
-    The punch' corner lies between two of the body's nodes.
+    The punch' corner lies between two of the body's nodes, by a part of their distance `beyond` the inner one.
     """
-    h = 1 / (n + 0.5)
+    h = 1 / (n + beyond)
     mesh = block(graded(h, 1.25, 4.0, 1.2), graded(h, 0.5, 4.0, 1.2))
     second, options = kind()
     body, contact, system = pressed(mesh, PUNCH, second, **options)
@@ -178,3 +178,11 @@ def test_flat_punch_converges(kind: Any) -> None:
     found = np.array([punch_errors(kind, n) for n in (8, 16, 32)])
     assert (orders(found[:, 0]) > 0.7).all()
     assert found[-1].max() < 0.02
+
+
+@pytest.mark.parametrize("beyond", [1e-6, 1e-3, 0.01, 0.1, 0.9, 0.99, 0.9999])
+def test_corner_of_a_punch_beside_a_node(beyond: float) -> None:
+    """The node beside it, which the punch hardly covers, neither ends Newton's method nor spoils force or pressures."""
+    force, pressures = punch_errors(rigid_block, 8, beyond)
+    assert force < 0.025
+    assert pressures < 0.15
