@@ -1,11 +1,12 @@
 """Speed of contact: two blocks in statics, two tori in impact, and how the cost grows with the mesh.
 
-    python benchmarks/contact.py [blocks | tori | growth] [--large] [--rounds 3] [--python PATH]
+    python benchmarks/contact.py [blocks | tori | growth | condensed] [--large] [--rounds 3] [--python PATH]
 
 CPU time of one process; run it with OMP_NUM_THREADS=1 to compare with others, without to see what threads do to the
 wall time. `blocks` alternates with Kratos (ALM mortar, AMGCL) if PATH is a Python interpreter that has
 KratosMultiphysics with its ContactStructuralMechanicsApplication; where it has not, the figures measured with it
-elsewhere are quoted, and said to be that.
+elsewhere are quoted, and said to be that. `condensed` alternates multipliers among the equations with condensed ones,
+for the blocks in statics and thrown onto each other.
 """
 
 from __future__ import annotations
@@ -31,8 +32,18 @@ QUOTED = {9: (1.14, 4, 0.286), 72: (13.8, 4, 3.45)}
 """Kratos 10.4.4, ALM mortar with AMGCL, on another machine: CPU s per step, iterations, CPU s per iteration."""
 PUSH = (0.03, 0.0, -0.05)
 STEPS = 5
+FLIGHT, FLIGHT_STEP = 20, 5e-4
+"""Steps of a block that is thrown, and their length."""
 TOLERANCE = 1e-8
 """Of increments, relative to the load step."""
+MULTIPLIERS: dict[str, dict[str, Any]] = {
+    "standard, kept": {},
+    "dual, kept": {"multipliers": "dual"},
+    "dual, condensed": {"multipliers": "dual", "condensed": True},
+    "vertices, kept": {"formulation": "node-to-segment"},
+    "vertices, condensed": {"formulation": "node-to-segment", "condensed": True},
+}
+"""Pressures among the equations, and condensed."""
 FIRST_TOUCH = 1.02
 """Time at which the tubes of the tori would touch."""
 
@@ -58,34 +69,62 @@ class Cost:
         )
 
 
-def blocks(counts: Any) -> tuple[vv.System, vv.Solid, vv.Contact]:
-    """Two blocks on each other, the lower one wider and clamped, the top of the upper one pushed down and aside."""
+def blocks(counts: Any, thrown: bool = False, **options: Any) -> tuple[vv.System, vv.Solid, vv.Contact]:
+    """Two blocks on each other, the lower one wider and clamped, the top of the upper one pushed down and aside.
+
+    Or the upper one is thrown onto the lower one.
+    """
     rubber = vv.NeoHooke(young=1000.0, poisson=0.3)
     under, over = counts
     lower = vv.BoxMesh(size=(1.3, 1.3, 0.5), counts=under, origin=(-0.16, -0.14, 0)).build()
     upper = vv.BoxMesh(size=(1, 1, 0.5), counts=over).build()
-    bodies = [vv.Solid(mesh=lower, material=rubber), vv.Solid(mesh=upper.moved((0, 0, 0.5)), material=rubber)]
-    motion = tuple(f"{u} * t" for u in PUSH)
-    supports = [
-        vv.Fixed(solid=bodies[0], nodes="z0"),
-        vv.Prescribed(solid=bodies[1], nodes="z1", motion=motion),
+    above = upper.moved((0, 0, 0.502 if thrown else 0.5))
+    bodies = [
+        vv.Solid(mesh=lower, material=rubber, density=float(thrown)),
+        vv.Solid(
+            mesh=above, material=rubber, density=float(thrown), velocity=(0.5, 0, -2) if thrown else (0, 0, 0)
+        ),
     ]
-    contact = vv.Contact(first=bodies[1], first_faces="z0", second=bodies[0], second_faces="z1")
+    motion = tuple(f"{u} * t" for u in PUSH)
+    supports: list[Any] = [vv.Fixed(solid=bodies[0], nodes="z0")]
+    if not thrown:
+        supports.append(vv.Prescribed(solid=bodies[1], nodes="z1", motion=motion))
+    contact = vv.Contact(first=bodies[1], first_faces="z0", second=bodies[0], second_faces="z1", **options)
     return vv.System([*bodies, *supports, contact]), bodies[1], contact
 
 
-def push_blocks(thousands: int) -> tuple[Cost, float]:
-    """Push in steps; the costs, and the mean displacement of the upper block's lower face along z."""
-    system, upper, contact = blocks(SIZES[thousands])
-    scheme = vv.Static(tolerance=TOLERANCE)
+def push_blocks(thousands: int, thrown: bool = False, **options: Any) -> tuple[Cost, float]:
+    """Push or throw in steps; the costs, and the mean displacement of the upper block's lower face along z."""
+    system, upper, contact = blocks(SIZES[thousands], thrown, **options)
+    scheme: vv.Scheme = vv.EnergyMomentum() if thrown else vv.Static(tolerance=TOLERANCE)
+    steps, h = (FLIGHT, FLIGHT_STEP) if thrown else (STEPS, 1 / STEPS)
     prepare(system, scheme)
-    cost, marching = Cost(), vv.march(system, until=1.0, step=1 / STEPS, scheme=scheme)
-    for _ in range(STEPS):
+    cost, marching = Cost(), vv.march(system, until=steps * h, step=h, scheme=scheme)
+    for _ in range(steps):
         measure(cost, contact, lambda: next(marching))
-    moved = upper.displacements(system.x)[upper.mesh.points[:, 2] == 0.5]
+    moved = upper.displacements(system.x)[upper.mesh.points[:, 2] == upper.mesh.points[:, 2].min()]
     print(f"  {system.linear_explanation}")
-    print_parts(system, 1 / STEPS, scheme, contact)
+    print_parts(system, h, scheme, contact)
+    if options:
+        print(
+            f"  forces on other pressures' nodes at most {spread(system, h, scheme, contact):.1e} of the own"
+        )
     return cost, float(moved[:, 2].mean())
+
+
+def spread(system: vv.System, h: float, scheme: vv.Scheme, contact: vv.Contact) -> float:
+    """The largest force of a pressure on another pressure's node, by that on its own."""
+    core, first = system.core, contact.first
+    assert isinstance(first, vv.Solid)
+    core.dx[:] = np.where(system.order == 2, h * system.v, 0.0)
+    _, K = system.tangent(scheme.step(system.time, h))
+    nodes = first.node_unknowns(first.faces(contact.first_faces).nodes)
+    rows = np.searchsorted(system.free_unknowns, nodes[:, None] + np.arange(3))
+    columns = np.searchsorted(system.free_unknowns, contact.pressure.unknowns)
+    force = np.linalg.norm(K[rows.ravel()][:, columns].toarray().reshape(*rows.shape, -1), axis=1)
+    own = np.diag(force).copy()
+    np.fill_diagonal(force, 0.0)
+    return float((force.max(axis=0)[own > 0] / own[own > 0]).max())
 
 
 def measure(cost: Cost, contact: vv.Contact, step: Any) -> None:
@@ -119,6 +158,21 @@ def compare_blocks(sizes: list[int], rounds: int, interpreter: str) -> None:
         print(
             f"  visviva {ours:.3f} s per step, {each:.3f} s per iteration; Kratos (quoted) {step} s, {iterations} "
             f"iterations, {iteration} s; ratios {step / ours:.1f} and {iteration / each:.1f}"
+        )
+
+
+def compare_condensed(sizes: list[int], rounds: int) -> None:
+    """Pressures among the equations beside condensed ones, in alternating rounds."""
+    for size, thrown in ((s, t) for s in sizes for t in (False, True)):
+        print(f"two blocks, {size}k unknowns, {'thrown' if thrown else 'statics'}")
+        times: dict[str, list[float]] = {}
+        for _ in range(rounds):
+            for name, options in MULTIPLIERS.items():
+                cost, mean = push_blocks(size, thrown, **options)
+                times.setdefault(name, []).append(cost.cpu / cost.steps)
+                print(cost.row(name), f"mean uz {mean:.8f}")
+        print(
+            "  median CPU s per step:", ", ".join(f"{n} {statistics.median(t):.3f}" for n, t in times.items())
         )
 
 
@@ -212,7 +266,7 @@ def growth() -> None:
 def main() -> None:
     """Measure what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("what", nargs="*", choices=["blocks", "tori", "growth"], default=[])
+    parser.add_argument("what", nargs="*", choices=["blocks", "tori", "growth", "condensed"], default=[])
     parser.add_argument("--large", action="store_true", help="also the blocks of 72k unknowns")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--mesh", choices=["full", "coarse"], default="full")
@@ -228,6 +282,8 @@ def main() -> None:
         profile_tori(chosen.mesh, chosen.flight, chosen.impact, chosen.late)
     if "growth" in what:
         growth()
+    if "condensed" in what:
+        compare_condensed([9, *([72] if chosen.large else [])], chosen.rounds)
 
 
 if __name__ == "__main__":

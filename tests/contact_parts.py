@@ -73,7 +73,7 @@ def contact_of(components: Components) -> vv.Contact:
 
 
 def stacked(
-    dimension: int, cell: str, pressure: float = 10.0
+    dimension: int, cell: str, pressure: float = 10.0, **options: Any
 ) -> tuple[vv.Solid, vv.Solid, vv.Contact, Components]:
     """Two blocks of different meshes, the upper one held by nothing but the lower one along the last axis."""
     material = vv.LinearElastic(young=1e3, poisson=0.3)
@@ -85,7 +85,7 @@ def stacked(
         solids.append(vv.Solid(mesh=mesh.moved(level * np.array(up)), material=material))
     a, b = solids
     axis = "xyz"[dimension - 1]
-    contact = vv.Contact(first=a, second=b, first_faces=f"{axis}0", second_faces=f"{axis}1")
+    contact = vv.Contact(first=a, second=b, first_faces=f"{axis}0", second_faces=f"{axis}1", **options)
     normals = np.eye(3)[: dimension - 1]
     parts: Components = [*solids, contact]
     parts += [
@@ -99,7 +99,7 @@ def stacked(
     return a, b, contact, parts
 
 
-def pushed(n: int, newton: vv.Newton | None = None) -> tuple[vv.System, vv.Solid]:
+def pushed(n: int, newton: vv.Newton | None = None, **options: Any) -> tuple[vv.System, vv.Solid]:
     """A block that is pushed onto a wider one and aside, by its top: statics until t = 1."""
     lower = vv.BoxMesh(size=(1.3, 1.3, 0.5), counts=(n + 1, n + 1, n), origin=(-0.16, -0.14, 0)).build()
     upper = vv.BoxMesh(size=(1, 1, 0.5), counts=(n, n, n)).build().moved((0, 0, 0.5))
@@ -108,5 +108,5 @@ def pushed(n: int, newton: vv.Newton | None = None) -> tuple[vv.System, vv.Solid
         vv.Fixed(solid=under, nodes="z0"),
         vv.Prescribed(solid=over, nodes="z1", motion=("0.03 * t", "0", "-0.05 * t")),
     ]
-    contact = vv.Contact(first=over, first_faces="z0", second=under, second_faces="z1")
+    contact = vv.Contact(first=over, first_faces="z0", second=under, second_faces="z1", **options)
     return vv.System([under, over, *supports, contact], newton), over

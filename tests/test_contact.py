@@ -93,6 +93,34 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
     ),
     "negative damping": (partial(pair, enforcement="penalty", damping=-1.0), "damping = -1 is negative"),
     "damping of multipliers": (partial(pair, damping=1.0), "damping needs enforcement='penalty'"),
+    "dual multipliers of a penalty": (
+        partial(pair, enforcement="penalty", multipliers="dual"),
+        "multipliers='dual' needs enforcement='multipliers'",
+    ),
+    "condensing a penalty": (
+        partial(pair, enforcement="penalty", condensed=True),
+        "condensed=True needs enforcement='multipliers'",
+    ),
+    "dual multipliers with friction": (
+        partial(pair, multipliers="dual", friction=0.3),
+        "multipliers='dual' is for contact without friction.*leave out friction = 0.3",
+    ),
+    "dual multipliers of vertices": (
+        partial(pair, multipliers="dual", formulation="node-to-segment"),
+        "vertices have one each.*condensed as they are",
+    ),
+    "dual multipliers on a shape": (
+        lambda: against(vv.Plane(point=(0, 0, 0), normal=(0, 0, 1)), first_faces="z0", multipliers="dual"),
+        "vertices have one each.*condensed as they are",
+    ),
+    "condensing standard multipliers": (
+        partial(pair, condensed=True),
+        "standard multipliers .* cannot be condensed; give multipliers='dual'",
+    ),
+    "condensing at a rigid body": (
+        partial(two_bodies, stiffness=1.0, formulation="node-to-segment", condensed=True),
+        "condensed=True needs nodes of a solid on the first surface",
+    ),
     "negative stiffness": (partial(pair, stiffness=-1.0), "stiffness = -1 is not positive"),
     "another dimension": (
         lambda: against(vv.Solid(mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)), material=RUBBER)),
@@ -226,6 +254,7 @@ def study(build: Callable[..., list[Component]], until: float, **options: Any) -
 RESTARTS: dict[str, Callable[[float], vv.Study]] = {
     "bricks": partial(study, bricks),
     "plates": partial(study, plates, impact="conserving"),
+    "condensed": partial(study, bricks, multipliers="dual", condensed=True),
     "rigid": partial(study, partial(rigid_on_brick, vv.SurfaceMesh(**PYRAMID), 0.02), enforcement="penalty"),
 }
 

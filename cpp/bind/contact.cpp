@@ -134,10 +134,10 @@ void bind_contact(nb::module_& m) {
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
         "mortar",
-        [](const Skin& skin, double reach, bool axisymmetric) {
-            return shared(make_mortar(skin, {reach, axisymmetric}));
+        [](const Skin& skin, double reach, bool axisymmetric, bool dual) {
+            return shared(make_mortar(skin, {reach, axisymmetric, dual}));
         },
-        nb::arg("skin"), nb::arg("reach"), nb::arg("axisymmetric"));
+        nb::arg("skin"), nb::arg("reach"), nb::arg("axisymmetric"), nb::arg("dual"));
     m.def(
         "node_to_segment",
         [](const Skin& skin, const Doubles& areas, double radius, double reach, bool rubs) {

@@ -352,6 +352,14 @@ static void bind_system(nb::module_& m) {
                      kinds.push_back(static_cast<Supply>(supply.data()[k]));
                  s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
+        .def_prop_ro("n_exchanged", &System::n_exchanged)
+        .def("set_nodal_multipliers",
+             [](System& s, const Ints& multiplier, const Ints& unknown, const Ints& size) {
+                 std::vector<NodalMultiplier> all;
+                 for (std::size_t k = 0; k < multiplier.size(); ++k)
+                     all.push_back({multiplier.data()[k], unknown.data()[k], size.data()[k]});
+                 s.set_nodal_multipliers(std::move(all));
+             })
         .def("set_dependences",
              [](System& s, const Ints& unknown, const Ints& multiplier) {
                  std::vector<Dependence> all;

@@ -206,6 +206,7 @@ void ContactTerm::connect(const Pattern& pattern) {
 void ContactTerm::begin(const double* x0) {
     changes_ = -1, known_at_.clear();
     gaps_->skin().positions(x0, X0_);
+    settle();
     if (X0_ == known_) {
         gap0_ = gap1_, area0_ = area1_;
     } else {
@@ -213,6 +214,11 @@ void ContactTerm::begin(const double* x0) {
         gaps_->values(X0_.data(), gap0_.data(), area0_.data());
     }
     if (has_history()) recall();
+}
+
+void ContactTerm::settle() {
+    const Stopwatch watch(costs_.segments);
+    if (gaps_->settle(X0_.data())) known_.clear(), known_at_.clear();
 }
 
 void ContactTerm::find_gaps() {
@@ -607,7 +613,11 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
 }
 
 void ContactTerm::accept(const Context& c) {
-    if (c.step.motion[0][0] == 0) evaluate(c, true);  // the books of statics have gone back along the path
+    if (c.step.motion[0][0] == 0) {  // the books of statics have gone back along the path
+        gaps_->skin().positions(c.vectors.x0, X0_);
+        settle();
+        evaluate(c, true);
+    }
     if (has_history()) keep(c);
     begin(c.vectors.x1);
 }

@@ -101,6 +101,7 @@ class ContactTerm : public Term {
     bool read_search(const double*& memory);
     bool beyond(const double* X, double margin) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
+    void settle();
     void find_gaps();
     void find_gradients();
     template <class F>

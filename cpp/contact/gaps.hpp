@@ -49,6 +49,9 @@ class Gaps {
     /// Takes into the stencils what may come into contact between two configurations alone; true if that has
     /// changed them.
     virtual bool narrow(const double* /*from*/, const double* /*to*/) { return false; }
+    /// Fixes for a step that begins here what does not move with the unknowns; true if gaps are other
+    /// functions from now on.
+    virtual bool settle(const double* /*X*/) { return false; }
     /// Vertices that a gap depends on; its own comes first.
     const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
     /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.
@@ -74,6 +77,7 @@ class Gaps {
 struct MortarOptions {
     double reach = 0;           // facets farther apart along the normal do not see each other
     bool axisymmetric = false;  // edges stand for surfaces of revolution
+    bool dual = false;          // weighted by dual functions of the first surface, for what it was covered of
 };
 
 std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);

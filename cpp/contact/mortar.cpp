@@ -55,11 +55,13 @@ class Mortar : public Gaps {
             for (int a = 0; a < skin_.n_corners(f); ++a) n_ = std::max(n_, skin_.corners(f)[a] + 1);
         stencils_.resize(n_), neighbours_.resize(n_), shares_.resize(n_), ring_.resize(n_);
         views_.resize(skin_.n_facets()), views_after_.resize(skin_.n_facets());
+        if (options_.dual) dual_.assign(skin_.n_first, Functions::Identity());
     }
 
     bool search(const double* from, const double* to) override;
     const std::vector<int>& neighbours(int gap) const override { return neighbours_[gap]; }
     bool narrow(const double* from, const double* to) override;
+    bool settle(const double* X) override;
     void values(const double* X, double* gap, double* area) override;
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
@@ -68,6 +70,9 @@ class Mortar : public Gaps {
                std::vector<Grip>& out) override;
 
   private:
+    // Dual functions of a facet's corners by their shapes.
+    using Functions = Eigen::Matrix<double, facet_corners, facet_corners, Eigen::RowMajor>;
+    Functions dual_functions(int n, const SegmentWeights& covered) const;
     // A facet as the search for neighbours sees it.
     struct View {
         Vector3 normal, centre;
@@ -113,7 +118,8 @@ class Mortar : public Gaps {
     std::vector<Segment> segments_;          // of the pairs in near_
     std::vector<SegmentWeights> weights_;
     std::vector<SegmentWeightGradients> weight_gradients_;
-    std::vector<int> owner_;  // per pair: the vertex whose share of second derivatives is the pair's
+    std::vector<Functions> dual_;  // per facet of the first surface; empty: shapes are taken
+    std::vector<int> owner_;       // per pair: the vertex whose share of second derivatives is the pair's
 };
 
 bool Mortar::search(const double* from, const double* to) {
@@ -218,6 +224,7 @@ FacetPair Mortar::corners(const double* X, const Pair& pair) const {
     FacetPair p{};
     p.n_first = skin_.n_corners(pair.first), p.n_second = skin_.n_corners(pair.second);
     p.reach = options_.reach, p.axisymmetric = options_.axisymmetric;
+    if (options_.dual) p.dual = reinterpret_cast<const double (*)[facet_corners]>(dual_[pair.first].data());
     for (int c = 0; c < segment_corners; ++c) {
         const int v = skin_.corners(c < facet_corners ? pair.first : pair.second)[c % facet_corners];
         for (int i = 0; v >= 0 && i < 3; ++i) p.x[c][i] = X[3 * v + i];
@@ -274,6 +281,45 @@ void Mortar::find_near(const double* X, const std::vector<char>* wanted) {
         if (counts) near_.push_back(static_cast<int>(p));
     }
     if (segments_.size() < near_.size()) segments_.resize(near_.size());
+}
+
+// With D the integrals of shapes and M those of their products over what is covered, D M^-1 are functions
+// with the same integrals and sum, each of which sees its own corner alone (Wohlmuth 2000). Where a corner's
+// part is hardly covered, or nothing yet, they are the shapes themselves.
+Mortar::Functions Mortar::dual_functions(int n, const SegmentWeights& covered) const {
+    constexpr double least = 0.05;
+    Functions a = Functions::Identity();
+    const double *begin = covered.area, *end = begin + n;
+    if (!(*std::min_element(begin, end) > least * *std::max_element(begin, end))) return a;
+    Eigen::MatrixXd M(n, n);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) M(i, j) = covered.first[i][j];
+    const Eigen::MatrixXd inverse = M.inverse();
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) a(i, j) = covered.area[i] * inverse(i, j);
+    return a;
+}
+
+bool Mortar::settle(const double* X) {
+    if (!options_.dual) return false;
+    find_near(X, nullptr);
+    weights_.resize(near_.size());
+    each_near(X, [&](const FacetPair& x, int, Segment& s) {
+        segment_kernels().weights(x, weights_[&s - segments_.data()]);
+    });
+    std::vector<SegmentWeights> covered(skin_.n_first, SegmentWeights{});
+    for (std::size_t k = 0; k < near_.size(); ++k) {
+        SegmentWeights& sum = covered[pairs_[near_[k]].first];
+        for (int a = 0; weights_[k].any && a < facet_corners; ++a) {
+            sum.area[a] += weights_[k].area[a];
+            for (int b = 0; b < facet_corners; ++b) sum.first[a][b] += weights_[k].first[a][b];
+        }
+    }
+    std::vector<Functions> functions;
+    for (int f = 0; f < skin_.n_first; ++f)
+        functions.push_back(dual_functions(skin_.n_corners(f), covered[f]));
+    dual_.swap(functions);
+    return dual_ != functions;
 }
 
 template <class F>

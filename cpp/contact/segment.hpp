@@ -14,12 +14,15 @@ struct FacetPair {
     int n_first, n_second;
     double reach = 0;  // segments fade out from half of this distance on, so that gaps stay smooth; 0: never
     bool axisymmetric = false;  // edges stand for surfaces of revolution about the second axis
+    // Dual functions of the first facet's corners by their shapes, [a][b]; null: the shapes themselves.
+    const double (*dual)[facet_corners] = nullptr;
 };
 
 /// Facets that look at each other by less than this cosine fade out towards the second one.
 inline constexpr double facing_full = -0.3, facing_none = -0.1;
 
-/// Integrals over a segment, for every corner a of the first facet.
+/// Integrals over a segment, for the function N_a of every corner a of the first facet, its shape or a dual
+/// one.
 struct Segment {
     bool any;                                  // false: they do not face each other
     double V[facet_corners][3];                // of N_a (x2 - x1)
@@ -30,7 +33,7 @@ struct Segment {
     double HD[facet_corners][segment_size];    // d2(n_a . V_a)/dx2 along a given direction
 };
 
-/// The weights of the integrals of N_a N_b (first facet) and N_a N_c (second), by corners.
+/// The weights of the integrals of N_a N_b (first facet) and N_a N_c (second), by corners; shapes alone.
 struct SegmentWeights {
     bool any;
     double first[facet_corners][facet_corners], second[facet_corners][facet_corners];

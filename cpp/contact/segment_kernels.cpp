@@ -21,6 +21,47 @@ void clear(Segment& s) {
     }
 }
 
+// From integrals with the first facet's shapes to those with its dual functions, if these are wanted.
+template <class T>
+void mix(const FacetPair& p, T* by_corner, int apart = 1) {
+    if (!p.dual) return;
+    T shapes[facet_corners];
+    for (int b = 0; b < p.n_first; ++b) shapes[b] = by_corner[b * apart];
+    for (int a = 0; a < p.n_first; ++a) {
+        T sum = {};
+        for (int b = 0; b < p.n_first; ++b) add_to(sum, p.dual[a][b] * shapes[b]);
+        by_corner[a * apart] = sum;
+    }
+}
+
+void mix_values(const FacetPair& p, Segment& s) {
+    mix(p, s.area);
+    for (int i = 0; i < 3; ++i) mix(p, s.V[0] + i, 3);
+}
+
+void mix_jacobians(const FacetPair& p, Segment& s) {
+    for (int k = 0; k < 3 * N; ++k) mix(p, s.J[0][0] + k, 3 * N);
+}
+
+template <class T>
+void mix_gradients(const FacetPair& p, LocalGradient<T>& local) {
+    mix(p, local.integral);
+    for (auto& row : local.planar) mix(p, row);
+    for (auto& row : local.height) mix(p, row);
+}
+
+// Covectors of the shapes' integrals that do what those of the dual ones' do.
+struct ByShapes {
+    double u[facet_corners][3] = {};
+    ByShapes(const FacetPair& p, const double (*given)[3]) {
+        for (int b = 0; b < p.n_first; ++b)
+            for (int i = 0; i < 3; ++i) {
+                if (!p.dual) u[b][i] = given[b][i];
+                for (int a = 0; p.dual && a < p.n_first; ++a) u[b][i] += p.dual[a][b] * given[a][i];
+            }
+    }
+};
+
 struct Values {
     const FacetPair& pair;
     Segment& s;
@@ -41,6 +82,7 @@ Corners<double> plain(const FacetPair& p) {
 void value(const FacetPair& p, Segment& s) {
     clear(s);
     s.any = integrate(plain(p).x, p, Values{p, s});
+    mix_values(p, s);
 }
 
 struct Weights {
@@ -143,11 +185,11 @@ Covectors covectors(const double (*u)[3]) {
 }
 
 // One set for each end of the first edge, with its own covector alone.
-void one_by_one(const double (*n)[3], Covectors* each) {
+void one_by_one(const FacetPair& p, const double (*n)[3], Covectors* each) {
     for (int a = 0; a < 2; ++a) {
         double one[2][3] = {};
         for (int i = 0; i < 3; ++i) one[a][i] = n[a][i];
-        each[a] = covectors(one);
+        each[a] = covectors(ByShapes(p, one).u);
     }
 }
 
@@ -172,7 +214,7 @@ bool differentiate(const FacetPair& p, const Seed& coordinate, const Covectors* 
 
 void gradient_2d(const FacetPair& p, const double (*n)[3], Segment& s) {
     Covectors each[2];
-    one_by_one(n, each);
+    one_by_one(p, n, each);
     const Values sums{p, s};
     s.any = differentiate<double, 2>(
         p, [&](int k, int i) { return p.x[k][i]; }, each,
@@ -181,6 +223,7 @@ void gradient_2d(const FacetPair& p, const double (*n)[3], Segment& s) {
             corner_shapes(2, l, shape);
             sums(w, shape, nullptr, gap);
         });
+    mix_values(p, s);
     for (int a = 0; s.any && a < 2; ++a)
         for (int i = 0; i < N; ++i) s.g[a][i] = Taped<double, 2>::tape().adjoint(i, a);
 }
@@ -188,7 +231,7 @@ void gradient_2d(const FacetPair& p, const double (*n)[3], Segment& s) {
 void second_2d(const FacetPair& p, const double (*u)[3], const double (*n)[3], const double* direction,
                Segment& s) {
     Moments moments;
-    const Covectors all = covectors(u);
+    const Covectors all = covectors(ByShapes(p, u).u);
     auto coordinate = [&](int k, int i) {
         D x;
         x.v = p.x[k][i], x.d[3 * k + i] = 1;
@@ -200,12 +243,13 @@ void second_2d(const FacetPair& p, const double (*u)[3], const double (*n)[3], c
         moments.add(2, w, shape, gap);
     });
     moments.write(p, s);
+    mix_values(p, s), mix_jacobians(p, s);
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) s.H[i][j] = s.any ? Taped<D, 1>::tape().adjoint(i, 0).d[j] : 0;
     if (!direction) return;
     using L = Dual<1>;
     Covectors each[2];
-    one_by_one(n, each);
+    one_by_one(p, n, each);
     auto moved = [&](int k, int i) {
         L x;
         x.v = p.x[k][i], x.d[0] = direction[3 * k + i];
@@ -268,6 +312,7 @@ void gradient_3d(const FacetPair& p, const double (*n)[3], Segment& s) {
     if (!(s.any = o.has_value())) return;
     LocalGradient<double> local(*o);
     local.finish(*o);
+    mix_gradients(p, local);
     for (int a = 0; a < p.n_first; ++a) std::fill_n(s.g[a], N, 0.0);
     to_space(*o, local, c.x, n, s.g);
     write_moments(p, *o, local.integral, o->weight, s);
@@ -291,6 +336,7 @@ void along_3d(const FacetPair& p, const double (*n)[3], const double* direction,
     if (!o) return;
     LocalGradient<L> local(*o);
     local.finish(*o);
+    mix_gradients(p, local);
     L g[facet_corners][N];
     to_space(*o, local, c.x, n, g);
     for (int a = 0; a < p.n_first; ++a)
@@ -334,12 +380,13 @@ void second_3d(const FacetPair& p, const double (*u)[3], const double (*n)[3], c
     const Corners<double> c = plain(p);
     const auto o = outline(p, c.x);
     if (!(s.any = o.has_value())) return;
-    const Spatial spatial(*o, c.x, u);
+    const Spatial spatial(*o, c.x, ByShapes(p, u).u);
     LocalGradient<double> local(*o);
     const LocalHessian hessian(*o, local, spatial.c);
     local.finish(*o);
-    spatial.first(local, s.J);
     spatial.second(local, hessian.products(), s.H);
+    mix_gradients(p, local);
+    spatial.first(local, s.J);
     write_moments(p, *o, local.integral, o->weight, s);
     if (direction) along_3d(p, n, direction, s);
     fade(p, *o, u, n, direction, local.integral, s);

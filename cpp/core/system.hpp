@@ -7,6 +7,7 @@
 
 #include "condensed.hpp"
 #include "eliminated.hpp"
+#include "exchange.hpp"
 #include "linear.hpp"
 #include "predictor.hpp"
 #include "term.hpp"
@@ -52,6 +53,8 @@ class System {
     void set_local(std::vector<int> element) { element_ = std::move(element); }
     // Unknowns that linear constraints give by others; see Elimination.
     void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
+    // Multipliers that leave the equations by the forces on nodes of their own; see Exchange.
+    void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
@@ -114,8 +117,9 @@ class System {
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
-    const Csr& solved() const { return elimination_ ? elimination_->left() : condensed(); }
+    const Csr& solved() const { return exchange_ ? exchange_->left() : eliminated(); }
     int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
+    int n_exchanged() const { return exchange_ ? exchange_->n() : 0; }
     int revision() const { return revision_; }     // of the pattern
     double rewiring() const { return rewiring_; }  // CPU seconds for new ones
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
@@ -127,6 +131,7 @@ class System {
 
   private:
     const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
+    const Csr& eliminated() const { return elimination_ ? elimination_->left() : condensed(); }
     void reduce();
     void hold(const Pattern&);
     void rewire();
@@ -181,6 +186,8 @@ class System {
     std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
     std::vector<Dependence> dependences_;
     std::shared_ptr<Elimination> elimination_;  // null where there are none
+    std::vector<NodalMultiplier> nodal_multipliers_;
+    std::shared_ptr<Exchange> exchange_;  // the same
     std::unique_ptr<LinearSolver> solver_;
     struct Segment {
         int begin, end, order;  // unknowns of equal order in a row

@@ -6,6 +6,7 @@
 namespace visviva {
 
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
+    if (exchange_) solver = make_exchanged(exchange_, std::move(solver));
     if (elimination_) solver = make_eliminated(elimination_, std::move(solver));
     solver_ = condensation_ ? make_condensed(condensation_, std::move(solver)) : std::move(solver);
     describe_nodes();

@@ -94,6 +94,8 @@ class Problem:
         Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
     is_flow : bool
         Nothing else is: all constraints are pressures.
+    n_condensed : int
+        Pressures of contact that have left the equations; they leave them unsymmetric.
     """
 
     n: int
@@ -109,6 +111,7 @@ class Problem:
     has_diagonal: bool = False
     has_flow: bool = False
     is_flow: bool = False
+    n_condensed: int = 0
 
     @property
     def kind(self) -> _core.MatrixKind:
@@ -169,7 +172,8 @@ class Problem:
         kind = {"definite": "symmetric positive definite", "symmetric": "symmetric", "general": "unsymmetric"}
         text = f"{self.n} equations with {self.n_entries / max(self.n, 1):.0f} entries each, "
         text += kind[self.kind.name] + (" but for terms of the step's length" if self.nearly else "")
-        return text + (f", {self.n_multipliers} constraints" if self.n_multipliers else "")
+        text += f", {self.n_multipliers} constraints" if self.n_multipliers else ""
+        return text + (f", {self.n_condensed} pressures condensed" if self.n_condensed else "")
 
 
 @dataclass(frozen=True)

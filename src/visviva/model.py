@@ -63,6 +63,7 @@ class Model:
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
     dependences: list[tuple[int, int]] = field(default_factory=list)
+    nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -305,6 +306,14 @@ class Model:
         The constraint must be that of a term of its own, and linear in the multiplier too.
         """
         self.dependences.append((unknown, multiplier))
+
+    def press(self, multiplier: int, unknown: int, size: int) -> None:
+        """Let a multiplier leave the equations by the momentum of a node, its first unknown and how many it has.
+
+        The multiplier's force must act on that node more than on those of other such multipliers; it may be no other
+        one's.
+        """
+        self.nodal_multipliers.append((multiplier, unknown, size))
 
     def term(self, component: Component, term: Term) -> None:
         """A whole term written in Python."""

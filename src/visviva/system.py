@@ -143,6 +143,7 @@ class System:
         core.set_local(self.local)
         core.set_prescribed(*supplied)
         self._set_dependences()
+        self._set_nodal_multipliers()
         core.finalize()
         self.choose_linear()
         core.x[:] = np.concatenate([f.values for f in fields])
@@ -175,6 +176,12 @@ class System:
         if not listed or self.newton.null_space:
             return
         self.core.set_dependences(*np.array(listed, dtype=np.int32).T.copy())
+
+    def _set_nodal_multipliers(self) -> None:
+        """Pressures that leave the equations by the momentum of their nodes."""
+        listed = self.model.nodal_multipliers
+        if listed:
+            self.core.set_nodal_multipliers(*np.array(listed, dtype=np.int32).T.copy())
 
     def _blocks(self) -> tuple[NDArray[np.int32], ...]:
         numbers: dict[Any, int] = {}
@@ -240,7 +247,8 @@ class System:
     def _linear_problem(self) -> Problem:
         """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
         fields = [f for f in self.model.fields if not f.is_local]
-        symmetric = all(f.symmetric for f in fields)
+        condensed = self.core.n_exchanged
+        symmetric = all(f.symmetric for f in fields) and not condensed
         has_flow = not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
         return Problem(
             n=self.core.n_equations,
@@ -250,7 +258,8 @@ class System:
             definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints - self.core.n_eliminated,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
-            n_pressures=sum(f.size for f in fields if f.order == 0 and not f.multiplier and not f.definite),
+            n_pressures=sum(f.size for f in fields if is_pressure(f)) - condensed,
+            n_condensed=condensed,
             has_inertia=self.has_inertia,
             regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
             has_diagonal=not symmetric and self._has_diagonal(),
@@ -262,8 +271,9 @@ class System:
         """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
         fields = [f for f in self.model.fields if not f.is_local]
         free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
-        others = all(f.order > 0 or not f.symmetric for f in fields if not f.multiplier)
-        return others and free == self.core.n_eliminated
+        pressures = sum(f.size for f in fields if is_pressure(f) and f.symmetric)
+        others = all(f.order > 0 or not f.symmetric or is_pressure(f) for f in fields if not f.multiplier)
+        return others and (free, pressures) == (self.core.n_eliminated, self.core.n_exchanged)
 
     def _modes(self) -> Array:
         """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
@@ -527,6 +537,11 @@ class System:
 
         self.report = check(self, repair=repair)
         return self.report
+
+
+def is_pressure(field: Field) -> bool:
+    """Whether unknowns are pressures of contact."""
+    return field.order == 0 and not field.multiplier and not field.definite
 
 
 def characteristic_length(components: Sequence[Component]) -> float:

@@ -30,6 +30,22 @@ CONTACT = [
         for name, make in {"bricks": bricks, "plates": plates}.items()
         for kind, (options, what) in CONTACTS.items()
     ),
+    *(
+        Entry(f"contact, {name}, dual, {kind}", partial(make, **options), what, h=0.01, steps=30)
+        for name, make in {"bricks": bricks, "plates": plates}.items()
+        for kind, (options, what) in {
+            "kept": ({"multipliers": "dual", "impact": "conserving"}, ALL),
+            "condensed": ({"multipliers": "dual", "condensed": True, "impact": "conserving"}, ALL),
+            "condensed, dissipative": ({"multipliers": "dual", "condensed": True}, MOMENTA),
+        }.items()
+    ),
+    Entry(
+        "contact, exact sphere, condensed",
+        partial(on_shape, "sphere", condensed=True, impact="conserving"),
+        ALL,
+        h=0.01,
+        steps=30,
+    ),
     Entry("contact, tet4", partial(bricks, "tet4", impact="conserving"), ALL, h=0.01, steps=10),
     Entry("contact, quad8", partial(plates, "quad8", enforcement="penalty"), ALL, h=0.01, steps=10),
     Entry(

@@ -26,10 +26,14 @@ LINEAR = [(2, "quad4"), (2, "tri3"), (3, "hex8"), (3, "tet4")]
 QUADRATIC = [(2, "quad8"), (2, "tri6"), (3, "hex20"), (3, "hex27"), (3, "tet10")]
 
 
+CONDENSED = {"multipliers": "dual", "condensed": True}
+
+
+@pytest.mark.parametrize("options", [{}, CONDENSED], ids=["standard", "condensed"])
 @pytest.mark.parametrize(("dimension", "cell"), LINEAR + QUADRATIC)
-def test_patch(dimension: int, cell: str) -> None:
+def test_patch(dimension: int, cell: str, options: dict[str, Any]) -> None:
     """Uniform stress and the displacement of the bar or of plane strain, to round-off, in one load step."""
-    a, b, contact, parts = stacked(dimension, cell)
+    a, b, contact, parts = stacked(dimension, cell, **options)
     system = vv.System(parts)
     vv.quasi_static(system, until=1.0, step=1.0)
     axis = dimension - 1

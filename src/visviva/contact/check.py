@@ -24,6 +24,37 @@ DEEP = 1e-6
 """Surfaces may overlap by this part of a facet at the start: rounding of meshes."""
 
 
+def check_multipliers(contact: Contact) -> None:
+    """Refuse dual and condensed multipliers where there are none."""
+    label, dual, condensed = contact.label, contact.multipliers == "dual", contact.condensed
+    if not (dual or condensed):
+        return
+    what = f"multipliers={contact.multipliers!r}" if dual else "condensed=True"
+    if contact.enforcement == "penalty":
+        raise InputError(f"{label}: {what} needs enforcement='multipliers', not 'penalty', which has none")
+    if contact.friction > 0:
+        raise InputError(
+            f"{label}: {what} is for contact without friction, which has tractions beside pressures; leave out "
+            f"friction = {contact.friction:g}, or take multipliers='standard' with condensed=False"
+        )
+    exact = contact.second is not None and contact.second.surface() is None
+    if dual and (contact.formulation != "mortar" or exact):
+        raise InputError(
+            f"{label}: multipliers='dual' are those of mortar contact between surfaces; here vertices have one each: "
+            "leave it out, they can be condensed as they are"
+        )
+    if condensed and not isinstance(contact.first, Solid):
+        raise InputError(
+            f"{label}: condensed=True needs nodes of a solid on the first surface, which {contact.first.label} has "
+            "not; exchange first and second, or leave it out"
+        )
+    if condensed and not dual and contact.formulation == "mortar" and not exact:
+        raise InputError(
+            f"{label}: standard multipliers of mortar contact press on the nodes beside their own as well and cannot "
+            "be condensed; give multipliers='dual'"
+        )
+
+
 def check_sides(contact: Contact) -> None:
     """Refuse sides that cannot touch each other as they are given."""
     first, second = contact.first, contact.second

@@ -12,7 +12,7 @@ from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
-from visviva.contact.check import check_sides, check_stiffness, refuse_overlap
+from visviva.contact.check import check_multipliers, check_sides, check_stiffness, refuse_overlap
 from visviva.contact.fields import record
 from visviva.contact.obstacle import frame_surface
 from visviva.contact.resolve import resolve
@@ -52,6 +52,13 @@ class Contact(Component):
     enforcement : {'multipliers', 'penalty'}
         'multipliers': gaps are not negative, pressures are unknowns, with an active set. 'penalty': pressures are
         `stiffness` times penetration, a potential.
+    multipliers : {'standard', 'dual'}
+        Of mortar contact: 'standard' ones have the shape functions of the first surface; 'dual' ones see each its own
+        vertex alone where surfaces meet. Without friction.
+    condensed : bool
+        Multipliers leave the equations before these are solved, each by the momentum of its own node, and its gap takes
+        the place of the momentum along the normal. They stay unknowns, and nothing else changes. The first surface
+        must be that of a solid, mortar multipliers dual ones, and there is no friction.
     stiffness : float
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
@@ -106,6 +113,8 @@ class Contact(Component):
     second_faces: str | Faces = "all"
     formulation: Literal["mortar", "node-to-segment"] = "mortar"
     enforcement: Literal["multipliers", "penalty"] = "multipliers"
+    multipliers: Literal["standard", "dual"] = "standard"
+    condensed: bool = False
     stiffness: Number | None = None
     damping: Number = 0.0
     impact: Literal["dissipative", "conserving"] = "dissipative"
@@ -125,6 +134,7 @@ class Contact(Component):
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
                 "formulation='node-to-segment'"
             )
+        check_multipliers(self)
         if not self.damping >= 0:
             raise InputError(f"{self.label}: damping = {self.damping:g} is negative: it would add energy")
         if self.damping > 0 and self.enforcement != "penalty":
@@ -200,6 +210,14 @@ class Contact(Component):
             energy = -1 if sticks else model.account(self, "friction", "potential")
             self.term.book_friction(work, energy)
         model.batch(self.term)
+        if self.condensed:
+            self._condense(model)
+
+    def _condense(self, model: Model) -> None:
+        assert isinstance(self.first, Solid)
+        nodes = self.first.node_unknowns(self.first.faces(self.first_faces).nodes)
+        for pressure, node in zip(self.pressure.unknowns, nodes, strict=True):
+            model.press(int(pressure), int(node), self._surface.dimension)
 
     def _gaps(self, length: float) -> tuple[_core.Gaps, float, float]:
         """The gap functions, the size of facets, and how far they see."""
@@ -223,7 +241,7 @@ class Contact(Component):
         reach = self.reach or size
         pair = self._paired(opposite)
         if self.formulation == "mortar":
-            return _core.mortar(pair, reach, first.axisymmetric), size, reach
+            return _core.mortar(pair, reach, first.axisymmetric, self.multipliers == "dual"), size, reach
         if rubs and not len(first.facets):
             raise InputError(
                 f"{self.label}: {self.first.label} touches by points, which rub on exact shapes only; give the surface "
