@@ -112,8 +112,8 @@ def test_a_node_that_two_contacts_press_on_keeps_one_pressure() -> None:
     results = []
     for condensed in (False, True):
         block = vv.Solid(mesh=mesh, material=RUBBER, density=1.0, velocity=(0.5, 0, -1.0))
-        floor = vv.Plane(point=(0, 0, -0.005), normal=(0, 0, 1))
-        wall = vv.Plane(point=(1.005, 0, 0), normal=(-1, 0, 0))
+        floor = vv.Plane(at=(0, 0, -0.005), normal=(0, 0, 1))
+        wall = vv.Plane(at=(1.005, 0, 0), normal=(-1, 0, 0))
         contacts = [vv.Contact(first=block, second=s, condensed=condensed) for s in (floor, wall)]
         system = vv.System([block, floor, wall, *contacts])
         vv.simulate(system, until=0.1, step=0.01)

@@ -110,7 +110,7 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
         "vertices have one each.*condensed as they are",
     ),
     "dual multipliers on a shape": (
-        lambda: against(vv.Plane(point=(0, 0, 0), normal=(0, 0, 1)), first_faces="z0", multipliers="dual"),
+        lambda: against(vv.Plane(at=(0, 0, 0), normal=(0, 0, 1)), first_faces="z0", multipliers="dual"),
         "vertices have one each.*condensed as they are",
     ),
     "condensing standard multipliers": (

@@ -37,7 +37,8 @@ def check_multipliers(contact: Contact) -> None:
             f"{label}: {what} is for contact without friction, which has tractions beside pressures; leave out "
             f"friction = {contact.friction:g}, or take multipliers='standard' with condensed=False"
         )
-    exact = contact.second is not None and contact.second.surface() is None
+    second = contact.second
+    exact = second is not None and second.surface() is None and second.outline() is not None
     if dual and (contact.formulation != "mortar" or exact):
         raise InputError(
             f"{label}: multipliers='dual' are those of mortar contact between surfaces; here vertices have one each: "
