@@ -116,7 +116,7 @@ class Problem:
     @property
     def kind(self) -> _core.MatrixKind:
         """Kind of the matrix."""
-        if not self.symmetric:
+        if not self.symmetric or self.n_condensed:
             return _core.MatrixKind.general
         definite = self.definite and self.n_multipliers == 0
         return _core.MatrixKind.definite if definite else _core.MatrixKind.symmetric
@@ -133,14 +133,14 @@ class Problem:
 
     @property
     def is_contact(self) -> bool:
-        """Symmetric, with pressures of contact and no other constraints."""
-        return self.symmetric and self.n_pressures > 0 and self.n_multipliers == 0
+        """Symmetric, with pressures of contact, condensed or not, and no other constraints."""
+        return self.symmetric and self.n_pressures + self.n_condensed > 0 and self.n_multipliers == 0
 
     @property
     def is_pressed(self) -> bool:
         """The static tangent of a three-dimensional mesh with contact pressures."""
         large = self.n >= PRESSED and self.n_entries > DENSE_ROWS * self.n
-        return self.is_contact and large and not self.has_inertia
+        return self.is_contact and large and not self.has_inertia and not self.n_condensed
 
     @property
     def is_large_impact(self) -> bool:
@@ -156,7 +156,11 @@ class Problem:
     @property
     def is_plane_flow(self) -> bool:
         """The unsymmetric tangent of a plane mesh whose pattern tells the pivots: minimum degree orders it best."""
-        return self.has_diagonal and not self.symmetric and self.n_entries <= DENSE_ROWS * self.n
+        return (
+            self.has_diagonal
+            and self.kind == _core.MatrixKind.general
+            and self.n_entries <= DENSE_ROWS * self.n
+        )
 
     @property
     def is_small(self) -> bool:

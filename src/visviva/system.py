@@ -247,14 +247,14 @@ class System:
     def _linear_problem(self) -> Problem:
         """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
         fields = [f for f in self.model.fields if not f.is_local]
-        condensed = self.core.n_exchanged
-        symmetric = all(f.symmetric for f in fields) and not condensed
+        condensed = self.core.n_exchanged or len(self.model.nodal_multipliers)  # before anything is near
+        symmetric = all(f.symmetric for f in fields)
         has_flow = not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
         return Problem(
             n=self.core.n_equations,
             n_entries=self.core.n_entries,
             symmetric=symmetric,
-            nearly=symmetric and self.has_discrete_gradient,
+            nearly=symmetric and self.has_discrete_gradient and not condensed,
             definite=all(f.order != 1 and f.definite for f in fields),
             n_multipliers=self.n_constraints - self.core.n_eliminated,
             has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
@@ -262,18 +262,18 @@ class System:
             n_condensed=condensed,
             has_inertia=self.has_inertia,
             regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
-            has_diagonal=not symmetric and self._has_diagonal(),
+            has_diagonal=bool(condensed or not symmetric) and self._has_diagonal(condensed),
             has_flow=has_flow,
             is_flow=has_flow and all(f.order < 2 for f in fields),
         )
 
-    def _has_diagonal(self) -> bool:
+    def _has_diagonal(self, condensed: int) -> bool:
         """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
         fields = [f for f in self.model.fields if not f.is_local]
         free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
         pressures = sum(f.size for f in fields if is_pressure(f) and f.symmetric)
         others = all(f.order > 0 or not f.symmetric or is_pressure(f) for f in fields if not f.multiplier)
-        return others and (free, pressures) == (self.core.n_eliminated, self.core.n_exchanged)
+        return others and (free, pressures) == (self.core.n_eliminated, condensed)
 
     def _modes(self) -> Array:
         """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
