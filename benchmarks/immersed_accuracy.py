@@ -46,7 +46,7 @@ def fsi1() -> None:
             )
 
 
-def fsi2(until: float = 18.0, step: float = 0.02) -> None:
+def fsi2(until: float = 30.0, step: float = 0.02) -> None:
     """BDF2, two cells over the flag: how far its end and the forces swing, second by second."""
     begin, case, second = time.process_time(), Flag(channel(Rows(12, 2)), (14, 1), FSI2), []
     print(f"fsi2: {case.system.core.n_equations} equations; body-fitted {SWINGS}, {FREQUENCY} Hz")
