@@ -47,3 +47,40 @@ def test_clasp_closes_and_opens(friction: float) -> None:
     if friction:
         assert np.diff(result.ledger["work_friction"]).max() <= 1e-12 * result.ledger["total"][0]
         assert result.ledger["work_friction"][-1] < 0
+
+
+def hairpin() -> vv.Mesh:
+    """Two legs along x, a half circle between them; the face y1 lies inside."""
+    unit = vv.BoxMesh(size=(1, 1, 1), counts=(24, 1, 3)).build()
+    s, inwards, across = unit.points.T
+    radius = 0.3 - 0.15 * inwards
+    along = s * (4 + 0.3 * np.pi)
+    bent = np.clip((along - 2) / 0.3, 0, np.pi)
+    x = np.clip(2 - along, 0, None) + np.clip(along - 2 - 0.3 * np.pi, 0, None) - radius * np.sin(bent)
+    points = np.column_stack([x, radius * np.cos(bent), 0.5 * across])
+    return vv.Mesh(points, unit.cells, face_sets=unit.face_sets)
+
+
+def test_hairpin_closes_and_opens_in_space() -> None:
+    """Its legs fly towards each other and aside: they hit, slide along each other and part; momenta and energy are
+    exact, and the legs do not pass through each other."""
+    mesh = hairpin()
+    pin = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=100.0, poisson=0.3), density=1.0)
+    contact = vv.Contact(first=pin, first_faces="y1", formulation="node-to-segment", enforcement="penalty")
+    system = vv.System([pin, contact], vv.Newton(tolerance=1e-13))
+    x, y, _ = mesh.points.T
+    unknowns = pin.node_unknowns(np.arange(len(x)))
+    system.v[unknowns + 1] = -1.0 * np.sign(y) * np.clip(x, 0, None)
+    system.v[unknowns + 2] = 0.2 * np.sign(y) * np.clip(x, 0, None)
+    touches, depths = [], []
+
+    def observe(_: vv.System) -> None:
+        touches.append(bool(contact.pressures.max() > 0))
+        depths.append(-float(np.nan_to_num(contact.gaps, nan=1.0).min()))
+
+    result = vv.simulate(system, until=1.0, step=0.01, observe=observe)
+    assert 10 < sum(touches) < 60
+    assert not touches[-1]
+    assert max(depths) < 0.1 * 0.15
+    momenta = [f"{kind}_{c}" for kind in ("momentum", "angular") for c in "xyz"]
+    result.assert_conserved("energy", *momenta, tolerance=1e-11)
