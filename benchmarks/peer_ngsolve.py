@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import netgen.meshing as netgen
 import ngsolve as ng
 import numpy as np
@@ -42,6 +44,7 @@ class NGSolve:
         self.free.Set()
         for k in np.flatnonzero(self.vector(np.repeat(case.held[:, None], 3, axis=1))):
             self.free.Clear(int(k))
+        self.inverse: Any = None
         self.u, self.out = (ng.GridFunction(space).vec.CreateVector() for _ in range(2))
 
     def vector(self, nodal: Array) -> Array:
@@ -67,8 +70,11 @@ class NGSolve:
         if jump.any():
             self.out.data = self.form.mat * self.at(jump)
             r = r - self.out.FV().NumPy()
-        inverse = self.form.mat.Inverse(self.free, inverse="pardiso", flags={"ordering": "metis"})
-        self.out.data = inverse * self.at(r)
+        if self.inverse is None:
+            self.inverse = self.form.mat.Inverse(self.free, inverse="pardiso", flags={"ordering": "metis"})
+        else:
+            self.inverse.Update()  # keeps the analysis
+        self.out.data = self.inverse * self.at(r)
         return np.asarray(jump + self.out.FV().NumPy())
 
     def inertia(self, a: Array) -> Array:

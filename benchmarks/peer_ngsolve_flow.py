@@ -29,6 +29,7 @@ class Channel:
         self.strength = 1 + ng.sin(2 * np.pi * self.time)
         self.new.components[0].Set(ng.CF((self.profile, 0)))
         self.right, self.out = (self.new.vec.CreateVector() for _ in range(2))
+        self.inverse: Any = None
         self.form()
 
     def form(self) -> None:
@@ -66,8 +67,11 @@ class Channel:
 
     def advance(self) -> tuple[float, float]:
         """Takes the increment off; sizes of the velocities in it and in the state."""
-        inverse = self.f.mat.Inverse(self.space.FreeDofs(), inverse="pardiso")
-        self.out.data = inverse * self.right
+        if self.inverse is None:
+            self.inverse = self.f.mat.Inverse(self.space.FreeDofs(), inverse="pardiso")
+        else:
+            self.inverse.Update()  # keeps the analysis
+        self.out.data = self.inverse * self.right
         self.new.vec.data -= self.out
         return self.size(self.out), self.size(self.new.vec)
 
