@@ -15,9 +15,9 @@ class Acceleration {
     void forget() { n_ = 0, last_ = -1, known_ = false; }
 
     /// Turns the increment d of the kept tangent into the accelerated one; weight: of each unknown's error,
-    /// zero for those that are not judged.
+    /// zero for those that are not judged. d may have more numbers than there are unknowns.
     void apply(std::vector<double>& d, const std::vector<double>& weight) {
-        const std::size_t n = d.size();
+        const std::size_t n = weight.size();
         if (known_) {
             const int k = last_ = (last_ + 1) % depth;
             change_[k].resize(n), moved_[k].resize(n);
@@ -42,13 +42,13 @@ class Acceleration {
         const Eigen::VectorXd share = a.completeOrthogonalDecomposition().solve(b);
         if (!share.allFinite()) return;
         for (int i = 0; i < n_; ++i)
-            for (std::size_t k = 0; k < d.size(); ++k) d[k] -= share[i] * (change_[i][k] + moved_[i][k]);
+            for (std::size_t k = 0; k < weight.size(); ++k) d[k] -= share[i] * (change_[i][k] + moved_[i][k]);
     }
 
     static double product(const std::vector<double>& a, const std::vector<double>& b,
                           const std::vector<double>& weight) {
         double sum = 0;
-        for (std::size_t i = 0; i < a.size(); ++i) sum += weight[i] * weight[i] * a[i] * b[i];
+        for (std::size_t i = 0; i < weight.size(); ++i) sum += weight[i] * weight[i] * a[i] * b[i];
         return sum;
     }
 
