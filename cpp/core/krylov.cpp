@@ -17,7 +17,9 @@ class Krylov : public LinearSolver {
     explicit Krylov(const LinearChoice& choice)
         : choice_(choice),
           preconditioning_(make_preconditioning(choice)),
-          matrix_(choice.tolerance >= single_suffices) {}
+          matrix_(choice.tolerance >= single_suffices,
+                  choice.preconditioner == Preconditioner::saddle ||
+                      choice.preconditioner == Preconditioner::augmented) {}
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks);

@@ -29,6 +29,7 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
     n_modes_ = blocks.n_modes;
     modes_.assign(size() * n_modes_, 0.0);
     algebraic_.assign(a_.n(), 0);
+    level_.assign(a_.n(), 1.0);
     for (int i = 0; i < pattern.n; ++i)
         if (!blocks.algebraic.empty() && blocks.algebraic[i]) algebraic_[slot_[i] / a_.rows] = 1;
     for (int i = 0; i < pattern.n; ++i)
@@ -93,6 +94,8 @@ bool NodeMatrix::fill(const double* values) {
     in_pieces(a_.n(), piece, [&](int begin, int end) {
         for (int b = begin; b < end; ++b) finite[b] = fill(b, values);
     });
+    for (int b = 0; levels_ && b < a_.n(); ++b)  // by the stiffness in other rows
+        if (algebraic_[b]) level(b);
     return std::find(finite.begin(), finite.end(), 0) == finite.end();
 }
 
@@ -112,10 +115,33 @@ bool NodeMatrix::fill(int b, const double* values) {
     }
     const auto diagonal = std::lower_bound(a_.col.begin() + a_.row[b], a_.col.begin() + a_.row[b + 1], b);
     for (int r = used; r < m; ++r) a_.block(diagonal - a_.col.begin())[r * m + r] = 1;
-    if (is_single_)
-        std::transform(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), single_.block(a_.row[b]),
-                       [this](double a) { return static_cast<float>(scale_ * a); });
+    if (is_single_) copy_single(b);
     return std::isfinite(sum);
+}
+
+void NodeMatrix::copy_single(int b) {
+    std::transform(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), single_.block(a_.row[b]),
+                   [this](double a) { return static_cast<float>(scale_ * a); });
+}
+
+// Constraints of a node of their own, which fill its first row.
+void NodeMatrix::level(int b) {
+    const int m = a_.rows;
+    double squares = 0, stiffness = 0;
+    for (auto k = a_.row[b]; k < a_.row[b + 1]; ++k) {
+        const int j = a_.col[k];
+        if (algebraic_[j]) continue;
+        const auto begin = a_.col.begin() + a_.row[j], end = a_.col.begin() + a_.row[j + 1];
+        const double* diagonal = a_.block(std::lower_bound(begin, end, j) - a_.col.begin());
+        for (int c = 0; c < m; ++c) {
+            const double square = a_.block(k)[c * m] * a_.block(k)[c * m];
+            squares += square, stiffness += square * std::abs(diagonal[c * m + c]);
+        }
+    }
+    level_[b] = squares > 0 && stiffness > 0 ? stiffness / (squares * std::sqrt(squares)) : 1;
+    for (auto k = a_.row[b]; k < a_.row[b + 1]; ++k)
+        for (int c = 0; c < m; ++c) a_.block(k)[c * m] *= level_[b];
+    if (is_single_) copy_single(b);
 }
 
 void multiply(const BlockRows<double>& a, const double* x, double* y) {
@@ -152,7 +178,7 @@ void NodeMatrix::multiply_single(const double* x, double* y) const {
 
 void NodeMatrix::gather(const double* r, double* b) const {
     std::fill(b, b + size(), 0.0);
-    for (int i = 0; i < csr_->n; ++i) b[slot_[i]] = -r[csr_->unknown[i]];
+    for (int i = 0; i < csr_->n; ++i) b[slot_[i]] = -level_[slot_[i] / a_.rows] * r[csr_->unknown[i]];
 }
 
 void NodeMatrix::scatter(const double* x, double* d) const {

@@ -12,7 +12,9 @@ void multiply(const BlockRows<double>& a, const double* x, double* y);
 class NodeMatrix {
   public:
     // `single`: products in single precision, half the traffic, where they need no more than a few digits.
-    explicit NodeMatrix(bool single = false) : is_single_(single) {}
+    // `level`: rows of constraints are multiplied by the stiffness along them, so that one measure tells of
+    // both kinds of residual: the shorter the step, the larger the forces that close the same gap.
+    explicit NodeMatrix(bool single = false, bool level = false) : is_single_(single), levels_(level) {}
     void analyze(const Csr& pattern, const Blocks& blocks);
     bool fill(const double* values);  // false: some value is not finite
 
@@ -31,11 +33,14 @@ class NodeMatrix {
     void partition(const std::vector<int>& node);
     void make_pattern();
     bool fill(int b, const double* values);
+    void level(int b);
+    void copy_single(int b);
     void multiply_single(const double* x, double* y) const;
 
     const Csr* csr_ = nullptr;
     BlockRows<double> a_;
-    bool is_single_;
+    bool is_single_, levels_;
+    std::vector<double> level_;  // by block row
     BlockRows<float> single_;
     double scale_ = 1;  // of the numbers in it
     mutable std::vector<float> x_, y_;
