@@ -53,6 +53,7 @@ class LinearSolver {
     // Before a tangent is assembled: bring the multipliers of rigidity into balance with the residual r, so
     // that they do not lag one iteration behind and the tangent is exact.
     virtual void balance(const double* /*r*/, const Place& /*place*/, double* /*dx*/, double* /*x1*/) {}
+    // The values stay where and as they are until the next factorisation: it may have to be made again.
     virtual bool factor(const double* values, const Place& place) = 0;
     // From the residual r to the increment d, both by unknown (fixed entries untouched). False: not solved.
     virtual bool solve(const double* r, const Place& place, double* d) = 0;
