@@ -13,24 +13,17 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 }  // namespace
 
-Condensation::Condensation(const Csr& full, const std::vector<int>& element)
-    : full_(&full), local_(full.n), kept_(full.n, -1) {
+Condensation::Condensation(const Csr& full, const std::vector<int>& element) : full_(&full), local_(full.n) {
     for (int i = 0; i < full.n; ++i) local_[i] = element[full.unknown[i]] >= 0;
-    number();
+    kept_ = number_left(full, local_, left_);
+    find_pattern();
     describe(element);
 }
 
 // The pattern without rows and columns of local unknowns: elements couple all they touch, so nothing is
 // added.
-void Condensation::number() {
+void Condensation::find_pattern() {
     const Csr& f = *full_;
-    left_.equation.assign(f.equation.size(), -1);
-    for (int i = 0; i < f.n; ++i) {
-        if (local_[i]) continue;
-        kept_[i] = left_.n++;
-        left_.equation[f.unknown[i]] = kept_[i];
-        left_.unknown.push_back(f.unknown[i]);
-    }
     left_.row.assign(1, 0);
     for (int i = 0; i < f.n; ++i) {
         if (local_[i]) continue;

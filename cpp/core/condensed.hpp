@@ -39,7 +39,7 @@ class Condensation {
     struct Run {
         int first, size;  // outer unknowns of consecutive equations
     };
-    void number();
+    void find_pattern();
     void describe(const std::vector<int>& element);
     void describe(Element& e);
     bool eliminate(const Element& e, const double* values);

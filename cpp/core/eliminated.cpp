@@ -8,9 +8,11 @@ namespace visviva {
 
 Elimination::Elimination(const Csr& full, const std::vector<Dependence>& dependences,
                          const std::vector<char>& fixed, const std::vector<int>& node)
-    : full_(&full), kept_(full.n, -1), own_(full.n, 0.0) {
+    : full_(&full), own_(full.n, 0.0) {
     choose(dependences, fixed, node);
-    number();
+    std::vector<char> gone(full.n, 0);
+    for (const Given& g : given_) gone[g.equation] = gone[g.multiplier] = 1;
+    kept_ = number_left(full, gone, left_);
     expand();
     find_pattern();
 }
@@ -50,19 +52,6 @@ void Elimination::choose(const std::vector<Dependence>& dependences, const std::
         for (std::size_t k = begin; k < links_.size(); ++k) role[links_[k].other] = supports;
         given_.push_back({unknown, multiplier, place(multiplier, unknown), place(unknown, multiplier), begin,
                           static_cast<int>(links_.size())});
-    }
-}
-
-void Elimination::number() {
-    const Csr& f = *full_;
-    std::vector<char> gone(f.n, 0);
-    for (const Given& g : given_) gone[g.equation] = gone[g.multiplier] = 1;
-    left_.equation.assign(f.equation.size(), -1);
-    for (int i = 0; i < f.n; ++i) {
-        if (gone[i]) continue;
-        kept_[i] = left_.n++;
-        left_.equation[f.unknown[i]] = kept_[i];
-        left_.unknown.push_back(f.unknown[i]);
     }
 }
 

@@ -58,7 +58,6 @@ class Elimination {
     };
     void choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
                 const std::vector<int>& node);
-    void number();
     void expand();
     void read_factors();
     double moves(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].moves; }

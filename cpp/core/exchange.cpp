@@ -9,9 +9,9 @@ namespace visviva {
 
 Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
                    const std::vector<char>& fixed)
-    : full_(&full), kept_(full.n, -1), owner_(full.n, -1), gone_(full.n, 0) {
+    : full_(&full), owner_(full.n, -1), gone_(full.n, 0) {
     choose(listed, fixed);
-    number();
+    kept_ = number_left(full, gone_, left_);
     find_forces();
     find_pattern();
 }
@@ -37,17 +37,6 @@ void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vec
         for (int i = 0; i < m.size; ++i) owner_[node.equation[i]] = static_cast<int>(nodes_.size());
         gone_[node.multiplier] = 1;
         nodes_.push_back(std::move(node));
-    }
-}
-
-void Exchange::number() {
-    const Csr& f = *full_;
-    left_.equation.assign(f.equation.size(), -1);
-    for (int i = 0; i < f.n; ++i) {
-        if (gone_[i]) continue;
-        kept_[i] = left_.n++;
-        left_.equation[f.unknown[i]] = kept_[i];
-        left_.unknown.push_back(f.unknown[i]);
     }
 }
 

@@ -51,7 +51,6 @@ class Exchange {
         std::vector<double> along, constraint;
     };
     void choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed);
-    void number();
     void find_forces();
     void find_pattern();
     std::int64_t place(int row, int col) const;

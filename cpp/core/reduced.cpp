@@ -4,6 +4,18 @@
 
 namespace visviva {
 
+std::vector<int> number_left(const Csr& full, const std::vector<char>& gone, Csr& left) {
+    std::vector<int> kept(full.n, -1);
+    left.equation.assign(full.equation.size(), -1);
+    for (int i = 0; i < full.n; ++i) {
+        if (gone[i]) continue;
+        kept[i] = left.n++;
+        left.equation[full.unknown[i]] = kept[i];
+        left.unknown.push_back(full.unknown[i]);
+    }
+    return kept;
+}
+
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left) {
     Blocks b = blocks;
     b.node.clear(), b.modes.clear(), b.algebraic.clear();

@@ -4,7 +4,11 @@
 
 namespace visviva {
 
-/// Blocks of what is left: kept[equation] is its equation there, or -1.
+/// Numbers the equations of `full` that are not gone as those of `left`, whose pattern is still to be found.
+/// By equation of `full`: its equation there, or -1.
+std::vector<int> number_left(const Csr& full, const std::vector<char>& gone, Csr& left);
+
+/// Blocks of what is left, with the numbers of `number_left`.
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left);
 
 /// What takes equations out: see Condensation and Elimination.
