@@ -70,11 +70,9 @@ void Condensation::describe(Element& e) {
 }
 
 std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
-    const auto begin = csr.col.begin() + csr.row[row], end = csr.col.begin() + csr.row[row + 1];
-    const auto at = std::lower_bound(begin, end, col);
-    if (at == end || *at != col)
-        throw std::invalid_argument("an element does not couple all that it touches");
-    return at - csr.col.begin();
+    const std::int64_t at = place_of(csr, row, col);
+    if (at < 0) throw std::invalid_argument("an element does not couple all that it touches");
+    return at;
 }
 
 void Condensation::copy(const double* values) {

@@ -17,12 +17,6 @@ Elimination::Elimination(const Csr& full, const std::vector<Dependence>& depende
     find_pattern();
 }
 
-std::int64_t Elimination::place(int row, int col) const {
-    const auto begin = full_->col.begin() + full_->row[row], end = full_->col.begin() + full_->row[row + 1];
-    const auto found = std::lower_bound(begin, end, col);
-    return found != end && *found == col ? found - full_->col.begin() : -1;
-}
-
 void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
                          const std::vector<int>& node) {
     enum : char { none, depends, supports };
@@ -42,7 +36,7 @@ void Elimination::choose(const std::vector<Dependence>& dependences, const std::
             if (other == unknown || other == multiplier || fixed[u]) continue;
             if (listed[u] && node[u] == node[d.unknown]) continue;  // zero, the node's pattern alone
             chained = chained || role[other] == depends;
-            links_.push_back({other, e, place(other, multiplier), 0, 0});
+            links_.push_back({other, e, place_of(f, other, multiplier), 0, 0});
         }
         if (chained) {
             links_.resize(begin);
@@ -50,8 +44,8 @@ void Elimination::choose(const std::vector<Dependence>& dependences, const std::
         }
         role[unknown] = depends;
         for (std::size_t k = begin; k < links_.size(); ++k) role[links_[k].other] = supports;
-        given_.push_back({unknown, multiplier, place(multiplier, unknown), place(unknown, multiplier), begin,
-                          static_cast<int>(links_.size())});
+        given_.push_back({unknown, multiplier, place_of(f, multiplier, unknown),
+                          place_of(f, unknown, multiplier), begin, static_cast<int>(links_.size())});
     }
 }
 

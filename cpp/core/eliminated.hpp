@@ -62,7 +62,6 @@ class Elimination {
     void read_factors();
     double moves(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].moves; }
     double loads(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].loads; }
-    std::int64_t place(int row, int col) const;
     void find_pattern();
     void make_rows(std::vector<int>& seen);
     void multiply(Row& row);

@@ -16,12 +16,6 @@ Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
     find_pattern();
 }
 
-std::int64_t Exchange::place(int row, int col) const {
-    const auto begin = full_->col.begin() + full_->row[row], end = full_->col.begin() + full_->row[row + 1];
-    const auto found = std::lower_bound(begin, end, col);
-    return found != end && *found == col ? found - full_->col.begin() : -1;
-}
-
 void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
     const Csr& f = *full_;
     for (const NodalMultiplier& m : listed) {
@@ -31,9 +25,9 @@ void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vec
         for (int i = 0; fits && i < m.size; ++i) {
             const int row = node.equation[i] = f.equation[m.unknown + i];
             fits = row >= 0 && !fixed[m.unknown + i] && owner_[row] < 0 &&
-                   (node.column[i] = place(row, node.multiplier)) >= 0;
+                   (node.column[i] = place_of(f, row, node.multiplier)) >= 0;
         }
-        if (!fits || (node.square = place(node.multiplier, node.multiplier)) < 0) continue;
+        if (!fits || (node.square = place_of(f, node.multiplier, node.multiplier)) < 0) continue;
         for (int i = 0; i < m.size; ++i) owner_[node.equation[i]] = static_cast<int>(nodes_.size());
         gone_[node.multiplier] = 1;
         nodes_.push_back(std::move(node));
@@ -49,7 +43,7 @@ void Exchange::find_forces() {
         for (auto e = f.row[node.multiplier]; e < f.row[node.multiplier + 1]; ++e) {
             const int i = f.col[e];
             if (gone_[i] || owner_[i] == static_cast<int>(k)) continue;
-            const std::int64_t at = place(i, node.multiplier);
+            const std::int64_t at = place_of(f, i, node.multiplier);
             if (at < 0) continue;
             if (owner_[i] >= 0) {
                 node.elsewhere.push_back(at);

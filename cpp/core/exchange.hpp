@@ -53,7 +53,6 @@ class Exchange {
     void choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed);
     void find_forces();
     void find_pattern();
-    std::int64_t place(int row, int col) const;
     bool read(Node& node);
     void gather(int row, const Node& node, double* out);
     void replace(Node& node);

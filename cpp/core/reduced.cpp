@@ -16,6 +16,12 @@ std::vector<int> number_left(const Csr& full, const std::vector<char>& gone, Csr
     return kept;
 }
 
+std::int64_t place_of(const Csr& csr, int row, int col) {
+    const auto begin = csr.col.begin() + csr.row[row], end = csr.col.begin() + csr.row[row + 1];
+    const auto found = std::lower_bound(begin, end, col);
+    return found != end && *found == col ? found - csr.col.begin() : -1;
+}
+
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left) {
     Blocks b = blocks;
     b.node.clear(), b.modes.clear(), b.algebraic.clear();

@@ -8,6 +8,9 @@ namespace visviva {
 /// By equation of `full`: its equation there, or -1.
 std::vector<int> number_left(const Csr& full, const std::vector<char>& gone, Csr& left);
 
+/// Place of an entry among the values of a matrix; -1 where it has none.
+std::int64_t place_of(const Csr& csr, int row, int col);
+
 /// Blocks of what is left, with the numbers of `number_left`.
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left);
 
