@@ -358,6 +358,16 @@ def test_start_follows_the_flow_without_divergence() -> None:
     assert np.abs(solid.velocities(system.v) - around).max() < 1e-12
 
 
+def test_start_stays_where_the_check_moves_something_else() -> None:
+    """The flow of stabilised cells stays as it was given, and velocities are those that will carry the body."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1.1, 0.1, 0))
+    parts = [*carried("quad4", 4), ground, ball, vv.Distance(a=ground.point(), b=ball.point(), length=1.0)]
+    system, solid = vv.System(parts), part(parts, vv.Solid)
+    given = solid.velocities(system.v)
+    assert system.check().positions.moved
+    assert np.allclose(solid.velocities(system.v), given, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize("damping", [0.0, 0.5])
 def test_adaptive_steps_follow_a_body_in_a_vortex(damping: float) -> None:
     """Against short steps of one length; balances hold with every step, and velocities that swing from step to step

@@ -85,11 +85,10 @@ class Carried(Component):
         self._refuse_outside(places, found[0], InputError)
         return Place(self.fluid, places, found)
 
-    def _velocities(self, places: Place) -> Array:
-        """Velocities (n, d) of the fluid at the start."""
+    def _velocities(self, places: Place, flow: Array) -> Array:
+        """Velocities (n, d) of the fluid with the unknowns `flow` at places."""
         unknowns, weights = Transfer(self.fluid).at(places)
-        flow, d = self.fluid.flow, self.fluid.dimension
-        nodal = flow.values[unknowns[:, :, None] - flow.start + np.arange(d)]
+        nodal = flow[unknowns[:, :, None] - self.fluid.flow.start + np.arange(self.fluid.dimension)]
         return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
 
     def _finder(self, transfer: Transfer) -> Callable[[Array], tuple[Ints, Array]]:

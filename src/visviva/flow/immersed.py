@@ -17,6 +17,7 @@ from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.flow.carried import Carried, Cells
+from visviva.flow.location import Place
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -107,11 +108,9 @@ class Immersed(Carried):
 
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion
-        places = self._located(self.solid.grid.points)
-        start = self._velocities(places).ravel()
-        motion.rates[:] = np.where(motion.fixed, motion.rates, start)
+        places, follows = self._located(self.solid.grid.points), ~motion.fixed
+        motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)
-        follows = ~motion.fixed
         model.hold(self.force, np.flatnonzero(~follows))
         self._nodes = np.flatnonzero(follows.reshape(-1, d).any(axis=1))
         self._follow(
@@ -127,10 +126,14 @@ class Immersed(Carried):
 
     def follow_start(self, system: System) -> None:
         """The velocities of the fluid have been made free of divergence: nodes that kept the old ones would swing."""
-        d, motion = self.solid.dimension, self.solid.motion
-        found = self.fluid.at(self.solid.positions(system.x)).velocities(system.x)[:, :d].ravel()
-        free = ~motion.fixed
-        system.v[motion.start + np.flatnonzero(free)] = found[free]
+        motion, flow = self.solid.motion, self.fluid.flow
+        places = self._located(self.solid.positions(system.x)[:, : self.solid.dimension])
+        free = motion.start + np.flatnonzero(~motion.fixed)
+        system.v[free] = self._start(places, system.x[flow.unknowns])
+
+    def _start(self, places: Place, flow: Array) -> Array:
+        """Rates of nodes that nothing holds: the velocities at their places of a fluid with the unknowns `flow`."""
+        return np.asarray(self._velocities(places, flow).ravel()[~self.solid.motion.fixed])
 
     def _compare_sizes(self, cells: Cells) -> None:
         """Warn where the fluid could pass between the nodes of the solid."""

@@ -151,7 +151,7 @@ class ImmersedBody(Carried):
         arms = self.marks @ R.T
         turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)[-1 if d == 2 else 0 :]], axis=-1)[:, :d]
         A = np.concatenate([np.broadcast_to(np.eye(d), (len(arms), d, d)), turns], axis=2)
-        wanted = self._velocities(self._located((self.body.position + arms)[:, :d]))
+        wanted = self._velocities(self._located((self.body.position + arms)[:, :d]), self.fluid.flow.values)
         fit = np.linalg.lstsq(A.reshape(-1, A.shape[2]), wanted.ravel(), rcond=None)[0]
         velocity, turning = np.pad(fit[:d], (0, 3 - d)), fit[d:] if d == 3 else np.array([0.0, 0.0, fit[2]])
         motion.rates[:] = np.concatenate([velocity, *np.cross(turning, R.T)])
