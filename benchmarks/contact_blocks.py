@@ -11,11 +11,10 @@ KratosMultiphysics with its ContactStructuralMechanicsApplication; without it th
 from __future__ import annotations
 
 import argparse
-import statistics
 from collections.abc import Sequence
 
 from contact_case import COUNTS, ContactCase
-from contenders import Contender, add_options, alternate, present
+from contenders import Contender, add_options, alternate, cost, present, show
 from record import Record
 
 OURS = Contender("visviva, mortar, multipliers", "ours_contact.py", "visviva", "mortar")
@@ -35,19 +34,11 @@ COLUMNS = (
 )
 
 
-def spread(values: Sequence[float]) -> str:
-    """Median [least-greatest]."""
-    return f"{statistics.median(values):.3g} [{min(values):.3g}-{max(values):.3g}]"
-
-
-def row(title: str, records: Sequence[Record], ours: Sequence[Record]) -> str:
+def row(title: str, records: Sequence[Record], ours: Sequence[Record]) -> list[str]:
     """One line of the table."""
-    cells, last = [title, f"{records[-1].iterations / records[-1].steps:.3g}"], records[-1]
-    for part in ("steps", "iterations"):
-        times, own = ([r.cpu / getattr(r, part) for r in rs] for rs in (records, ours))
-        ratio = f"{statistics.median(times) / statistics.median(own):.2f}" if own else ""
-        cells += [spread(times), ratio]
-    return "| " + " | ".join([*cells, f"{last.peak_mb:.0f}", f"{last.answer:.6f}"]) + " |"
+    last = records[-1]
+    costs = [cell for unit in ("steps", "iterations") for cell in cost(records, ours, unit)]
+    return [title, f"{last.iterations / last.steps:.3g}", *costs, f"{last.peak_mb:.0f}", f"{last.answer:.6f}"]
 
 
 def main() -> None:
@@ -60,9 +51,8 @@ def main() -> None:
     figures = alternate(present(CONTENDERS, chosen), extra, chosen)
     case = ContactCase(chosen.thousands)
     unknowns = 3 * (len(case.lower.points) + len(case.upper.points))
-    print(f"\n{unknowns} unknowns\n\n| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for code in figures:
-        print(row(code.title, figures[code], figures.get(OURS, [])), flush=True)
+    ours = figures.get(OURS, [])
+    show(f"{unknowns} unknowns", COLUMNS, (row(code.title, figures[code], ours) for code in figures))
 
 
 if __name__ == "__main__":

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,3 +105,23 @@ def alternate(
             if record is not None:
                 figures[code].append(record)
     return figures
+
+
+def cost(records: Sequence[Record], ours: Sequence[Record], unit: str = "steps") -> list[str]:
+    """CPU seconds of a step (or of one of the `iterations`) as median [least-greatest], and its ratio to ours."""
+    times, own = ([r.cpu / getattr(r, unit) for r in group] for group in (records, ours))
+    median = statistics.median(times)
+    ratio = f"{median / statistics.median(own):.2f}" if own else ""
+    return [f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]", ratio]
+
+
+def part(records: Sequence[Record], name: str) -> float:
+    """CPU seconds that the assembly or the solution of an iteration takes, the median."""
+    return statistics.median(getattr(r, name) / r.iterations for r in records)
+
+
+def show(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a markdown table."""
+    print(f"\n{title}\n\n| " + " | ".join(columns) + " |\n|" + "---|" * len(columns))
+    for row in rows:
+        print("| " + " | ".join(row) + " |", flush=True)

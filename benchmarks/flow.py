@@ -11,10 +11,9 @@ that is missing is left out with a word.
 from __future__ import annotations
 
 import argparse
-import statistics
 from collections.abc import Sequence
 
-from contenders import Contender, add_options, alternate, present
+from contenders import Contender, add_options, alternate, cost, part, present, show
 from flow_case import FlowCase
 from record import Record
 
@@ -30,21 +29,17 @@ CONTENDERS = (
 COLUMNS = ("code", "iterations/step", "CPU s/step", "ratio", "assembly, µs/cell", "peak MB", "velocity")
 
 
-def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record], cells: int) -> str:
+def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record], cells: int) -> list[str]:
     """One line of the table."""
-    times = [r.cpu / r.steps for r in records]
-    median, last = statistics.median(times), records[-1]
-    assembly = statistics.median(r.assembly / r.iterations for r in records)
-    texts = [
+    last, assembly = records[-1], part(records, "assembly")
+    return [
         contender.title,
         f"{last.iterations / last.steps:.3g}",
-        f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
-        f"{median / statistics.median(r.cpu / r.steps for r in ours):.2f}" if ours else "",
+        *cost(records, ours),
         f"{1e6 * assembly / cells:.3g}" if assembly else "",
         f"{last.peak_mb:.0f}",
         f"{last.answer:.8f}",
     ]
-    return "| " + " | ".join(texts) + " |"
 
 
 def main() -> None:
@@ -56,10 +51,11 @@ def main() -> None:
     extra = [f"--n={chosen.n}", *([f"--steps={chosen.steps}"] if chosen.steps else [])]
     figures = alternate(present(CONTENDERS, chosen), extra, chosen)
     along, across = FlowCase(n=chosen.n).counts
-    print(f"\n{along} x {across} cells\n\n| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for code in figures:
-        ours = figures.get(OURS[code.cases[0]], [])
-        print(row(code, figures[code], ours, along * across), flush=True)
+    rows = (
+        row(code, records, figures.get(OURS[code.cases[0]], []), along * across)
+        for code, records in figures.items()
+    )
+    show(f"{along} x {across} cells", COLUMNS, rows)
 
 
 if __name__ == "__main__":

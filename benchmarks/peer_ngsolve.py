@@ -7,6 +7,7 @@ from typing import Any
 import netgen.meshing as netgen
 import ngsolve as ng
 import numpy as np
+from ngsolve_factors import factors
 from record import Record
 from solid_cases import Array, SolidCase
 from solid_measure import main, march
@@ -70,10 +71,7 @@ class NGSolve:
         if jump.any():
             self.out.data = self.form.mat * self.at(jump)
             r = r - self.out.FV().NumPy()
-        if self.inverse is None:
-            self.inverse = self.form.mat.Inverse(self.free, inverse="pardiso", flags={"ordering": "metis"})
-        else:
-            self.inverse.Update()  # keeps the analysis
+        self.inverse = factors(self.form.mat, self.free, self.inverse, flags={"ordering": "metis"})
         self.out.data = self.inverse * self.at(r)
         return np.asarray(jump + self.out.FV().NumPy())
 

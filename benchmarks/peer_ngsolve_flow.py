@@ -8,6 +8,7 @@ import ngsolve as ng
 import numpy as np
 from flow_case import FlowCase, main, march
 from ngsolve.meshes import MakeStructured2DMesh
+from ngsolve_factors import factors
 from record import Record
 
 
@@ -67,10 +68,7 @@ class Channel:
 
     def advance(self) -> tuple[float, float]:
         """Takes the increment off; sizes of the velocities in it and in the state."""
-        if self.inverse is None:
-            self.inverse = self.f.mat.Inverse(self.space.FreeDofs(), inverse="pardiso")
-        else:
-            self.inverse.Update()  # keeps the analysis
+        self.inverse = factors(self.f.mat, self.space.FreeDofs(), self.inverse)
         self.out.data = self.inverse * self.right
         self.new.vec.data -= self.out
         return self.size(self.out), self.size(self.new.vec)

@@ -13,6 +13,7 @@ import netgen.occ as occ
 import ngsolve as ng
 import numpy as np
 from flow_case import main, march
+from ngsolve_factors import factors
 from record import Record
 from valve_case import ValveCase
 
@@ -110,10 +111,10 @@ class Valve:
         """Takes the increment off; sizes of the velocities in it and in the state."""
         if self.anew:
             self.tangents += 1
-            if not self.changes or self.tangents <= 2:
-                self.inverse = self.f.mat.Inverse(self.space.FreeDofs(), inverse="pardiso")
-            else:
-                self.inverse.Update()  # keeps order and matching, which the first tangents of all do not suit
+            fits = (
+                self.changes and self.tangents > 2
+            )  # order and matching of the first tangents of all do not
+            self.inverse = factors(self.f.mat, self.space.FreeDofs(), self.inverse if fits else None)
         self.out.data = self.inverse * self.right
         self.new.vec.data -= self.out
         self.changes.append(self.size(self.out))

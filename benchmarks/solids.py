@@ -11,11 +11,8 @@ missing is left out with a word.
 from __future__ import annotations
 
 import argparse
-import statistics
-from collections.abc import Sequence
 
-from contenders import Contender, Figures, add_options, alternate, present
-from record import Record
+from contenders import Contender, Figures, add_options, alternate, cost, part, present, show
 from solid_cases import BUILDERS, SolidCase
 
 BOTH = ("torus", "block")
@@ -30,46 +27,37 @@ CONTENDERS = (
     Contender("NGSolve, PARDISO", "peer_ngsolve.py", "ngsolve", "PARDISO", BOTH),
     Contender("Kratos, AMGCL", "peer_kratos.py", "KratosMultiphysics", "AMGCL", BOTH),
 )
+COLUMNS = (
+    "code", "assembly, ms", "µs/brick", "solution, ms", "iterations/step", "CPU s/step", "ratio", "peak MB",
+    "mean displacement",
+)  # fmt: skip
 
 
-def per_step(records: Sequence[Record]) -> list[float]:
-    """CPU seconds of a step in every round."""
-    return [r.cpu / r.steps for r in records]
-
-
-def row(contender: Contender, case: SolidCase, figures: Figures) -> str:
+def row(contender: Contender, case: SolidCase, figures: Figures) -> list[str]:
     """One line of the table; the parts are medians over the rounds."""
     records = figures[contender]
-    times, ours = per_step(records), per_step(figures.get(OURS, ()))
-    last = records[-1]
-    assembly = statistics.median(r.assembly / r.iterations for r in records)
-    solution = statistics.median(r.solution / r.iterations for r in records)
-    median = statistics.median(times)
+    last, assembly = records[-1], part(records, "assembly")
     cells = [
         contender.title,
         f"{1e3 * assembly:.3g}",
         f"{1e6 * assembly / len(case.cells):.3g}",
-        f"{1e3 * solution:.3g}",
+        f"{1e3 * part(records, 'solution'):.3g}",
         f"{last.iterations / last.steps:.3g}",
-        f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
-        f"{median / statistics.median(ours):.2f}" if ours else "",
+        *cost(records, figures.get(OURS, ())),
         f"{last.peak_mb:.0f}",
         f"{last.answer:.8f}",
     ]
     if any(r.energies for r in records):
         energies = next(r.energies for r in records if r.energies)
         cells.append(f"{max(abs(e - energies[0]) for e in energies) / abs(energies[0]):.1e}")
-    return "| " + " | ".join(cells) + " |"
+    return cells
 
 
-def header(case: SolidCase, energies: bool) -> str:
-    """What stands above the rows."""
-    title = f"{case.name} {case.n}: {len(case.cells)} bricks, {3 * len(case.points)} unknowns"
-    if case.mean_displacement == case.mean_displacement:
-        title += f"; mean displacement {case.mean_displacement}"
-    columns = ["code", "assembly, ms", "µs/brick", "solution, ms", "iterations/step", "CPU s/step", "ratio"]
-    columns += ["peak MB", "mean displacement", *(["energy drift"] if energies else [])]
-    return f"\n{title}\n\n| " + " | ".join(columns) + " |\n|" + "---|" * len(columns)
+def title(case: SolidCase) -> str:
+    """What stands above the table."""
+    text = f"{case.name} {case.n}: {len(case.cells)} bricks, {3 * len(case.points)} unknowns"
+    known = case.mean_displacement == case.mean_displacement
+    return f"{text}; mean displacement {case.mean_displacement}" if known else text
 
 
 def parse() -> argparse.Namespace:
@@ -95,9 +83,8 @@ def main() -> None:
         able = {code: interpreter for code, interpreter in codes.items() if name in code.cases}
         figures = alternate(able, ["--case", name, "--n", str(n), *extra], chosen)
         case = BUILDERS[name](n)
-        print(header(case, chosen.energies))
-        for code in figures:
-            print(row(code, case, figures), flush=True)
+        columns = [*COLUMNS, *(["energy drift"] if chosen.energies else [])]
+        show(title(case), columns, (row(code, case, figures) for code in figures))
 
 
 if __name__ == "__main__":

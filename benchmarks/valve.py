@@ -11,10 +11,9 @@ NGSolve's closer at the flaps. PATH is a Python interpreter that has the code; w
 from __future__ import annotations
 
 import argparse
-import statistics
 from collections.abc import Sequence
 
-from contenders import Contender, add_options, alternate, present
+from contenders import Contender, add_options, alternate, cost, part, present, show
 from record import Record
 from valve_case import ValveCase
 
@@ -30,26 +29,20 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record]) -> str:
+def row(contender: Contender, records: Sequence[Record], ours: Sequence[Record]) -> list[str]:
     """One line of the table."""
-    times = [r.cpu / r.steps for r in records]
-    median, last = statistics.median(times), records[-1]
-    parts = [
-        statistics.median(getattr(r, name) / r.iterations for r in records)
-        for name in ("assembly", "solution")
-    ]
-    texts = [
+    last = records[-1]
+    parts = [part(records, name) for name in ("assembly", "solution")]
+    return [
         contender.title,
         str(last.unknowns),
         f"{last.iterations / last.steps:.3g}",
         f"{last.tangents / last.steps:.3g}",
-        f"{median:.3g} [{min(times):.3g}-{max(times):.3g}]",
-        f"{median / statistics.median(r.cpu / r.steps for r in ours):.2f}" if ours else "",
-        *(f"{part:.3g}" if part else "" for part in parts),
+        *cost(records, ours),
+        *(f"{seconds:.3g}" if seconds else "" for seconds in parts),
         f"{last.peak_mb:.0f}",
         f"{last.answer:.4f}",
     ]
-    return "| " + " | ".join(texts) + " |"
 
 
 def main() -> None:
@@ -60,10 +53,8 @@ def main() -> None:
     chosen = options.parse_args()
     steps = chosen.steps or ValveCase.steps
     figures = alternate(present(CONTENDERS, chosen), [f"--n={chosen.n}", f"--steps={steps}"], chosen)
-    print(f"\nn = {chosen.n}, up to t = {steps * ValveCase.step:.2f}\n")
-    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
-    for code, records in figures.items():
-        print(row(code, records, figures.get(OURS, [])), flush=True)
+    title, ours = f"n = {chosen.n}, up to t = {steps * ValveCase.step:.2f}", figures.get(OURS, [])
+    show(title, COLUMNS, (row(code, records, ours) for code, records in figures.items()))
 
 
 if __name__ == "__main__":
