@@ -1,4 +1,4 @@
-"""Soft bodies in fluids, for the tests of immersed solids."""
+"""Soft and rigid bodies in fluids, for the tests of what is immersed."""
 
 from __future__ import annotations
 
@@ -12,6 +12,12 @@ from visviva.component import Component
 
 Array = NDArray[np.float64]
 Components = list[Component]
+
+
+def part(components: Components, kind: type[Any]) -> Any:
+    """The only component of a kind."""
+    (found,) = (c for c in components if isinstance(c, kind))
+    return found
 
 
 def vortex(X: Array) -> Array:
@@ -89,3 +95,26 @@ def flap(cell: str = "quad4", n: int = 6, scale: float = 1.0, **options: Any) ->
     hinge = vv.Revolute(a=ground, b=block, at=at)
     spring, damper = vv.JointSpring(joint=hinge, stiffness=0.02), vv.JointDamper(joint=hinge, damping=0.001)
     return [*parts, ground, hinge, spring, damper]
+
+
+def immersed(body: vv.Solid | vv.RigidBody, fluid: vv.Fluid) -> vv.Immersed | vv.ImmersedBody:
+    """What carries either kind of body along."""
+    solid = isinstance(body, vv.Solid)
+    return vv.Immersed(solid=body, fluid=fluid) if solid else vv.ImmersedBody(body=body, fluid=fluid)
+
+
+SHAFT, RADIUS, FALLEN = 1.0, 0.2, (1.0, 2.3, 0.0)
+"""Half width of the shaft in which a disc falls, the radius of that, and from where."""
+
+
+def falling(body: vv.Solid | vv.RigidBody, n: int, cell: str) -> tuple[vv.System, float]:
+    """A disc of twice the density after it has fallen for a while between walls, and Faxén's exact speed."""
+    lighter = 10.0
+    mesh = vv.RectangleMesh(size=(2 * SHAFT, 4 * SHAFT), counts=(n, 2 * n), cell=cell)
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0)
+    walls, gravity = vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -lighter, 0))
+    system = vv.System([fluid, walls, body, immersed(body, fluid), gravity], vv.Newton(tolerance=1e-9))
+    for _ in vv.march(system, until=0.5, step=0.05, scheme=vv.BackwardEuler()):
+        pass
+    k = RADIUS / SHAFT
+    return system, lighter * RADIUS**2 / 4 * (np.log(1 / k) - 0.9157 + 1.7244 * k**2 - 1.7302 * k**4)

@@ -1,28 +1,21 @@
-"""Immersed solids: motion, balance of energy and forces, order in time, restart, and what is refused."""
+"""Immersed solids: motion, balance of energy and forces, order in time, and what is refused."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from immersed_parts import box, carried, patch, vortex
+from immersed_parts import box, carried, part, patch, vortex
 from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.component import Component
-from visviva.errors import InputError, RunError
+from visviva.errors import InputError
 from visviva.flow.transfer import Transfer
-from visviva.run import run
 
 Array = NDArray[np.float64]
-
-
-def part(components: list[Component], kind: type[Any]) -> Any:
-    (found,) = (c for c in components if isinstance(c, kind))
-    return found
 
 
 # --- interpolation ------------------------------------------------------------------------------------------
@@ -171,11 +164,6 @@ def test_coarse_cells_without_stabilisation_are_stable(cell: str) -> None:
     assert np.abs(ledger["imbalance"]).max() < 1e-12 * total[0]
 
 
-def test_energy_of_a_closed_cube_balances() -> None:
-    result = vv.simulate(vv.System(carried("hex8", 3)), until=0.1, step=0.02)
-    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
-
-
 @pytest.mark.parametrize("density", [3.0, 0.5])
 def test_a_held_solid_at_rest_weighs_less_by_the_fluid_it_displaces(density: float) -> None:
     """Archimedes: the support bears (rho_s - rho_f) g times the area, but for what pressures at its foot take."""
@@ -250,18 +238,6 @@ def test_every_step_begins_with_so_many_tangents() -> None:
     assert all(r.factorizations >= 2 for r in reports)
 
 
-# --- the whole ----------------------------------------------------------------------------------------------
-def test_resumed_bit_by_bit(tmp_path: Path) -> None:
-    def study(until: float) -> vv.Study:
-        return vv.Study(vv.System(carried()), until, 0.02)
-
-    run(study(0.4), tmp_path / "whole", progress=False)
-    run(study(0.2), tmp_path / "split", progress=False)
-    run(study(0.4), tmp_path / "split", resume=True, progress=False)
-    states = [(tmp_path / name / "ledger.csv").read_text() for name in ("whole", "split")]
-    assert states[0] == states[1]
-
-
 # --- bad input ----------------------------------------------------------------------------------------------
 def outside() -> list[Component]:
     fluid = box()
@@ -274,7 +250,6 @@ def outside() -> list[Component]:
 
 
 BAD: dict[str, tuple[Callable[[], Any], str]] = {
-    "damping beyond the end": (lambda: carried(damping=0.6), "damping = 0.6 is not a number from 0 to 0.5"),
     "outside of the fluid": (lambda: vv.System(outside()), r"lies outside of Fluid.*at \(1.05, 0.4\)"),
     "plane solid in a cube": (
         lambda: vv.Immersed(solid=patch(), fluid=box("hex8", 2)),
@@ -290,10 +265,6 @@ BAD: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "plane stress": (lambda: vv.Immersed(solid=patch(plane="stress"), fluid=box()), "plane strain"),
     "thickness": (lambda: vv.Immersed(solid=patch(thickness=0.1), fluid=box()), "thickness 1"),
-    "twice": (
-        lambda: vv.System([*(p := carried()), vv.Immersed(solid=part(p, vv.Solid), fluid=part(p, vv.Fluid))]),
-        "immersed twice",
-    ),
 }
 
 
@@ -307,25 +278,6 @@ def test_bad_input(name: str) -> None:
 def test_fluid_that_leaks_through_a_coarse_solid_is_told_with_sizes() -> None:
     with pytest.warns(UserWarning, match=r"has a size of 0.245, and the cells .* 0.0333; refine it 8 times"):
         vv.System(carried("quad4", 30, counts=(1, 1)))
-
-
-def test_leaving_the_fluid_ends_the_run_with_body_place_and_time() -> None:
-    fluid = box("quad4", 4, velocity=lambda X: 0 * X + [1.0, 0, 0])
-    solid = patch(density=1.0)
-    system = vv.System(
-        [
-            fluid,
-            vv.VelocityBoundary(fluid=fluid, faces="all", velocity=(1.0, 0.0, 0.0)),
-            solid,
-            vv.Immersed(solid=solid, fluid=fluid),
-        ]
-    )
-    with pytest.raises(
-        RunError, match=r"Solid 'solid-1' lies outside of Fluid 'fluid-1' at \(1.*from t = 0\.[12]"
-    ):
-        vv.simulate(system, until=1.0, step=0.05)
-    assert 0.1 < system.time < 0.25
-    assert solid.positions(system.x)[:, 0].max() < 1.0 + 1e-12
 
 
 def test_start_is_the_velocity_of_the_fluid() -> None:

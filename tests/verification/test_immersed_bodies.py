@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from discs import disc
+from immersed_parts import FALLEN, RADIUS, falling
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -14,20 +15,9 @@ Array = NDArray[np.float64]
 
 
 def fall(n: int, cell: str) -> float:
-    """Speed of a disc that has fallen for a while between walls, per that of Faxén's exact solution."""
-    half, radius, lighter = 1.0, 0.2, 10.0
-    mesh = vv.RectangleMesh(size=(2 * half, 4 * half), counts=(n, 2 * n), cell=cell)
-    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0)
-    log = vv.RigidBody(
-        shape=vv.Cylinder(radius=radius, length=1.0), density=2.0, position=(half, 2.3 * half, 0)
-    )
-    walls, gravity = vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -lighter, 0))
-    parts = [fluid, walls, log, vv.ImmersedBody(body=log, fluid=fluid), gravity]
-    system = vv.System(parts, vv.Newton(tolerance=1e-9))
-    for _ in vv.march(system, until=0.5, step=0.05, scheme=vv.BackwardEuler()):
-        pass
-    k = radius / half
-    exact = lighter * radius**2 / 4 * (np.log(1 / k) - 0.9157 + 1.7244 * k**2 - 1.7302 * k**4)
+    """Speed of a disc by the exact one."""
+    log = vv.RigidBody(shape=vv.Cylinder(radius=RADIUS, length=1.0), density=2.0, position=FALLEN)
+    system, exact = falling(log, n, cell)
     return float(-log.point().position.rate(system.v)[1] / exact)
 
 

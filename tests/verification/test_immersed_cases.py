@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from discs import annulus, disc
-from immersed_parts import vortex
+from immersed_parts import FALLEN, RADIUS, falling, vortex
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -68,21 +68,11 @@ def test_pressure_in_a_thread() -> None:
 
 
 def fall(n: int) -> float:
-    """Speed of a stiff disc that has fallen for a while between walls, per that of Faxén's exact solution."""
-    half, radius, lighter = 1.0, 0.2, 10.0
-    mesh = vv.RectangleMesh(size=(2 * half, 4 * half), counts=(n, 2 * n), cell="quad9")
-    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0)
+    """Speed of a stiff disc by the exact one."""
     stiff = vv.NeoHooke(young=1e3, poisson=0.3)
-    solid = vv.Solid(mesh=disc(radius, (half, 2.3 * half), 4), material=stiff, density=2.0)
-    walls, gravity = vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -lighter, 0))
-    parts = [fluid, walls, solid, vv.Immersed(solid=solid, fluid=fluid), gravity]
-    system = vv.System(parts, vv.Newton(tolerance=1e-9))
-    for _ in vv.march(system, until=0.5, step=0.05, scheme=vv.BackwardEuler()):
-        pass
-    speed = -(solid.nodal_mass @ solid.velocities(system.v))[1] / solid.mass
-    k = radius / half
-    exact = lighter * radius**2 / 4 * (np.log(1 / k) - 0.9157 + 1.7244 * k**2 - 1.7302 * k**4)
-    return float(speed / exact)
+    solid = vv.Solid(mesh=disc(RADIUS, FALLEN[:2], 4), material=stiff, density=2.0)
+    system, exact = falling(solid, n, "quad9")
+    return float(-(solid.nodal_mass @ solid.velocities(system.v))[1] / solid.mass / exact)
 
 
 def test_falling_disc() -> None:
