@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
-import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from record import Record
+from record import Record, command
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -83,11 +80,5 @@ class ContactCase:
 
 
 def main(run: Callable[[ContactCase, str], Record], variants: tuple[str, ...]) -> None:
-    """Command line of a code: prints one line of JSON, the fields of `Record`."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--variant", choices=variants, default=variants[0])
-    parser.add_argument("--thousands", type=int, choices=COUNTS, default=9)
-    parser.add_argument("--steps", type=int)
-    chosen = parser.parse_args()
-    more: dict[str, Any] = {"steps": chosen.steps} if chosen.steps else {}
-    print(json.dumps(asdict(run(ContactCase(chosen.thousands, **more), chosen.variant))), flush=True)
+    """Command line of a code, see `record.command`."""
+    command(run, variants, ContactCase, "thousands")

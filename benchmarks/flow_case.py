@@ -7,16 +7,14 @@ along the channel in its middle, a node of all meshes, agrees to the tolerance a
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from record import Record
+from record import Record, command
 
 Array = NDArray[np.float64]
 
@@ -115,19 +113,6 @@ def iterate(flow: Discretisation, record: Record) -> None:
     raise RuntimeError(f"no convergence in {MOST} iterations")
 
 
-Run = Callable[[Any, str], Record]
-"""Of the case and a variant of the code."""
-
-
-def main(run: Run, variants: tuple[str, ...], kind: Callable[..., Any] = FlowCase) -> None:
-    """Command line of a code: prints one line of JSON, the fields of `Record`; the first variant is the default.
-
-    `kind` makes the case of `n` and `steps`.
-    """
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--variant", choices=variants, default=variants[0])
-    parser.add_argument("--n", type=int, default=FlowCase.n, help="cells along the channel")
-    parser.add_argument("--steps", type=int, default=FlowCase.steps)
-    chosen = parser.parse_args()
-    case = kind(n=chosen.n, steps=chosen.steps)
-    print(json.dumps(asdict(run(case, chosen.variant))), flush=True)
+def main(run: Callable[[Any, str], Record], variants: tuple[str, ...], kind: type[Any] = FlowCase) -> None:
+    """Command line of a code, see `record.command`."""
+    command(run, variants, kind, "n")

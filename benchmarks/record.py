@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
+import json
 import resource
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 
 @dataclass
@@ -35,3 +38,17 @@ class Record:
         """Note a result that shows that all have solved the same problem, and the memory."""
         self.answer = answer
         self.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+    def tell(self) -> None:
+        """Print it as the line of JSON that `contenders.measure` reads."""
+        print(json.dumps(asdict(self)), flush=True)
+
+
+def command(run: Callable[[Any, str], Record], variants: tuple[str, ...], kind: type[Any], size: str) -> None:
+    """Command line of a code; the first variant is the default. `kind` makes the case of its `size` and `steps`."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--variant", choices=variants, default=variants[0])
+    for name in (size, "steps"):
+        parser.add_argument(f"--{name}", type=int, default=getattr(kind, name))
+    chosen = vars(parser.parse_args())
+    run(kind(**{name: chosen[name] for name in (size, "steps")}), chosen["variant"]).tell()

@@ -4,9 +4,7 @@ and the command line. A code that brings its own Newton's method gives a functio
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any, Protocol
 
 import numpy as np
@@ -105,4 +103,4 @@ def main(run: Run, variants: tuple[str, ...]) -> None:
     case = BUILDERS[chosen.case](chosen.n)
     for name in ("steps", "step"):
         object.__setattr__(case, name, getattr(chosen, name) or getattr(case, name))
-    print(json.dumps(asdict(run(case, chosen.variant, chosen.energies))), flush=True)
+    run(case, chosen.variant, chosen.energies).tell()
