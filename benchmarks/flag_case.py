@@ -5,7 +5,7 @@ The channel's rows lie along the flag; how many there are over its thickness is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import visviva as vv
+from visviva.component import Component
 from visviva.examples.cylinder import CENTRE, HEIGHT, RADIUS
 from visviva.mesh.grid import Block, assembled
 
@@ -153,6 +154,15 @@ def profile(X: Array, mean: float) -> Array:
     return np.outer(mean * 6 * X[:, 1] * (HEIGHT - X[:, 1]) / HEIGHT**2, (1.0, 0.0, 0.0))
 
 
+def conditions(water: vv.Fluid, speed: Callable[[float], float], still: Sequence[str]) -> list[Component]:
+    """The inflow with a mean velocity, sides where the water sticks, and the outlet."""
+    return [
+        vv.VelocityBoundary(fluid=water, faces="x0", velocity=lambda t, X: profile(X, speed(t))),
+        *(vv.NoSlip(fluid=water, faces=side) for side in still),
+        vv.Outlet(fluid=water, faces="x1"),
+    ]
+
+
 class Flag:
     """The system, and the displacement of the flag's end with the forces on cylinder and flag.
 
@@ -181,9 +191,7 @@ class Flag:
         self.system = vv.System(
             [
                 water,
-                vv.VelocityBoundary(fluid=water, faces="x0", velocity=lambda t, X: profile(X, kind.speed(t))),
-                *(vv.NoSlip(fluid=water, faces=side) for side in ("y0", "y1", "cylinder")),
-                vv.Outlet(fluid=water, faces="x1"),
+                *conditions(water, kind.speed, ("y0", "y1", "cylinder")),
                 solid,
                 vv.Fixed(solid=solid, nodes="x0"),
                 self.wet,

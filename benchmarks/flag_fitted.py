@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from flag_case import CENTRE, END, HEIGHT, LENGTH, RADIUS, THICK, Rows, channel, flag_mesh, profile
+from flag_case import CENTRE, END, HEIGHT, LENGTH, RADIUS, THICK, Rows, channel, conditions, flag_mesh
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -62,16 +62,8 @@ def fitted(rows: Rows, tip: float) -> vv.Mesh:
 def flow(rows: Rows, tip: float) -> tuple[vv.Fluid, vv.System, Array]:
     """The steady flow, and drag and lift (2,)."""
     water = vv.Fluid(mesh=fitted(rows, tip), density=1000.0, viscosity=1.0)
-    still = ("y0", "y1", "cylinder", "flag")
-    system = vv.System(
-        [
-            water,
-            vv.VelocityBoundary(fluid=water, faces="x0", velocity=lambda t, X: profile(X, 0.2 * t)),
-            *(vv.NoSlip(fluid=water, faces=side) for side in still),
-            vv.Outlet(fluid=water, faces="x1"),
-        ],
-        vv.Newton(tolerance=1e-9),
-    )
+    around = conditions(water, lambda t: 0.2 * t, ("y0", "y1", "cylinder", "flag"))
+    system = vv.System([water, *around], vv.Newton(tolerance=1e-9))
     vv.quasi_static(system, until=1.0, step=0.5)
     forces = [vv.FlowForce(fluid=water, faces=side)(system) for side in ("cylinder", "flag")]
     return water, system, np.sum(forces, axis=0)[:2]
