@@ -67,6 +67,27 @@ def test_the_same_as_the_package_s_own(cell: str, options: dict[str, Any]) -> No
         assert users == pytest.approx(own, abs=1e-7 * np.abs(own).max())
 
 
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_cells_of_two_types_share_an_energy(plane: Any) -> None:
+    """Pulled without a mesh's error: all stretches are equal, and so are those of the package's own."""
+    points = np.array([(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)], dtype=float)
+    mesh = vv.Mesh(points, {"quad4": np.array([[0, 1, 4, 3]]), "tri3": np.array([[1, 2, 5], [1, 5, 4]])})
+    found = []
+    for material in (OWN, vv.UserMaterial(function=rubber)):
+        solid = vv.Solid(mesh=mesh, material=material, plane=plane)
+        pulled = vv.Prescribed(solid=solid, nodes=[2, 5], motion=("0.2 * t", None, None))
+        held = [
+            vv.Fixed(solid=solid, nodes=[0, 3], directions=(True, False, False)),
+            vv.Fixed(solid=solid, nodes=[0]),
+        ]
+        system = vv.System([solid, pulled, *held])
+        vv.quasi_static(system, until=1.0, step=0.5)
+        found.append(np.concatenate([solid.fields(system.x, cell).F[:, 0] for cell in mesh.cells]))
+    own, users = found
+    assert np.allclose(own, own[0], rtol=0, atol=1e-8)
+    assert np.allclose(users, own, rtol=0, atol=1e-8)
+
+
 @pytest.mark.parametrize(("cell", "options"), [CASES[0], CASES[5], CASES[7]])
 def test_the_same_motion(cell: str, options: dict[str, Any]) -> None:
     """Discrete gradients count pairs of shears once, those of the package twice: they differ to second order."""

@@ -61,6 +61,10 @@ class Function:
             )
         return f.reshape(self.m, n)
 
+    def settled(self, e: Array) -> Array:
+        """Strains (n_e, n) at which it is taken where `e` is given."""
+        return e
+
     def value(self, e: Array) -> Array:
         """Values (m, n)."""
         f = np.asarray(self.raw(e), dtype=float)
@@ -179,12 +183,8 @@ def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
     return points, distance
 
 
-def energy_callback(
-    energy: Callable[[Any], Any], n_e: int, label: str = "user energy", kind: type[Function] = Function
-) -> LawCallback:
+def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user energy") -> LawCallback:
     """The core's callback for an energy ``W(e)``, given as a function of strains (n_e, n) with values (n,).
-
-    `kind` says how it is evaluated, `AcrossFree` in plane stress.
 
     Examples
     --------
@@ -196,7 +196,11 @@ def energy_callback(
     >>> round(float((S[0, 0] * (e1 - e0)).item()), 12)
     0.5
     """
-    W = kind(energy, n_e, 1, label)
+    return callback_of(Function(energy, n_e, 1, label))
+
+
+def callback_of(W: Function) -> LawCallback:
+    """The core's callback for an energy with its derivatives."""
 
     def call(
         n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
@@ -210,7 +214,7 @@ def energy_callback(
             stress, tangent = W.gradient(e_eval), W.hessian(e_eval) if want_tangent else None
         S[:, :n] = stress[0]
         if tangent is not None:
-            D[:, :n] = tangent[0].reshape(n_e * n_e, n)
+            D[:, :n] = tangent[0].reshape(W.n_e * W.n_e, n)
 
     return call
 

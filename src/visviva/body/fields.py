@@ -183,13 +183,10 @@ def of_user(solid: Solid, cell: str, nodes: Ints, part: Fields) -> Fields:
     """Fields with what the core does not know of a user's energy: F33 of plane stress, the stress of F-bar."""
     shape = part.J.shape
     if solid.plane == "stress":
-        from visviva.callback import AcrossFree
-
         stretch = 1 + solid.thermal(cell, nodes)
         C = components(part.C) / stretch[..., None] ** 2
-        W = AcrossFree(solid.material.energy or (lambda C: C), 6, 1, solid.label)
         F = part.F.copy()
-        F[..., 2, 2] = stretch * np.sqrt(W.settled(C.reshape(-1, 6).T)[2].reshape(shape))
+        F[..., 2, 2] = stretch * np.sqrt(solid.own_energy.settled(C.reshape(-1, 6).T)[2].reshape(shape))
         return replace(part, F=F)
     if solid.formulation == "F-bar":
         energy, S, _ = solid.material.respond(components(part.C).reshape(-1, 6))

@@ -16,6 +16,7 @@ from visviva.body import formulation as forms
 from visviva.body.element import geometry, masses, nodal_masses, solid_rule
 from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.formulation import Formulation
+from visviva.callback import AcrossFree, Function, callback_of
 from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
@@ -242,6 +243,10 @@ class Solid(Attachable, Meshed):
     def contribute(self, model: Model) -> None:
         self.terms: list[Any] = []  # of the core, one per cell type
         self.volumes: list[Array] = []  # (m, q) of their quadrature points
+        energy = self.material.split().energy if self.formulation == "mixed" else self.material.energy
+        if energy is not None:
+            self.own_energy = self._own_energy(energy)
+            self.callback = callback_of(self.own_energy)  # which the core does not keep alive
         first = 0
         for cell, nodes in self.grid.cells.items():
             model.batch(self._term(model, cell, nodes, first))
@@ -294,7 +299,7 @@ class Solid(Attachable, Meshed):
             compliance = forms.pressure_compliance(self, cell, nodes, split.bulk)
             term.set_pressure(shapes, compliance, split.measure, self.inner.multiplier)
         if energy is not None:
-            term.set_callback(self._called_back(energy))
+            term.set_callback(self.callback)
         kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
         damping = model.account(self, "damping", "dissipation") if damped else -1
         strain = model.account(self, "strain", "potential")
@@ -303,15 +308,12 @@ class Solid(Attachable, Meshed):
         self.volumes.append(g.volume)
         return term
 
-    def _called_back(self, energy: Callable[[Any], Any]) -> Any:
-        """The core's callback for an energy of the user, kept alive here."""
-        from visviva.callback import AcrossFree, Function, energy_callback
-
+    def _own_energy(self, energy: Callable[[Any], Any]) -> Function:
+        """The material's energy, given in Python, with its derivatives."""
         n, kind = 6, AcrossFree if self.plane == "stress" else Function
         if self.formulation == "F-bar":
             energy, n = forms.scaled(energy, 2 if self.dimension == 2 and not self.axisymmetric else 3), 12
-        self.callback = energy_callback(energy, n, f"{self.label}: energy of its material", kind)
-        return self.callback
+        return kind(energy, n, 1, f"{self.label}: energy of its material")
 
     def thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
