@@ -400,11 +400,14 @@ static void bind_system(nb::module_& m) {
                  nb::gil_scoped_release release;
                  return s.linearise(step, signals_of(signals), residual.data());
              })
-        .def("linear_solve",
-             [](System& s, const Step& step, const Doubles& residual, Array d) {
-                 nb::gil_scoped_release release;
-                 return s.linear_solve(step, residual.data(), d.data());
-             })
+        .def_prop_ro("outdated", &System::outdated)
+        .def(
+            "linear_solve",
+            [](System& s, const Step& step, const Doubles& residual, Array d, double enough) {
+                nb::gil_scoped_release release;
+                return s.linear_solve(step, residual.data(), d.data(), enough);
+            },
+            nb::arg("step"), nb::arg("residual"), nb::arg("d"), nb::arg("enough") = 0.0)
         .def("refuse", [](System& s, const Step& step,
                           const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
         .def_prop_ro("csr",

@@ -2,31 +2,11 @@
 
 #include <algorithm>
 
+#include "dispatch.hpp"
+
 namespace visviva {
 
 namespace {
-
-// c (rows x cols) += a (rows x inner, by columns) b (inner x cols); b and c by rows. A block by rows, taken
-// as one by columns, is its transpose.
-template <int width>
-inline void add_product(const double* a, const double* b, double* c, int rows, int inner, int cols) {
-    const int n = width > 0 ? width : cols;
-    for (int r = 0; r < rows; ++r, c += n) {
-        double sum[6];
-        for (int j = 0; j < n; ++j) sum[j] = c[j];
-        for (int k = 0; k < inner; ++k) {
-            const double f = a[k * rows + r];
-            for (int j = 0; j < n; ++j) sum[j] += f * b[k * n + j];
-        }
-        for (int j = 0; j < n; ++j) c[j] = sum[j];
-    }
-}
-
-using Product = void (*)(const double*, const double*, double*, int, int, int);
-
-Product product_for(int cols) {
-    return cols == 6 ? add_product<6> : cols == 3 ? add_product<3> : add_product<0>;
-}
 
 // A row of blocks by their columns, in the order in which these come.
 struct Row {
@@ -114,7 +94,7 @@ BlockRows<float> Prolongation::down() const {
 Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
                       const Aggregates& tentative) {
     const int m = a.rows, size = m * tentative.cols;
-    const Product add = product_for(tentative.cols);
+    const auto add = kernels().add_product;
     Prolongation p{tentative.n, m, tentative.cols, {0}, {}, {}};
     Row sum(tentative.n, size);
     std::vector<double> d(static_cast<std::size_t>(m) * m);
@@ -141,7 +121,7 @@ Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& invers
 
 BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p) {
     const int m = p.rows, n = p.cols;
-    const Product add = product_for(n);
+    const auto add = kernels().add_product;
     BlockRows<double> c = coarse_pattern(a, p);
     Row ap(p.n_coarse, m * n);
     for (int i = 0; i < a.n(); ++i) {

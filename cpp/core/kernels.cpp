@@ -12,9 +12,9 @@ namespace visviva::VISVIVA_ISA {
 
 extern const Kernels table;
 const Kernels table = {
-    strain_begin,          strain_strains,         strain_residual,      strain_tangent, strain_ledger,
-    inertia_residual,      inertia_tangent,        inertia_ledger,       vector_update,  vector_affine,
-    vector_largest,        vector_differences,     rigid_force,          rigid_balance,  rigid_expand,
-    {lu_factor, lu_solve}, block_multiply<double>, block_multiply<float>};
+    strain_begin,          strain_strains,         strain_residual,       strain_tangent, strain_ledger,
+    inertia_residual,      inertia_tangent,        inertia_ledger,        vector_update,  vector_affine,
+    vector_largest,        vector_differences,     rigid_force,           rigid_balance,  rigid_expand,
+    {lu_factor, lu_solve}, block_multiply<double>, block_multiply<float>, add_product};
 
 }  // namespace visviva::VISVIVA_ISA

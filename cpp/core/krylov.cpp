@@ -10,7 +10,7 @@ namespace visviva {
 
 namespace {
 
-constexpr double single_suffices = 1e-4;  // tolerances that leave room for products in single precision
+constexpr double single_suffices = 3e-5;  // tolerances that leave room for products in single precision
 
 class Krylov : public LinearSolver {
   public:
@@ -48,7 +48,7 @@ class Krylov : public LinearSolver {
             solved = build() && iterate(size);
         }
         if (!solved) return false;
-        if (size > 0) preconditioning_->learn(n_iterations_);
+        if (size > 0) preconditioning_->learn(iterations_to_tolerance());
         matrix_.scatter(x_.data(), d);
         return true;
     }
@@ -107,6 +107,12 @@ class Krylov : public LinearSolver {
             case KrylovMethod::bicgstab:
                 return bicgstab(run);
         }
+    }
+
+    // What solutions of less than the full tolerance would have taken to it.
+    int iterations_to_tolerance() const {
+        return static_cast<int>(
+            std::lround(n_iterations_ * std::log(choice_.tolerance) / std::log(tolerance_)));
     }
 
     double residual() {

@@ -65,9 +65,9 @@ class LinearSolver {
     virtual int n_negative() const { return -1; }
     // Bytes that the factors or the preconditioner take, where known.
     virtual double memory() const { return 0; }
-    // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
     // The relative residual that the next solution may leave, if the solver's own tolerance is less.
     virtual void aim(double /*residual*/) {}
+    // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
     virtual void forget() {}
     // Whether solvers that are a last resort may take over where others fail.
     virtual void allow_last_resort(bool /*on*/) {}

@@ -109,8 +109,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
         evaluate_residual(context, !solver_->keeps_rigidity(), fused);
-        const bool outdated =
-            std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->outdated(); });
+        const bool outdated = branched();
         if (outdated && !refresh) {
             refresh = full || !amend(context);
             convergence.forget();

@@ -46,6 +46,7 @@ class Reduced : public LinearSolver {
     int n_iterations() const override { return solver_->n_iterations(); }
     int n_negative() const override { return solver_->n_negative(); }  // of what is left
     double memory() const override { return solver_->memory(); }
+    void aim(double residual) override { solver_->aim(residual); }
     void forget() override { solver_->forget(); }
     void allow_last_resort(bool on) override { solver_->allow_last_resort(on); }
     std::vector<double> state() const override { return solver_->state(); }

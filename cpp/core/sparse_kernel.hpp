@@ -1,4 +1,5 @@
-// Products of block matrices with vectors. A row's sum is formed in one order, whoever computes it.
+// Products of block matrices with vectors, and of blocks. A row's sum is formed in one order, whoever
+// computes it.
 #pragma once
 #include "block_rows.hpp"
 #include "simd.hpp"
@@ -34,6 +35,27 @@ void multiply_blocks(const BlockView<T>& a, const T* x, T* y, int begin, int end
         else
             for (int r = 0; r < R; ++r) yi[r] = sum[0][r];
     }
+}
+
+template <int rows, int inner, int cols>
+void add_product_of(const double* a, const double* b, double* c) {
+    for (int r = 0; r < rows; ++r, c += cols) {
+        double sum[cols];
+        for (int j = 0; j < cols; ++j) sum[j] = c[j];
+        for (int k = 0; k < inner; ++k)
+            for (int j = 0; j < cols; ++j) sum[j] += a[k * rows + r] * b[k * cols + j];
+        for (int j = 0; j < cols; ++j) c[j] = sum[j];
+    }
+}
+
+inline void add_product(const double* a, const double* b, double* c, int rows, int inner, int cols) {
+    auto is = [&](int r, int k, int n) { return rows == r && inner == k && cols == n; };
+    if (is(3, 3, 6)) return add_product_of<3, 3, 6>(a, b, c);
+    if (is(6, 3, 6)) return add_product_of<6, 3, 6>(a, b, c);
+    if (is(6, 6, 6)) return add_product_of<6, 6, 6>(a, b, c);
+    for (int r = 0; r < rows; ++r, c += cols)
+        for (int k = 0; k < inner; ++k)
+            for (int j = 0; j < cols; ++j) c[j] += a[k * rows + r] * b[k * cols + j];
 }
 
 template <class T>

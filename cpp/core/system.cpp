@@ -269,7 +269,7 @@ bool System::refactor(const Context& c, const Step& step, bool has_first_tangent
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
-    factored_ = step;
+    factored_ = step, factored_revision_ = revision_;
     factored_state_.clear();
     std::vector<const std::vector<double>*> kept = {&x, &dx, &v};
     if (step.uses_history()) kept.insert(kept.end(), {&a, &w});
@@ -278,6 +278,10 @@ bool System::refactor(const Context& c, const Step& step, bool has_first_tangent
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
         factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
     return solver_->factor(values_.data(), place(step));
+}
+
+bool System::branched() const {
+    return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->outdated(); });
 }
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.

@@ -101,8 +101,11 @@ class System {
     // Residual and factorised tangent at the trial state, and solutions with it, for iterations other than
     // Newton's loop; false if the tangent is singular.
     bool linearise(const Step& step, const Signals& signals, double* residual);
-    // False if the linear solver failed; its message says why.
-    bool linear_solve(const Step& step, const double* residual, double* d);
+    // Whether terms are on another branch than that tangent, or the pattern is another one, by the residual
+    // evaluated last.
+    bool outdated() const { return revision_ != factored_revision_ || branched(); }
+    // False if the linear solver failed; its message says why. `enough`: see LinearSolver::aim.
+    bool linear_solve(const Step& step, const double* residual, double* d, double enough = 0);
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
@@ -153,6 +156,7 @@ class System {
     void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
     void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
     bool refactor(const Context&, const Step&, bool has_first_tangents = false);
+    bool branched() const;
     bool amend(const Context&);
     int worst() const;
     double extent() const;
@@ -166,7 +170,7 @@ class System {
     void book_step(const Context&, const double* v1, double direction);
     void book_path(const Context&);
 
-    int n_ = 0, revision_ = 0;
+    int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
     std::vector<int> order_;
     std::vector<char> fixed_;

@@ -42,10 +42,11 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
     return regular;
 }
 
-bool System::linear_solve(const Step& step, const double* residual, double* d) {
+bool System::linear_solve(const Step& step, const double* residual, double* d, double enough) {
     std::copy(residual, residual + n_, r_.begin());
     for (int u : held_) r_[u] = 0;
     std::fill(d_.begin(), d_.end(), 0.0);
+    solver_->aim(enough);
     const bool solved = solver_->solve(r_.data(), place(step), d_.data());
     std::copy(d_.begin(), d_.begin() + n_, d);
     return solved;

@@ -53,7 +53,7 @@ More of them cost more than the share of a factorisation, which serves several o
 FEW_SADDLE = 40
 """The same of GMRES with contact pressures."""
 
-PRESSED, CLOSE = 5000, 1e-4
+PRESSED, CLOSE = 5000, 3e-5
 """From so many equations of a three-dimensional mesh GMRES with multigrid is faster than factors where pressures of
 contact stand beside them in statics, and its tolerance: hardly an iteration more of Newton's."""
 

@@ -24,6 +24,12 @@ Array = NDArray[np.float64]
 TINY = 1e-7
 """Relative length of the differences that linearise prescribed motion and loads in time."""
 
+ROUGH = 1e-3
+"""Part of the residual that linear predictions may leave: they miss the curvature of the path."""
+
+CONFIRMING = 0.05
+"""Part of the residual that the last solution may leave, which is to be smaller than the tolerance."""
+
 
 class NoEquilibrium(RunError):
     """A load step whose iteration did not converge."""
@@ -69,11 +75,14 @@ class Equilibrium:
             )
         return residual
 
-    def solve(self, time: float, residual: Array) -> Array:
-        """Increment that the factorised tangent gives for a residual; zero where prescribed."""
+    def solve(self, time: float, residual: Array, enough: float = 0.0) -> Array:
+        """Increment that the factorised tangent gives for a residual; zero where prescribed.
+
+        Iterative solvers may leave the part `enough` of the residual, if that is more than their tolerance.
+        """
         d = np.zeros(len(residual))
         step = Static().step(self.system.time, time - self.system.time)
-        if not self.system.core.linear_solve(step, residual, d):
+        if not self.system.core.linear_solve(step, residual, d, enough):
             raise NoEquilibrium(f"at the load parameter {time:.6g}: {self.system.core.linear_message}")
         return np.where(self.free, d, 0.0)
 
@@ -94,42 +103,54 @@ class Equilibrium:
         residual = self.linearise(self.system.time)
         h = time - self.system.time
         slope = self.slope(self.system.time, h)
-        d = self.solve(self.system.time, residual + h * slope)
+        d = self.solve(self.system.time, residual + h * slope, ROUGH)
         self.at(time)
         self.dx[self.free] += d[self.free]
 
-    def iterate(self, time: float) -> int:
-        """Newton's iteration at the loads of `time` from the trial state; returns the number of iterations."""
-        o, last = self.options, np.inf
-        extent = min(1.0, self.size(self.dx)) or 1.0
-        r = self.linearise(time)
+    def iterate(self, time: float) -> LoadReport:
+        """Newton's iteration at the loads of `time` from the trial state; returns what it took."""
+        o, last, n_tangents = self.options, np.inf, 1
+        tolerance = o.tolerance * (min(1.0, self.size(self.dx)) or 1.0)
+        r, kept = self.linearise(time), False
         for k in range(o.max_iterations):
-            d = self.solve(time, r)
+            d = self.solve(time, r, CONFIRMING if kept else 0.0)
             size = self.size(d)
             if not np.isfinite(size) or size > 1e3:
                 raise self.failure(time, "the iteration diverges")
             self.dx[:] += d
-            if size <= o.tolerance * extent or (size > 0.5 * last and size <= 1e-13):
+            if size <= tolerance or (size > 0.5 * last and size <= 1e-13):
                 self.residual(time)
-                return k + 1
-            if o.line_search and size < last * 1e3:
-                self._search(time, d, float(d @ r))
-            r, last = self.linearise(time), size
+                return LoadReport(k + 1, n_tangents)
+            searches = o.line_search and size < last * 1e3
+            there = self._search(time, d, float(d @ r)) if searches else None
+            kept = k > 0 and size * (size / last) ** 2 <= tolerance
+            if kept:  # by quadratic convergence the next increment is the last: the tangent at hand serves for it
+                r = self.residual(time) if there is None else there
+                kept = not self.system.core.outdated
+            if not kept:
+                r = self.linearise(time)
+                n_tangents += 1
+            last = size
         raise self.failure(
             time,
             f"no equilibrium in {o.max_iterations} iterations (last relative increment {size:.1e})",
         )
 
-    def _search(self, time: float, d: Array, g0: float) -> None:
-        """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen."""
+    def _search(self, time: float, d: Array, g0: float) -> Array | None:
+        """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen.
+
+        Returns the residual there, or nothing where the search ended without an answer.
+        """
         s = 1.0
         for _ in range(5):
-            g = float(d @ self.residual(time))
+            r = self.residual(time)
+            g = float(d @ r)
             if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
-                return
+                return r
             shorter = s * np.clip(g0 / (g0 - g), 0.1, 0.5) if np.isfinite(g) and g0 != g else 0.25 * s
             self.dx[:] += (shorter - s) * d
             s = shorter
+        return None
 
     def _refused(self, time: float) -> str:
         step = Static().step(self.system.time, time - self.system.time)
@@ -217,7 +238,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
             target = until
         try:
             equations.predict(target)
-            iterations = equations.iterate(target)
+            report = equations.iterate(target)
             equations.accept(target)
         except NoEquilibrium as failure:
             system.core.discard()
@@ -229,9 +250,9 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
                     "times"
                 ) from failure
             continue
-        h = min(step, 2 * h if iterations <= 6 else h)
+        h = min(step, 2 * h if report.iterations <= 6 else h)
         system.pace["load_step"] = np.array(h)
-        yield LoadReport(iterations, iterations)
+        yield report
 
 
 def arc_length(
