@@ -48,6 +48,16 @@ def test_a_study_of_statics_is_quasi_static(tmp_path: Path) -> None:
     assert result.statistics.steps == 8
 
 
+def test_the_last_iteration_needs_no_tangent_of_its_own() -> None:
+    """Load steps end as close to equilibrium as their tolerance says, by an increment of the tangent before."""
+    rough, exact = console(vv.Static(tolerance=1e-8)), console(vv.Static(tolerance=1e-13))
+    reports = [list(vv.march(s.system, until=1.0, step=0.125, scheme=s.scheme)) for s in (rough, exact)]
+    spared = [sum(r.iterations - r.factorizations for r in steps) for steps in reports]
+    assert min(spared) >= 4
+    x = exact.system.x
+    assert np.abs(rough.system.x - x).max() < 1e-8 * np.abs(x).max()
+
+
 @pytest.mark.parametrize(
     "scheme",
     [vv.Static(), vv.Static(line_search=False, tolerance=1e-8, max_iterations=4), vv.ArcLength()],

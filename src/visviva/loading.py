@@ -124,8 +124,8 @@ class Equilibrium:
             searches = o.line_search and size < last * 1e3
             there = self._search(time, d, float(d @ r)) if searches else None
             kept = k > 0 and size * (size / last) ** 2 <= tolerance
-            if kept:  # by quadratic convergence the next increment is the last: the tangent at hand serves for it
-                r = self.residual(time) if there is None else there
+            if kept:  # by quadratic convergence the next increment is the last: the tangent at hand serves
+                r = there if there is not None else self.residual(time)
                 kept = not self.system.core.outdated
             if not kept:
                 r = self.linearise(time)
