@@ -111,6 +111,62 @@ void differentiate(const FacetShape& facet, const Foot& foot, const Vector3& nor
     }
 }
 
+// With w = d n, so that it is known at d = 0 as well, and s_j = t_j . z + w . dt_j:
+//     1/2 d(d^2) = w . z,  1/2 d2(d^2) = z . z - s . M^-1 s.
+Jet squared_distance(const FacetShape& facet, const Foot& foot, const Vector3& x) {
+    const Vector3 w = x - place(facet, foot);
+    const auto [z, u, T] = variations(facet, foot, w);
+    Jet q{w.squaredNorm(), 2 * z.transpose() * w, 2 * z.transpose() * z};
+    if (foot.n == 1) return q;
+    const Eigen::MatrixXd s = T.transpose() * z + u;
+    q.hessian -= 2 * s.transpose() * ((T.transpose() * T).inverse() * s);
+    return q;
+}
+
+namespace {
+
+Jet operator+(const Jet& a, const Jet& b) {
+    return {a.value + b.value, a.gradient + b.gradient, a.hessian + b.hessian};
+}
+
+Jet operator*(double f, const Jet& a) { return {f * a.value, f * a.gradient, f * a.hessian}; }
+
+Jet square(const Jet& a) {
+    return {a.value * a.value, 2 * a.value * a.gradient,
+            2 * (a.gradient * a.gradient.transpose() + a.value * a.hessian)};
+}
+
+Jet root(const Jet& a) {
+    const double s = std::sqrt(a.value);
+    const Eigen::VectorXd g = a.gradient / (2 * s);
+    return {s, g, (0.5 * a.hessian - g * g.transpose()) / s};
+}
+
+Jet edge_length(const FacetShape& facet, int a, int b) {
+    Eigen::MatrixXd e = Eigen::MatrixXd::Zero(3, 3 * (1 + facet.n));
+    for (int c = 0; c < facet.n; ++c)
+        e.middleCols<3>(3 + 3 * c) = (facet.share(b, c) - facet.share(a, c)) * Matrix3::Identity();
+    const Vector3 d = facet.corner[b] - facet.corner[a];
+    const double length = d.norm();
+    const Vector3 t = d / length;
+    return {length, e.transpose() * t,
+            e.transpose() * ((Matrix3::Identity() - t * t.transpose()) / length) * e};
+}
+
+}  // namespace
+
+Jet beyond_border(const FacetShape& facet, const Foot& rim, double part, const Vector3& x) {
+    const Foot plane = whole(facet, rim.simplex, x);
+    const Vector3 n = facet.normal(rim.simplex);
+    Jet above{n.dot(x - place(facet, plane)), {}, {}};
+    differentiate(facet, plane, n, above.value, above.gradient, &above.hessian);
+    const int s = rim.simplex;
+    const Jet radius = part * edge_length(facet, facet.vertex(s, 0), facet.vertex(s, 1));
+    const Jet height = above + radius;
+    const Jet aside = squared_distance(facet, rim, x) + -1.0 * square(above);
+    return (height.value > 0 ? root(aside + square(height)) : root(aside)) + -1.0 * radius;
+}
+
 // From t_j . (x - y) = 0: M dN = t . z + d u.
 Eigen::MatrixXd coordinate_gradients(const FacetShape& facet, const Foot& foot, const Vector3& normal,
                                      double distance) {

@@ -45,6 +45,20 @@ Foot whole(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 void differentiate(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal, double distance,
                    Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian);
 
+/// A number and its derivatives by x and the facet's corners.
+struct Jet {
+    double value = 0;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+};
+
+/// Squared distance of x from the plane, line or point of a foot.
+Jet squared_distance(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& x);
+
+/// Distance from a body that is rounded off, with a radius that is `part` of a facet, beyond the border where
+/// the closest foot `rim` is, and whose side is across the facet.
+Jet beyond_border(const FacetShape& facet, const Foot& rim, double part, const Eigen::Vector3d& x);
+
 /// Derivatives of the foot's coordinates (one row each) by x and the facet's corners.
 Eigen::MatrixXd coordinate_gradients(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal,
                                      double distance);

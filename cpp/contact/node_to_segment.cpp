@@ -16,7 +16,10 @@ using At = Eigen::Map<const Vector3>;
 
 constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
 constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
-constexpr double overhang = 0.05;    // by how much a facet at the border of a surface reaches beyond it
+constexpr double on_border = 1e-9;   // and so close to a border as not beyond it
+// Radius, by a facet's size, with which bodies are rounded off beyond the borders of their surfaces: what
+// slides off is let go without a jump. From a sharp corner it would snap off.
+constexpr double roundness = 0.5;
 
 struct Candidate {
     int facet;
@@ -27,6 +30,7 @@ struct Found {
     const Candidate* candidate = nullptr;
     FacetShape facet;
     Foot foot;
+    Foot rim;        // on the border of the surface, if there are any vertices
     Vector3 normal;  // of the simplex, later gradient of the signed distance
     double value = 0;
     bool faces = true;
@@ -53,6 +57,8 @@ class NodeToSegment : public PointGaps {
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
+    void differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
+                        Eigen::MatrixXd* H) const;
     Vector3 at_vertex(const double* X, int vertex) const;
 
     std::vector<double> rest_;  // places, if the surface may touch itself
@@ -191,12 +197,22 @@ FacetShape NodeToSegment::shape(const double* X, int f) const {
     return s;
 }
 
-// The closest simplex of all, or of those that face the vertex.
+// How far x lies from its foot in the direction of the simplex' middle.
+double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
+    Vector3 y = Vector3::Zero(), middle = Vector3::Zero();
+    for (int i = 0; i < foot.n; ++i) y += foot.coordinate[i] * facet.corner[foot.vertex[i]];
+    for (int i = 0; i < facet.dim; ++i) middle += facet.corner[facet.vertex(foot.simplex, i)] / facet.dim;
+    return (x - y).dot((middle - y).normalized());
+}
+
+// The closest simplex of all, or of those that face the vertex; where several meet at the closest point, the
+// one on whose side of it the vertex lies.
 Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
     Found found;
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
-    double least = options_.reach + options_.radius;
+    constexpr double same = 1e-12;  // relative
+    double least = options_.reach + options_.radius, aside = -HUGE_VAL;
     for (const Candidate& c : candidates_[A]) {
         const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
@@ -204,9 +220,11 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
             const bool faces = own.isZero() || own.dot(n) < facing;
             if (n.isZero() || (only_facing && !faces)) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
-            if (foot.distance >= least) continue;
-            least = foot.distance;
-            found = {&c, facet, foot, n, 0, faces};
+            if (foot.distance > (1 + same) * least) continue;
+            const double side = towards(facet, foot, At(X + 3 * A));
+            if (foot.distance >= (1 - same) * least && side <= aside) continue;
+            least = foot.distance, aside = side;
+            found = {&c, facet, foot, {}, n, 0, faces};
         }
     }
     return found;
@@ -275,16 +293,21 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     if (found.foot.n == facet.dim) return Reach::near;
     bool border;
     const Vector3 out = outwards(X, found, border);
-    if (std::sqrt(std::max(0.0, d * d - above * above)) <=
-        (border ? overhang : same_place) * (b - a).norm()) {
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    const double aside = (w - above * found.normal).norm(), size = (b - a).norm();
+    if (border || aside <= same_place * size) {
+        if (border && aside > on_border * size) {
+            found.rim = found.foot;
+            const Jet gap = beyond_border(facet, found.rim, roundness, x);
+            found.value = gap.value, found.normal = gap.gradient.head<3>();
+        }
         found.foot = whole(facet, found.foot.simplex, x);
         return Reach::near;
     }
-    Vector3 w = x;
-    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
     found.value = w.dot(out) < 0 ? -d : d;
     found.normal = w / found.value;
-    return border && found.value < 0 ? Reach::released : Reach::near;
+    return Reach::near;
 }
 
 // What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
@@ -292,9 +315,18 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     found = pick(X, A, false);
     const Reach reach = sign(X, A, found);
-    if (found.faces || (reach != Reach::released && found.value >= 0)) return reach;
+    if (found.faces || found.value >= 0) return reach;
     found = pick(X, A, true);
     return sign(X, A, found);
+}
+
+// Derivatives of the signed distance by the vertex and the facet's corners.
+void NodeToSegment::differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
+                                   Eigen::MatrixXd* H) const {
+    if (found.rim.n == 0) return differentiate(found.facet, found.foot, found.normal, found.value, g, H);
+    Jet gap = beyond_border(found.facet, found.rim, roundness, At(X + 3 * A));
+    g = std::move(gap.gradient);
+    if (H) *H = std::move(gap.hessian);
 }
 
 PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives, Distance& out) const {
@@ -309,7 +341,7 @@ PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives
     if (derivatives == 0) return Reach::near;
     Eigen::VectorXd g;
     Eigen::MatrixXd H;
-    differentiate(facet, found.foot, found.normal, out.value, g, derivatives > 1 ? &H : nullptr);
+    differentiated(X, A, found, g, derivatives > 1 ? &H : nullptr);
     auto place = [&](int c) { return c == 0 ? 0 : 3 * found.candidate->local[c - 1]; };
     for (int c = 0; c <= facet.n; ++c) out.gradient.segment<3>(place(c)) += g.segment<3>(3 * c);
     for (int c = 0; c <= facet.n && derivatives > 1; ++c)
@@ -328,8 +360,10 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
     Eigen::VectorXd g;
     Eigen::MatrixXd H, N, coordinates;
     if (gradients) {
-        differentiate(facet, foot, found.normal, found.value, g, &H);
-        coordinates = coordinate_gradients(facet, foot, found.normal, found.value);
+        const Vector3 plane = found.rim.n ? facet.normal(foot.simplex) : found.normal;
+        const double above = plane.dot(At(X + 3 * A) - facet.corner[foot.vertex[0]]);
+        differentiated(X, A, found, g, &H);
+        coordinates = coordinate_gradients(facet, foot, plane, found.rim.n ? above : found.value);
         N.setZero(3, 3 * static_cast<Eigen::Index>(stencils_[A].size()));
         for (int c = 0; c <= facet.n; ++c) N.middleCols<3>(3 * place(c)) += H.block<3, 3>(0, 3 * c);
     }

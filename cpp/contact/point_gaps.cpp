@@ -14,8 +14,7 @@ void PointGaps::values(const double* X, double* gap, double* area) {
         Distance d;
         const Reach reach = distance(X, A, 0, d);
         area[A] = reach == Reach::near ? options_.areas[A] : 0;
-        const double open = reach == Reach::far ? options_.reach : 0;
-        gap[A] = options_.areas[A] * (reach == Reach::near ? d.value - options_.radius : open);
+        gap[A] = options_.areas[A] * (reach == Reach::near ? d.value - options_.radius : options_.reach);
     });
 }
 

@@ -17,7 +17,7 @@ class PointGaps : public Gaps {
                std::vector<Grip>& out) override;
 
   protected:
-    enum class Reach { near, far, released };  // released: behind an open surface, but beyond its border
+    enum class Reach { near, far };
     struct Distance {
         double value = 0;
         Eigen::VectorXd gradient;  // by the positions of the stencil
