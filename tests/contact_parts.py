@@ -32,6 +32,13 @@ def plates(cell: str = "quad4", gap: float = 0.0, scale: float = 4.0, **options:
     return _thrown(one, two, ("y0", "y1"), scale, (0.3, -2.0, 0.0), **options)
 
 
+def overhanging(**options: Any) -> Components:
+    """Two bricks of unlike meshes, one thrown onto the other, whose corners hang over each other's borders."""
+    one = vv.BoxMesh(size=(1, 1, 0.5), counts=(2, 2, 1)).build().moved((0.38, 0.22, 0.0))
+    two = vv.BoxMesh(size=(1, 1, 0.5), counts=(2, 1, 1)).build().moved((0, 0, -0.5))
+    return _thrown(one, two, ("z0", "z1"), 4.0, (0.4, 0.3, -1.0), formulation="node-to-segment", **options)
+
+
 def _thrown(
     one: vv.Mesh, two: vv.Mesh, faces: tuple[str, str], scale: float, velocity: Any, **options: Any
 ) -> Components:

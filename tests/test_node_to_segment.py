@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from catalogue.rigid import turned
@@ -88,3 +90,57 @@ def test_patch() -> None:
     assert spread["mortar"] < 1e-11
     assert 0.01 < spread["node-to-segment"] < 0.1 * force["mortar"]
     assert abs(force["node-to-segment"] / force["mortar"] - 1) < 0.03
+
+
+def test_distance_beyond_a_border() -> None:
+    """From the side of a body that is rounded off with half an edge beyond the border of its surface."""
+    R, gaps, expected = 0.5, [], []
+    beside = -0.37, 0.4  # below zero: above the face as far as this direction goes
+    for x, height, aside in product((1.2, 2.0, 2.3, 2.7), (-0.9, -0.2, 0.2), beside):
+        rho = np.hypot(max(x - 2, 0.0), max(aside, 0.0))
+        if np.hypot(rho, height) > 1.2:
+            continue  # too far to be seen
+        body = vv.Solid(
+            mesh=vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1)).build(), material=RUBBER, density=1.0
+        )
+        particle = vv.PointMass(mass=1.0, position=(x, -aside, 1 + height))
+        contact = vv.Contact(
+            first=particle,
+            second=body,
+            second_faces="z1",
+            formulation="node-to-segment",
+            enforcement="penalty",
+            initial="press",
+        )
+        vv.simulate(vv.System([particle, body, contact]), until=1e-7, step=1e-7)
+        gaps.append(contact.gaps[0])
+        expected.append(height if rho == 0 else rho - R if height < -R else np.hypot(rho, height + R) - R)
+    assert min(expected) < -0.8
+    np.testing.assert_allclose(gaps, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_ends_that_slide_off_each_other(n: int) -> None:
+    """Bars pushed together and aside: vertices slide over the border, and what the supports do is all stored."""
+    bars = []
+    for x in (0, 2):
+        mesh = vv.RectangleMesh(size=(2, 1), counts=(2 * n, n), origin=(x, 0)).build()
+        bars.append(vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1000.0, poisson=0.3)))
+    left, right = bars
+    contact = vv.Contact(
+        first=left, first_faces="x1", second=right, second_faces="x0", formulation="node-to-segment"
+    )
+    push = vv.Prescribed(solid=left, nodes="x0", motion=("0.1 * t", "0.05 * t", None))
+    system = vv.System([left, right, contact, push, vv.Fixed(solid=right, nodes="x1")])
+    beyond, forces = [], []
+    for k in range(20):
+        vv.quasi_static(system, until=(k + 1) / 20, step=1 / 20)
+        tips = [
+            bar.positions(system.x)[bar.faces(side).nodes, 1].max()
+            for bar, side in ((left, "x1"), (right, "x0"))
+        ]
+        beyond.append(tips[0] - tips[1])
+        forces.append(np.linalg.norm(vv.ContactForce(contact=contact)(system)))
+    assert beyond[-1] > 0.02
+    assert np.abs(np.diff(forces, 2)).max() < 0.02 * forces[-1]
+    assert contact.pressures.min() > 0

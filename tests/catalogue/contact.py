@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from contact_parts import PYRAMID, bricks, plates, rigid_on_brick
+from contact_parts import PYRAMID, bricks, overhanging, plates, rigid_on_brick
 from point_contacts import SHAPES, balls, blocks, on_shape
 from rubbing import thrown
 
@@ -24,6 +24,7 @@ ELASTIC: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}
 CONTACT = [
     # contact
     Entry("blocks, vertices and facets", lambda: blocks(enforcement="penalty"), ALL, steps=40),
+    Entry("contact, bricks that overhang", lambda: overhanging(enforcement="penalty"), ALL, 0.01, 40),
     Entry("blocks in the plane, vertices and facets", lambda: blocks(flat=True), ALL, steps=40),
     *(
         Entry(f"contact, {name}, {kind}", partial(make, **options), what, h=0.01, steps=30)
@@ -96,5 +97,6 @@ CONTACT = [
     Entry(
         "friction, exact sphere, multipliers", lambda: on_shape("sphere", friction=0.3), MOMENTA, 0.0025, 100
     ),
+    Entry("friction, bricks that overhang", lambda: overhanging(friction=0.3, **ELASTIC), MOMENTA, 0.01, 40),
     Entry("friction of balls", balls, MOMENTA, 0.01, 30),
 ]
