@@ -186,3 +186,16 @@ def test_corner_of_a_punch_beside_a_node(beyond: float) -> None:
     force, pressures = punch_errors(rigid_block, 8, beyond)
     assert force < 0.025
     assert pressures < 0.15
+
+
+def rigid_block_by_vertices() -> Any:
+    second, options = rigid_block()
+    return second, {**options, "formulation": "node-to-segment"}
+
+
+@pytest.mark.parametrize("beyond", [0.02, 0.5, 0.9])
+def test_corner_of_a_punch_between_vertices(beyond: float) -> None:
+    """Vertices that slide over the punch' border, whose facets are twenty times as long as theirs."""
+    force, pressures = punch_errors(rigid_block_by_vertices, 32, beyond)
+    assert force < 0.015
+    assert pressures < 0.02
