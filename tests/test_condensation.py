@@ -13,6 +13,7 @@ from solid_parts import block
 
 import visviva as vv
 from visviva.field import Field
+from visviva.problem import problem_of
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ def test_what_is_solved_for(shape: dict[str, Any], uncondensed: Callable[[], Any
     assert system.core.n_equations < len(system.free_unknowns)
     assert "condensed" in system.core.solver
     system.choose_linear(inertia=False)
-    assert system._linear_problem().is_definite
+    assert problem_of(system).is_definite
     uncondensed()
     whole = vv.System(held(shape))
     assert whole.core.n_equations >= len(whole.free_unknowns)

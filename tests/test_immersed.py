@@ -14,6 +14,7 @@ import visviva as vv
 from visviva.component import Component
 from visviva.errors import InputError
 from visviva.flow.transfer import Transfer
+from visviva.problem import problem_of
 
 Array = NDArray[np.float64]
 
@@ -191,7 +192,7 @@ def test_positions_and_forces_leave_the_equations_in_all_directions(cell: str) -
     free = sum(int(np.sum(~f.fixed)) for f in system.model.fields if f.component is fluid)
     assert system.core.n_eliminated == solid.dimension * len(solid.points)
     assert system.core.n_equations == free
-    assert system._linear_problem().has_diagonal == fluid.is_stabilised
+    assert problem_of(system).has_diagonal == fluid.is_stabilised
 
 
 def stiff(**options: Any) -> tuple[vv.System, vv.Result]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -177,3 +178,42 @@ class Attachable(Component):
 
         axes = np.array([self.local_direction(d) for d in triad(axis, first)])
         return self.frame(self.local(np.asarray(x, dtype=float)), axes)
+
+
+def name_components(components: Sequence[Component]) -> None:
+    """Give names to those that have none.
+
+    Raises
+    ------
+    InputError
+        If two have the same, or one is no component.
+    """
+    seen: Counter[str] = Counter()
+    taken = {c.name for c in components if c.name}
+    for c in components:
+        if not isinstance(c, Component):
+            raise InputError(f"a system is composed of components, not of {c!r}")
+        if c.name is None:
+            kind = type(c).__name__.lower()
+            while c.name is None or c.name in taken:
+                seen[kind] += 1
+                c.name = f"{kind}-{seen[kind]}"
+            taken.add(c.name)
+    doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
+    if doubled:
+        raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+
+def characteristic_length(components: Sequence[Component]) -> float:
+    """Extent of the model: the scale of positions in convergence tests and reports."""
+    places = [getattr(c, "position", None) for c in components]
+    places += [getattr(c, "at", None) for c in components]
+    given = np.array([p for p in places if p is not None and np.shape(p) == (3,)], dtype=float)
+    sizes = [np.linalg.norm(np.ptp(given, axis=0)) if len(given) else 0.0]
+    sizes += [float(getattr(c, "extent", 0.0)) for c in components]
+    for c in components:
+        m = getattr(c, "mass_properties", None)
+        if m is not None:
+            mass, _, J = m()
+            sizes.append(float(np.sqrt(np.trace(J) / mass)))
+    return float(max(sizes)) or 1.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import weakref
-from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva import _core
-from visviva.component import Attachable, Component
+from visviva.build import build_core
+from visviva.component import Attachable, Component, characteristic_length, name_components
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
-from visviva.linear import Automatic, Problem, rigid_motions
+from visviva.linear import Automatic
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
+from visviva.problem import problem_of, rigid_modes, uses_null_space
 from visviva.scheme import EnergyMomentum, Scheme, Static
-from visviva.stencil import inertia_terms, strain_terms
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
     from visviva.check import CheckReport
 
 Array = NDArray[np.float64]
-
-STATIC = 100.0
-"""By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ class System:
         self._pattern: tuple[int, tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]] | None = (
             None
         )
-        self._name_components()
+        name_components(self.components)
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
             owner = getattr(c, "_system", lambda: None)()
@@ -102,54 +98,17 @@ class System:
             raise InputError(
                 "all unknowns of the system are held or prescribed: leave something free to move"
             )
-        self._build_core()
+        fields = self.model.fields
+        order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
+        self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
+        self.core = build_core(self)
+        self.choose_linear()
+        self.core.x[:] = np.concatenate([f.values for f in fields])
+        self.core.v[:] = np.concatenate([f.rates for f in fields])
+        self._signals = np.zeros((4, max(len(self.model.signals), 1)))
         self._check_finite()
 
     # --- construction --------------------------------------------------------------------------------------
-    def _name_components(self) -> None:
-        seen: Counter[str] = Counter()
-        taken = {c.name for c in self.components if c.name}
-        for c in self.components:
-            if not isinstance(c, Component):
-                raise InputError(f"a system is composed of components, not of {c!r}")
-            if c.name is None:
-                kind = type(c).__name__.lower()
-                while c.name is None or c.name in taken:
-                    seen[kind] += 1
-                    c.name = f"{kind}-{seen[kind]}"
-                taken.add(c.name)
-        doubled = [n for n, k in Counter(c.name for c in self.components).items() if k > 1]
-        if doubled:
-            raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
-
-    def _build_core(self) -> None:
-        fields = self.model.fields
-        order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
-        fixed = np.concatenate([f.fixed for f in fields]).astype(np.int32)
-        core = self.core = _core.System(order, fixed, self.scale)
-        self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
-        terms = [*inertia_terms(self.model), *strain_terms(self.model), *self.model.batches]
-        terms += [term.build(self.model, component) for term, component in self.model.terms]
-        supplied = self.model.supplied()
-        core.set_accounts(
-            len(self.model.accounts), len(self.components)
-        )  # after the terms have opened theirs
-        for term in terms:
-            core.add(term)
-        core.set_signal_count(max(len(self.model.signals), 1))
-        core.set_driven(any(a.kind in ("drive", "servo") for a in self.model.accounts))
-        core.set_blocks(*self._blocks())
-        core.set_nodes(self._nodes())
-        core.set_local(self.local)
-        core.set_prescribed(*supplied)
-        self._set_dependences()
-        self._set_nodal_multipliers()
-        core.finalize()
-        self.choose_linear()
-        core.x[:] = np.concatenate([f.values for f in fields])
-        core.v[:] = np.concatenate([f.rates for f in fields])
-        self._signals = np.zeros((4, max(len(self.model.signals), 1)))
-
     @property
     def newton(self) -> Newton:
         """Options of the solver; new ones hold from the next step on.
@@ -170,39 +129,6 @@ class System:
         self._newton = newton
         self.choose_linear(inertia=self.has_inertia, discrete_gradient=self.has_discrete_gradient)
 
-    def _set_dependences(self) -> None:
-        """What linear constraints give leaves the equations, unless rigid bodies are eliminated block by block."""
-        listed = self.model.dependences
-        if not listed or self.newton.null_space:
-            return
-        self.core.set_dependences(*np.array(listed, dtype=np.int32).T.copy())
-
-    def _set_nodal_multipliers(self) -> None:
-        """Pressures that leave the equations by the momentum of their nodes."""
-        listed = self.model.nodal_multipliers
-        if listed:
-            self.core.set_nodal_multipliers(*np.array(listed, dtype=np.int32).T.copy())
-
-    def _blocks(self) -> tuple[NDArray[np.int32], ...]:
-        numbers: dict[Any, int] = {}
-        stages: list[int] = []
-        block = np.zeros(self.model.n_unknowns, dtype=np.int32)
-        multiplier = np.zeros_like(block)
-        for f in self.model.fields:
-            if f.block not in numbers:
-                numbers[f.block] = len(numbers)
-                stages.append(f.stage)
-            block[f.start : f.start + f.size] = numbers[f.block]
-            multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
-        rigid = np.array(self.model.rigid, dtype=np.int32).reshape(-1, 18)
-        self.block_sizes = np.bincount(block)
-        return block, np.array(stages, dtype=np.int32), multiplier, rigid
-
-    def _nodes(self) -> NDArray[np.int32]:
-        """First unknown of the node of each unknown."""
-        starts = [f.start + np.arange(f.size) // f.node * f.node for f in self.model.fields]
-        return np.concatenate(starts).astype(np.int32)
-
     @cached_property
     def local(self) -> NDArray[np.int32]:
         """Element (n,) that alone touches each unknown, numbered through all fields, or -1.
@@ -216,14 +142,6 @@ class System:
         local: NDArray[np.int32] = np.concatenate(parts).astype(np.int32)
         return np.full_like(local, -1) if self.newton.null_space else local
 
-    def _use_null_space(self) -> bool:
-        if self.newton.null_space is not None:
-            return self.newton.null_space
-        small = int(self.block_sizes.max()) <= 20 and not any(f.is_local for f in self.model.fields)
-        others = any(a.kind in ("servo", "contact") for a in self.model.accounts)
-        others = others or not all(f.symmetric for f in self.model.fields)
-        return small and not self.model.terms and not others and not self.model.dependences
-
     def choose_linear(self, *, inertia: bool = True, discrete_gradient: bool = True) -> None:
         """Hand the linear solvers to the core; rigid bodies by block elimination, small systems by sparse LU.
 
@@ -234,60 +152,15 @@ class System:
         core, options = self.core, self.newton.linear
         if options is not None and self.newton.null_space:
             raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
-        problem = self._linear_problem()
-        if options is None and inertia and (self._use_null_space() or problem.is_plain):
-            core.use_solver(self._use_null_space(), self.newton.regularization)
+        problem, by_blocks = problem_of(self), uses_null_space(self)
+        if options is None and inertia and (by_blocks or problem.is_plain):
+            core.use_solver(by_blocks, self.newton.regularization)
             self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
             return
-        core.set_modes(self._modes())
+        core.set_modes(rigid_modes(self.model))
         choice = (options or Automatic()).choose(problem)
         core.use_linear(list(choice.in_order))
         self.linear_explanation = choice.explanation
-
-    def _linear_problem(self) -> Problem:
-        """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
-        fields = [f for f in self.model.fields if not f.is_local]
-        condensed = self.core.n_exchanged or len(self.model.nodal_multipliers)  # before anything is near
-        symmetric = all(f.symmetric for f in fields)
-        has_flow = not self.core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
-        return Problem(
-            n=self.core.n_equations,
-            n_entries=self.core.n_entries,
-            symmetric=symmetric,
-            nearly=symmetric and self.has_discrete_gradient and not condensed,
-            definite=all(f.order != 1 and f.definite for f in fields),
-            n_multipliers=self.n_constraints - self.core.n_eliminated,
-            has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
-            n_pressures=sum(f.size for f in fields if is_pressure(f)) - condensed,
-            n_condensed=condensed,
-            has_inertia=self.has_inertia,
-            regularization=self.newton.regularization * (1.0 if self.has_inertia else STATIC),
-            has_diagonal=bool(condensed or not symmetric) and self._has_diagonal(condensed),
-            has_flow=has_flow,
-            is_flow=has_flow and all(f.order < 2 for f in fields),
-        )
-
-    def _has_diagonal(self, condensed: int) -> bool:
-        """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
-        fields = [f for f in self.model.fields if not f.is_local]
-        free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
-        pressures = sum(f.size for f in fields if is_pressure(f) and f.symmetric)
-        others = all(f.order > 0 or not f.symmetric or is_pressure(f) for f in fields if not f.multiplier)
-        return others and (free, pressures) == (self.core.n_eliminated, condensed)
-
-    def _modes(self) -> Array:
-        """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
-        parts = [
-            rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order == 2 else None
-            for f in self.model.fields
-        ]
-        modes = np.zeros(
-            (self.model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0))
-        )
-        for f, part in zip(self.model.fields, parts, strict=True):
-            if part is not None:
-                modes[f.start : f.start + f.size, : part.shape[1]] = part
-        return modes
 
     def _check_finite(self) -> None:
         if np.isfinite(self.x).all() and np.isfinite(self.v).all():
@@ -537,23 +410,3 @@ class System:
 
         self.report = check(self, repair=repair)
         return self.report
-
-
-def is_pressure(field: Field) -> bool:
-    """Whether unknowns are pressures of contact."""
-    return field.order == 0 and not field.multiplier and not field.definite
-
-
-def characteristic_length(components: Sequence[Component]) -> float:
-    """Extent of the model: the scale of positions in convergence tests and reports."""
-    places = [getattr(c, "position", None) for c in components]
-    places += [getattr(c, "at", None) for c in components]
-    given = np.array([p for p in places if p is not None and np.shape(p) == (3,)], dtype=float)
-    sizes = [np.linalg.norm(np.ptp(given, axis=0)) if len(given) else 0.0]
-    sizes += [float(getattr(c, "extent", 0.0)) for c in components]
-    for c in components:
-        m = getattr(c, "mass_properties", None)
-        if m is not None:
-            mass, _, J = m()
-            sizes.append(float(np.sqrt(np.trace(J) / mass)))
-    return float(max(sizes)) or 1.0

@@ -1,0 +1,70 @@
+"""The core of a system, built from what its components have declared and contributed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.stencil import inertia_terms, strain_terms
+
+if TYPE_CHECKING:
+    from visviva.model import Model
+    from visviva.system import System
+
+Ints = NDArray[np.int32]
+
+
+def build_core(system: System) -> _core.System:
+    """The core with its terms and the numbers of the unknowns, ready for a linear solver."""
+    model = system.model
+    order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in model.fields])
+    fixed = np.concatenate([f.fixed for f in model.fields]).astype(np.int32)
+    core = _core.System(order, fixed, system.scale)
+    terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
+    terms += [term.build(model, component) for term, component in model.terms]
+    supplied = model.supplied()
+    core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
+    for term in terms:
+        core.add(term)
+    core.set_signal_count(max(len(model.signals), 1))
+    core.set_driven(any(a.kind in ("drive", "servo") for a in model.accounts))
+    core.set_blocks(*blocks(model))
+    core.set_nodes(nodes(model))
+    core.set_local(system.local)
+    core.set_prescribed(*supplied)
+    if model.dependences and not system.newton.null_space:  # which takes constraints block by block
+        core.set_dependences(*columns(model.dependences))
+    if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
+        core.set_nodal_multipliers(*columns(model.nodal_multipliers))
+    core.finalize()
+    return core
+
+
+def columns(rows: Any) -> Ints:
+    """Columns of a list of tuples, each in one piece."""
+    return np.array(rows, dtype=np.int32).T.copy()
+
+
+def blocks(model: Model) -> tuple[Ints, ...]:
+    """Block of each unknown, stage of each block, which unknowns are multipliers; unknowns (n, 18) of rigid bodies."""
+    numbers: dict[Any, int] = {}
+    stages: list[int] = []
+    block = np.zeros(model.n_unknowns, dtype=np.int32)
+    multiplier = np.zeros_like(block)
+    for f in model.fields:
+        if f.block not in numbers:
+            numbers[f.block] = len(numbers)
+            stages.append(f.stage)
+        block[f.start : f.start + f.size] = numbers[f.block]
+        multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
+    rigid = np.array(model.rigid, dtype=np.int32).reshape(-1, 18)
+    return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+
+def nodes(model: Model) -> Ints:
+    """First unknown of the node of each unknown."""
+    starts = [f.start + np.arange(f.size) // f.node * f.node for f in model.fields]
+    return np.concatenate(starts).astype(np.int32)

@@ -1,0 +1,86 @@
+"""What the choice of a linear solver is told of a system."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.build import blocks
+from visviva.linear import Problem, rigid_motions
+
+if TYPE_CHECKING:
+    from visviva.field import Field
+    from visviva.model import Model
+    from visviva.system import System
+
+Array = NDArray[np.float64]
+
+STATIC = 100.0
+"""By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
+LARGEST_BLOCK = 20
+"""Unknowns of a block up to which rigid bodies are eliminated block by block."""
+
+
+def uses_null_space(system: System) -> bool:
+    """Whether rigid bodies are reduced to six unknowns and eliminated block by block."""
+    model = system.model
+    if system.newton.null_space is not None:
+        return system.newton.null_space
+    small = int(np.bincount(blocks(model)[0]).max()) <= LARGEST_BLOCK
+    small = small and not any(f.is_local for f in model.fields)
+    others = any(a.kind in ("servo", "contact") for a in model.accounts)
+    others = others or not all(f.symmetric for f in model.fields)
+    return small and not model.terms and not others and not model.dependences
+
+
+def problem_of(system: System) -> Problem:
+    """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
+    core, model = system.core, system.model
+    fields = [f for f in model.fields if not f.is_local]
+    condensed = core.n_exchanged or len(model.nodal_multipliers)  # before anything is near
+    symmetric = all(f.symmetric for f in fields)
+    has_flow = not core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
+    return Problem(
+        n=core.n_equations,
+        n_entries=core.n_entries,
+        symmetric=symmetric,
+        nearly=symmetric and system.has_discrete_gradient and not condensed,
+        definite=all(f.order != 1 and f.definite for f in fields),
+        n_multipliers=system.n_constraints - core.n_eliminated,
+        has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
+        n_pressures=sum(f.size for f in fields if is_pressure(f)) - condensed,
+        n_condensed=condensed,
+        has_inertia=system.has_inertia,
+        regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
+        has_diagonal=bool(condensed or not symmetric) and has_diagonal(fields, core.n_eliminated, condensed),
+        has_flow=has_flow,
+        is_flow=has_flow and all(f.order < 2 for f in fields),
+    )
+
+
+def has_diagonal(fields: list[Field], eliminated: int, condensed: int) -> bool:
+    """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
+    free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
+    pressures = sum(f.size for f in fields if is_pressure(f) and f.symmetric)
+    others = all(f.order > 0 or not f.symmetric or is_pressure(f) for f in fields if not f.multiplier)
+    return others and (free, pressures) == (eliminated, condensed)
+
+
+def is_pressure(field: Field) -> bool:
+    """Whether unknowns are pressures of contact."""
+    return field.order == 0 and not field.multiplier and not field.definite
+
+
+def rigid_modes(model: Model) -> Array:
+    """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
+    parts = [
+        rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order == 2 else None
+        for f in model.fields
+    ]
+    modes = np.zeros((model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0)))
+    for f, part in zip(model.fields, parts, strict=True):
+        if part is not None:
+            modes[f.start : f.start + f.size, : part.shape[1]] = part
+    return modes
