@@ -182,7 +182,7 @@ def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array,
 def of_user(solid: Solid, cell: str, nodes: Ints, part: Fields) -> Fields:
     """Fields with what the core does not know of a user's energy: F33 of plane stress, the stress of F-bar."""
     shape = part.J.shape
-    if solid.plane == "stress":
+    if solid.plane == "stress" and solid.own_energy is not None:
         stretch = 1 + solid.thermal(cell, nodes)
         C = components(part.C) / stretch[..., None] ** 2
         F = part.F.copy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva import _core
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, masses, nodal_masses, solid_rule
+from visviva.body.element import masses, nodal_masses, solid_rule
 from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.formulation import Formulation
-from visviva.callback import AcrossFree, Function, callback_of
+from visviva.body.solid_term import own_energy, solid_term
+from visviva.callback import callback_of
 from visviva.component import Attachable, Vectors, settings
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Vector
@@ -178,7 +178,9 @@ class Solid(Attachable, Meshed):
     def nodal_mass(self) -> Array:
         """Share (n,) of every node in the mass: row sums of the mass matrix."""
         cells = self.grid.cells.items()
-        return nodal_masses(self.grid.n_nodes, ((nodes, self._masses(cell, nodes)) for cell, nodes in cells))
+        return nodal_masses(
+            self.grid.n_nodes, ((nodes, self.cell_masses(cell, nodes)) for cell, nodes in cells)
+        )
 
     def nodal_volume(self, cells: NDArray[np.bool_] | None = None) -> Array:
         """Share (n,) of every node in the reference volume, positive, of the chosen cells (n_cells,) or all."""
@@ -196,7 +198,8 @@ class Solid(Attachable, Meshed):
         """Total mass."""
         return float(self.nodal_mass.sum())
 
-    def _masses(self, cell: str, nodes: Ints) -> Array:
+    def cell_masses(self, cell: str, nodes: Ints) -> Array:
+        """Masses (m, pairs) of cells between pairs of their nodes."""
         return masses(
             self.grid.points,
             nodes,
@@ -231,7 +234,7 @@ class Solid(Attachable, Meshed):
                 self, "enhanced", zero, order=order, scale=model.length, stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
-            self._numbers, own = forms.pressure_numbers(self.grid)
+            self.pressure_numbers, own = forms.pressure_numbers(self.grid)
             bulk = self.material.split().bulk
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
             if bulk > forms.STIFFEST * self.material.lame[1]:
@@ -243,77 +246,21 @@ class Solid(Attachable, Meshed):
     def contribute(self, model: Model) -> None:
         self.terms: list[Any] = []  # of the core, one per cell type
         self.volumes: list[Array] = []  # (m, q) of their quadrature points
-        energy = self.material.split().energy if self.formulation == "mixed" else self.material.energy
-        if energy is not None:
-            self.own_energy = self._own_energy(energy)
-            self.callback = callback_of(self.own_energy)  # which the core does not keep alive
+        self.own_energy = own_energy(self)
+        self.callback = (
+            callback_of(self.own_energy) if self.own_energy else None
+        )  # the core does not keep it alive
         first = 0
         for cell, nodes in self.grid.cells.items():
-            model.batch(self._term(model, cell, nodes, first))
+            term, volume = solid_term(self, model, cell, nodes, first)
+            model.batch(term)
+            self.terms.append(term)
+            self.volumes.append(volume)
             first += len(nodes)
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of each node."""
         return np.asarray(self.motion.start + self.dimension * np.asarray(nodes), dtype=np.int32)
-
-    def _term(self, model: Model, cell: str, nodes: Ints, first: int) -> Any:
-        g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
-        d, damped = self.dimension, self.mass_damping > 0 or self.stiffness_damping > 0
-        index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
-        kind, energy = self.material.kind, self.material.energy
-        mass = self._masses(cell, nodes) if self.density > 0 else None
-        if self.formulation == "enhanced":
-            modes = self.inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
-            index = np.hstack([index, modes.reshape(len(nodes), d)])
-            g = forms.enhanced(self, cell, nodes, g)
-            mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
-        elif self.formulation == "mixed":
-            split = self.material.split()
-            kind, energy = split.kind, split.energy
-            parameters = np.tile(split.constants, (len(nodes), 1))
-            index = np.hstack([index, self.inner.start + self._numbers[cell]])
-        term = _core.SolidTerm(
-            int(kind),
-            self.material.small,
-            np.ascontiguousarray(index, dtype=np.int32),
-            g.gradients,
-            g.volume,
-            parameters,
-            g.hoop,
-            mass,
-            self._damping(len(nodes)) if damped else None,
-        )
-        term.name = self.label
-        term.set_plane_stress(self.plane == "stress" and energy is None)
-        term.set_start_stress(self.tangent == "start")
-        if callable(self.thermal_strain) or self.thermal_strain:
-            term.set_thermal(self.thermal(cell, nodes))
-        if self.formulation == "F-bar":
-            middle = forms.centre(self, cell, nodes)
-            hoop = None if middle.hoop is None else middle.hoop[:, 0]
-            term.set_centre(middle.gradients[:, 0], hoop)
-        elif self.formulation == "mixed":
-            shapes = forms.pressure_shapes(
-                self.grid, cell, nodes, solid_rule(self.grid.points, nodes, cell).points
-            )
-            compliance = forms.pressure_compliance(self, cell, nodes, split.bulk)
-            term.set_pressure(shapes, compliance, split.measure, self.inner.multiplier)
-        if energy is not None:
-            term.set_callback(self.callback)
-        kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
-        damping = model.account(self, "damping", "dissipation") if damped else -1
-        strain = model.account(self, "strain", "potential")
-        term.book_solid(strain, kinetic, damping, model.index(self), first)
-        self.terms.append(term)
-        self.volumes.append(g.volume)
-        return term
-
-    def _own_energy(self, energy: Callable[[Any], Any]) -> Function:
-        """The material's energy, given in Python, with its derivatives."""
-        n, kind = 6, AcrossFree if self.plane == "stress" else Function
-        if self.formulation == "F-bar":
-            energy, n = forms.scaled(energy, 2 if self.dimension == 2 and not self.axisymmetric else 3), 12
-        return kind(energy, n, 1, f"{self.label}: energy of its material")
 
     def thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
@@ -328,14 +275,6 @@ class Solid(Attachable, Meshed):
                 f"-1 for positions {X.shape}; give strains, shape ({len(X)},)"
             )
         return strain.reshape(len(nodes), len(N))
-
-    def _damping(self, n: int) -> Array:
-        lam, mu = self.material.lame
-        if self.formulation in ("F-bar", "mixed"):  # rates of volume at every point would lock
-            lam = 0.0
-        if self.plane == "stress":  # what is left of small strains without stress across
-            lam = 2 * lam * mu / (lam + 2 * mu)
-        return np.tile([self.mass_damping, self.stiffness_damping * lam, self.stiffness_damping * mu], (n, 1))
 
     @property
     def total_mass(self) -> float:
