@@ -94,15 +94,19 @@ def volume() -> None:
 
 
 def half() -> None:
-    for name, material in half_cylinder.MATERIALS.items():
-        for per_unit in (8, 16):
+    for name, fitted in half_cylinder.FITTED.items():
+        material = half_cylinder.MATERIALS[name]
+        for per_unit in (8, 16, 24, 32):
             u, area = half_cylinder.bend(per_unit, material())
             print(
-                f"half cylinder, {name}, {per_unit} quad9 per unit: top moves by {u[0]:.4f}, {u[1]:.4f} (published "
-                f"{half_cylinder.PUBLISHED}: {100 * (u[0] / half_cylinder.PUBLISHED - 1):+.0f} %), area {area:.4f}"
+                f"half cylinder, {name}, {per_unit} quad9 per unit: top moves by {u[0]:.4f}, {u[1]:.4f} (body-fitted "
+                f"{fitted}: {100 * (u[0] / fitted - 1):+.1f} %), area {area:.4f}",
+                flush=True,
             )
         u, area = half_cylinder.bend(16, material(), "quad4")
-        print(f"half cylinder, {name}, 16 quad4 per unit: {u[0]:.4f}, {u[1]:.4f}, area {area:.4f}")
+        print(
+            f"half cylinder, {name}, 16 quad4 per unit: {u[0]:.4f}, {u[1]:.4f}, area {area:.4f}", flush=True
+        )
 
 
 CASES = {"fsi1": fsi1, "fsi2": fsi2, "crowded": crowded, "volume": volume, "half_cylinder": half}
