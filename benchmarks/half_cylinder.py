@@ -18,8 +18,8 @@ RADIUS, CENTRE, LENGTH, FLOOR, HEIGHT = 0.5, np.array([1.5, -0.5]), 6.5, -0.5, 1
 LAME, SHEAR = 500.0, 50.0
 POISSON = LAME / (2 * (LAME + SHEAR))
 FITTED = {"Saint-Venant-Kirchhoff": 0.1136, "neo-Hooke": 0.1503}
-"""Displacement of the top along the channel at rest, body-fitted, of solids that keep their volume: by
-`half_cylinder_fitted.py --sizes 0.025`. For the published one, linear elastic and compressible, it finds 0.1294 (0.1297)."""
+"""Displacement of the top along the channel at rest, body-fitted, of solids that keep their volume, by
+`half_cylinder_fitted.py --sizes 0.025`."""
 MATERIALS: dict[str, Callable[[], Material]] = {
     "Saint-Venant-Kirchhoff": lambda: vv.SaintVenantKirchhoff(shear=SHEAR, poisson=POISSON),
     "neo-Hooke": lambda: vv.NeoHooke(shear=SHEAR, poisson=POISSON),
