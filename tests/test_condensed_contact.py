@@ -88,6 +88,25 @@ def test_nothing_is_lost_over_hundreds_of_steps(build: Callable[..., list[Compon
     result.assert_conserved("energy", "momentum_x", "momentum_y", *angular, tolerance=1e-10)
 
 
+@pytest.mark.parametrize("condensed", [False, True])
+@pytest.mark.parametrize(("build", "what"), [(bricks, "xyz"), (plates, "z")])
+def test_dissipative_impacts_never_give_energy(
+    build: Callable[..., list[Component]], what: str, condensed: bool
+) -> None:
+    """Blocks hit each other and part, with steps in which they slide: energy falls or stays in each, momenta stay."""
+    parts = build(gap=0.05, condensed=condensed, **DUAL)
+    contact, touches = contact_of(parts), []
+    result = vv.simulate(
+        vv.System(parts), until=3.0, step=0.01, observe=lambda _: touches.append(contact.pressures.max() > 0)
+    )
+    total = result.ledger["total"]
+    assert 5 < sum(touches) < 290
+    assert np.diff(total).max() < 1e-12 * total[0]
+    assert 0.01 < 1 - total[-1] / total[0] < 0.5
+    angular = [f"angular_{axis}" for axis in what]
+    result.assert_conserved("energy", "momentum_x", "momentum_y", *angular, tolerance=1e-10)
+
+
 def test_dual_multipliers_see_their_own_node_alone() -> None:
     """Where surfaces lie on each other, a pressure's force on the first one is on one node; standard ones spread."""
     for multipliers, alone in (("dual", True), ("standard", False)):

@@ -223,6 +223,42 @@ def test_cantilever_tied_in_the_middle(multipliers: Multipliers) -> None:
     assert other == pytest.approx(whole, rel=2e-3)
 
 
+@pytest.mark.parametrize("multipliers", KINDS)
+@pytest.mark.parametrize("hung", ["first", "second"])
+def test_joint_on_a_tied_node(multipliers: Multipliers, hung: str) -> None:
+    """A beam that hangs from a ball joint at a corner of the tied surfaces swings as one mesh does, nodes match."""
+    corner, far, swung = (1.0, 1.0, 0.5), (2.0, 0.0, 0.0), []
+    for halves in (1, 2):
+        parts: list[Any] = [
+            vv.Solid(
+                mesh=vv.BoxMesh(size=(2 / halves, 1, 0.5), counts=(4 // halves, 2, 1), origin=(x, 0, 0)),
+                material=RUBBER,
+                density=0.1,
+            )
+            for x in range(halves)
+        ]
+        solids = list(parts)
+        if halves == 2:
+            tie = vv.Tie(
+                first=solids[0],
+                first_faces="x1",
+                second=solids[1],
+                second_faces="x0",
+                multipliers=multipliers,
+            )
+            parts.append(tie)
+        held = solids[-1] if hung == "second" else solids[0]
+        ground = vv.Ground()
+        parts += [ground, vv.Spherical(a=ground, b=held, at=corner), vv.Gravity()]
+        system = vv.System(parts)
+        result = vv.simulate(system, until=0.6, step=0.02)
+        result.assert_conserved("energy", tolerance=1e-10)
+        assert system.value(held.point(corner).position) == pytest.approx(corner, abs=1e-11)
+        swung.append(system.value(solids[-1].point(far).position))
+    assert np.linalg.norm(swung[0] - far) > 0.5
+    assert swung[1] == pytest.approx(swung[0], abs=1e-8)
+
+
 def ring(n: int, multipliers: Multipliers, cell: str = "quad4") -> tuple[float, float]:
     """Errors of displacement and hoop stress of a thick ring under pressure, tied at the middle radius (Lame).
 
