@@ -100,13 +100,13 @@ def on_shape(name: str, turn: Any = None, **options: Any) -> list[Any]:
     return [brick, carrier, obstacle, vv.Contact(first=brick, second=obstacle, **options)]
 
 
-def balls(shape: Any = None, **options: Any) -> list[Any]:
-    """Two spinning balls that hit each other off their centres and rub; the second may have another shape."""
+def balls(shape: Any = None, away: float = 0.0, **options: Any) -> list[Any]:
+    """Two spinning balls that hit each other off their centres and rub; the second, `away`, may have another shape."""
     one, two = (
         vv.RigidBody(shape=outside, density=1.0, position=place, velocity=v, angular_velocity=w)
         for outside, place, v, w in (
             (vv.Sphere(radius=0.5), (0.0, 0.0, 0.0), (0.3, 0.1, 0.0), (0.4, -0.2, 1.0)),
-            (shape or vv.Sphere(radius=0.4), (0.8, 0.3, 0.31), (-0.6, 0.0, 0.1), (0.0, 0.7, 0.5)),
+            (shape or vv.Sphere(radius=0.4), (0.8 + away, 0.3, 0.31), (-0.6, 0.0, 0.1), (0.0, 0.7, 0.5)),
         )
     )
     more: Any = {

@@ -140,10 +140,11 @@ void bind_contact(nb::module_& m) {
         nb::arg("skin"), nb::arg("reach"), nb::arg("axisymmetric"), nb::arg("dual"));
     m.def(
         "node_to_segment",
-        [](const Skin& skin, const Doubles& areas, double radius, double reach, bool rubs) {
-            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach, rubs}));
+        [](const Skin& skin, const Doubles& areas, double radius, double reach, bool rubs, double axis) {
+            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach, rubs, axis}));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("rubs"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("rubs"),
+        nb::arg("axis"));
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, double reach, bool rubs, const Doubles& places) {

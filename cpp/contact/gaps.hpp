@@ -88,9 +88,11 @@ struct PointOptions {
     double radius = 0;          // of a ball about each of them
     double reach = 0;           // facets farther away are not seen
     bool rubs = false;          // there is friction
+    double axis = 0;            // length of the axes of the frame that balls turn with where they rub
 };
 
-/// Distances to the closest points of the second surface's facets.
+/// Distances to the closest points of the second surface's facets. Where balls rub, the last four vertices
+/// are the frame that they turn with, its origin and the ends of its axes.
 std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
 
 /// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,

@@ -47,6 +47,8 @@ class NodeToSegment : public PointGaps {
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
+    bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
+    bool turns() const { return options_.axis > 0; }  // balls that rub
     int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
     bool touches_itself() const { return !rest_.empty(); }
     bool excluded(int vertex, int facet) const;
@@ -169,8 +171,9 @@ bool NodeToSegment::search(const double* from, const double* to) {
 void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
     auto& stencil = stencils_[A];
     stencil.assign(1, A), candidates_[A].clear();
-    if (options_.rubs && skin_.dim == 3)
+    if (options_.rubs && skin_.dim == 3 && has_facets())
         stencil.push_back(edge_end(A));  // whose direction tractions turn with
+    for (int k = turns() ? 4 : 0; k > 0; --k) stencil.push_back(skin_.n_vertices() - k);
     for (int f : facets) {
         Candidate c{f, {}};
         for (int i = 0; i < skin_.n_corners(f); ++i) {
@@ -296,8 +299,9 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     Vector3 w = x;
     for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
     const double aside = (w - above * found.normal).norm(), size = (b - a).norm();
-    if (border || aside <= same_place * size) {
-        if (border && aside > on_border * size) {
+    const bool rolls = options_.radius > 0;  // off an edge, as balls are round themselves
+    if ((border && !rolls) || aside <= same_place * size) {
+        if (border && !rolls && aside > on_border * size) {
             found.rim = found.foot;
             const Jet gap = beyond_border(facet, found.rim, roundness, x);
             found.value = gap.value, found.normal = gap.gradient.head<3>();
@@ -305,7 +309,7 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
         found.foot = whole(facet, found.foot.simplex, x);
         return Reach::near;
     }
-    found.value = w.dot(out) < 0 ? -d : d;
+    found.value = w.dot(out) < 0 && !border ? -d : d;
     found.normal = w / found.value;
     return Reach::near;
 }
@@ -350,7 +354,8 @@ PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives
     return Reach::near;
 }
 
-// The vertex against the closest point.
+// The vertex, or the point of the ball that is nearest, against the closest point. Tractions turn with an
+// edge of the first surface, or of the facet where that is but points.
 void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) const {
     Found found;
     if (locate(X, A, found) != Reach::near) return;
@@ -367,7 +372,15 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
         N.setZero(3, 3 * static_cast<Eigen::Index>(stencils_[A].size()));
         for (int c = 0; c <= facet.n; ++c) N.middleCols<3>(3 * place(c)) += H.block<3, 3>(0, 3 * c);
     }
-    out.weight[0] = -1;
+    const Vector3 x = At(X + 3 * A);
+    if (turns()) {
+        Eigen::MatrixXd C;
+        if (gradients) C = -options_.radius * N, C.leftCols<3>() += Eigen::Matrix3d::Identity();
+        const double* frame = X + 3 * (skin_.n_vertices() - 4);
+        add_weights(frame, options_.axis, x - options_.radius * found.normal, C, 1, -1, out);
+    } else {
+        out.weight[0] = -1;
+    }
     for (int c = 0; c < facet.n; ++c)
         for (int i = 0; i < foot.n; ++i) {
             const double share = facet.share(foot.vertex[i], c);
@@ -376,9 +389,9 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
                 out.weight_gradient.block<1, 3>(place(c + 1), 3 * place(d)) +=
                     share * coordinates.block<1, 3>(i, 3 * d);
         }
-    const int end = skin_.dim == 3 ? 1 : 0;
-    const Vector3 edge = At(X + 3 * stencils_[A][end]) - At(X + 3 * A);
-    set_tangents(skin_.dim, found.normal, gradients ? &N : nullptr, edge, 0, end, out);
+    const int tail = has_facets() ? 0 : place(1), head = has_facets() ? (skin_.dim == 3 ? 1 : 0) : place(2);
+    const Vector3 edge = At(X + 3 * stencils_[A][head]) - At(X + 3 * stencils_[A][tail]);
+    set_tangents(skin_.dim, found.normal, gradients ? &N : nullptr, edge, tail, head, out);
 }
 
 }  // namespace

@@ -75,8 +75,6 @@ class Obstacle : public PointGaps {
 
   private:
     bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
-    void add_weights(const double* X, const Vector3& c, const Eigen::MatrixXd& C, int own, double sign,
-                     Grip& out) const;
     ObstacleShape shape_;
 };
 
@@ -126,24 +124,6 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
     return Reach::near;
 }
 
-// The weights that a place c, with C = dc/dx, has as a point of a frame: that at place `own` of the stencil.
-void Obstacle::add_weights(const double* X, const Vector3& c, const Eigen::MatrixXd& C, int own, double sign,
-                           Grip& out) const {
-    const double L = shape_.axis;
-    const At o(X);
-    out.weight[own] += sign;
-    for (int i = 0; i < 3; ++i) {
-        const Vector3 axis = At(X + 3 + 3 * i) - o, arm = c - o;
-        const double y = sign * arm.dot(axis) / (L * L);
-        out.weight[own + 1 + i] += y, out.weight[own] -= y;
-        if (C.size() == 0) continue;
-        Eigen::RowVectorXd dy = axis.transpose() * C;
-        dy.segment<3>(3 * own) -= axis + arm, dy.segment<3>(3 * (own + 1 + i)) += arm;
-        dy *= sign / (L * L);
-        out.weight_gradient.row(own + 1 + i) += dy, out.weight_gradient.row(own) -= dy;
-    }
-}
-
 // What touches is the vertex, or the point of the ball that is nearest, against the point of the shape's
 // frame there.
 void Obstacle::grip(const double* X, int A, bool gradients, Grip& out) const {
@@ -159,10 +139,10 @@ void Obstacle::grip(const double* X, int A, bool gradients, Grip& out) const {
         C.leftCols<3>() += Matrix3::Identity();
     }
     if (turns())
-        add_weights(frame - 12, c, C, 5, -1, out);
+        add_weights(frame - 12, shape_.axis, c, C, 5, -1, out);
     else
         out.weight[0] = -1;
-    add_weights(frame, c, C, 1, 1, out);
+    add_weights(frame, shape_.axis, c, C, 1, 1, out);
     // the third axis, or the first where that is across
     constexpr double across = 0.9;
     const Vector3 third = (At(frame + 9) - At(frame)).normalized();

@@ -4,6 +4,9 @@
 
 namespace visviva {
 
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
     stencils_.resize(n_);
@@ -60,6 +63,22 @@ void PointGaps::grips(const double* X, const std::vector<char>& wanted, bool gra
         grip(X, A, gradients, g);
         g.weight *= options_.areas[A], g.weight_gradient *= options_.areas[A];
     });
+}
+
+void PointGaps::add_weights(const double* X, double L, const Vector3& c, const Eigen::MatrixXd& C, int own,
+                            double sign, Grip& out) {
+    const At o(X);
+    out.weight[own] += sign;
+    for (int i = 0; i < 3; ++i) {
+        const Vector3 axis = At(X + 3 + 3 * i) - o, arm = c - o;
+        const double y = sign * arm.dot(axis) / (L * L);
+        out.weight[own + 1 + i] += y, out.weight[own] -= y;
+        if (C.size() == 0) continue;
+        Eigen::RowVectorXd dy = axis.transpose() * C;
+        dy.segment<3>(3 * own) -= axis + arm, dy.segment<3>(3 * (own + 1 + i)) += arm;
+        dy *= sign / (L * L);
+        out.weight_gradient.row(own + 1 + i) += dy, out.weight_gradient.row(own) -= dy;
+    }
 }
 
 }  // namespace visviva

@@ -28,6 +28,10 @@ class PointGaps : public Gaps {
     /// Sets what friction acts on, with weights that add up to zero where those of the vertex add up to -1;
     /// without touching it where nothing is near.
     virtual void grip(const double* X, int vertex, bool gradients, Grip& out) const = 0;
+    /// Adds the weights, times a sign, that a place c with C = dc/dx has as a point of the frame with axes of
+    /// length L whose vertices are at X, and at place `own` of the stencil.
+    static void add_weights(const double* X, double L, const Eigen::Vector3d& c, const Eigen::MatrixXd& C,
+                            int own, double sign, Grip& out);
 
     PointOptions options_;
 };

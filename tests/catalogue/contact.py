@@ -21,6 +21,15 @@ CONTACTS: dict[str, Any] = {
 
 ELASTIC: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}
 
+PYRAMID_BODY = vv.SurfaceMesh(**PYRAMID)
+
+HELD: dict[str, Any] = {
+    "enforcement": "multipliers",
+    "tangential": "multipliers",
+    "initial": "press",
+}
+"""What overlaps at the start is pressed apart."""
+
 CONTACT = [
     # contact
     Entry("blocks, vertices and facets", lambda: blocks(enforcement="penalty"), ALL, steps=40),
@@ -99,4 +108,18 @@ CONTACT = [
     ),
     Entry("friction, bricks that overhang", lambda: overhanging(friction=0.3, **ELASTIC), MOMENTA, 0.01, 40),
     Entry("friction of balls", balls, MOMENTA, 0.01, 30),
+    *(
+        Entry(
+            f"friction of balls on facets, {kind}",
+            partial(balls, PYRAMID_BODY, **options),
+            MOMENTA,
+            0.01,
+            30,
+        )
+        for kind, options in {
+            "elastic": {"away": 0.11},
+            "slides": HELD,
+            "sticks": {**HELD, "friction": 5.0},
+        }.items()
+    ),
 ]

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from catalogue.rigid import turned
-from contact_parts import PYRAMID
-from point_contacts import balls
 from rubbing import GRAVITY, contact_of, slope, thrown
 
 import visviva as vv
@@ -178,11 +176,6 @@ def test_multipliers_are_the_limit_of_elastic_slip() -> None:
 def test_bad_coefficient_is_refused(tangential: Any) -> None:
     with pytest.raises(vv.InputError, match=r"friction = -0\.1 is negative; give a coefficient >= 0"):
         thrown(friction=-0.1, tangential=tangential)
-
-
-def test_what_knows_no_friction_is_refused() -> None:
-    with pytest.raises(vv.InputError, match="rub on exact shapes only"):
-        vv.System(balls(shape=vv.SurfaceMesh(**PYRAMID)))
 
 
 def test_gravity_is_that_of_the_slope() -> None:

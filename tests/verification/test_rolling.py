@@ -12,7 +12,21 @@ import visviva as vv
 G = 9.81
 
 
-def ball_on_plane(size: float, angle: float = 0.0, speed: float = 0.0, **options: Any) -> list[Any]:
+def facets(size: float) -> list[Any]:
+    """A floor of facets across the ball's way."""
+    mesh = vv.BoxMesh(size=(4.5, 4.2, 1), counts=(25, 12, 1), origin=(-1.5, -2.0, -1)).build()
+    X, turn = mesh.points * size, np.radians(20)
+    X[:, :2] = X[:, :2] @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
+    rubber = vv.NeoHooke(young=1e4, poisson=0.3)
+    floor = vv.Solid(
+        mesh=vv.Mesh(X, mesh.cells, face_sets=mesh.face_sets), material=rubber, density=1.0 / size**3
+    )
+    return [floor, vv.Fixed(solid=floor, nodes="all")]
+
+
+def ball_on_plane(
+    size: float, angle: float = 0.0, speed: float = 0.0, on_facets: bool = False, **options: Any
+) -> list[Any]:
     """A ball of radius `size` on a plane that falls along x, in units of time in which gravity is the same."""
     ball = vv.RigidBody(
         shape=vv.Sphere(radius=size),
@@ -20,20 +34,25 @@ def ball_on_plane(size: float, angle: float = 0.0, speed: float = 0.0, **options
         position=(0.3 * size, 0.1 * size, size),
         velocity=(speed * np.sqrt(size), 0, 0),
     )
-    floor = vv.Plane()
+    floor, *held = facets(size) if on_facets else [vv.Plane()]
+    if on_facets:
+        options |= {"second_faces": "z1", "formulation": "node-to-segment"}
     contact = vv.Contact(first=ball, second=floor, **({"stiffness": 1e4 / size, "friction": 0.2} | options))
     gravity = vv.Gravity(acceleration=(G * np.sin(angle), 0, -G * np.cos(angle)))
-    return [ball, floor, contact, gravity]
+    return [ball, floor, contact, gravity, *held]
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("tangential", ["multipliers", "penalty"])
-def test_sliding_ball_begins_to_roll(size: float, tangential: str) -> None:
+@pytest.mark.parametrize("on_facets", [False, True], ids=["plane", "facets"])
+def test_sliding_ball_begins_to_roll(size: float, tangential: str, on_facets: bool) -> None:
     """A ball thrown with v = 1 without spin slides until t = 2 v / 7 mu g = 0.145624, over 0.1248206; then it rolls
     with 5/7 of its speed, and 2/7 of its energy are lost."""
     unit = np.sqrt(size)
-    parts = ball_on_plane(size, speed=1.0, tangential=tangential, tangential_stiffness=1e6 / size)
-    ball, _, contact, _ = parts
+    parts = ball_on_plane(
+        size, speed=1.0, on_facets=on_facets, tangential=tangential, tangential_stiffness=1e6 / size
+    )
+    ball, _, contact, *_ = parts
     system, times, places, slips = vv.System(parts), [], [], []
 
     def observe(s: vv.System) -> None:
@@ -71,14 +90,17 @@ def test_ball_rolls_down_a_slope(size: float) -> None:
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("part", [0.99, 1.01])
-def test_particle_at_the_limit_of_sticking(size: float, part: float) -> None:
+@pytest.mark.parametrize("on_facets", [False, True], ids=["plane", "facets"])
+def test_particle_at_the_limit_of_sticking(size: float, part: float, on_facets: bool) -> None:
     """On a slope of 30 degrees, with one per cent less than tan 30 degrees it slides, with one more it stays."""
     unit, angle = np.sqrt(size), np.radians(30)
     friction = part * np.tan(angle)
-    particle, floor = vv.PointMass(mass=2.0), vv.Plane()
-    contact = vv.Contact(first=particle, second=floor, stiffness=1e4 / size, friction=friction)
+    floor, *held = facets(size) if on_facets else [vv.Plane()]
+    more: Any = {"second_faces": "z1", "formulation": "node-to-segment"} if on_facets else {}
+    particle = vv.PointMass(mass=2.0)
+    contact = vv.Contact(first=particle, second=floor, stiffness=1e4 / size, friction=friction, **more)
     gravity = vv.Gravity(acceleration=(G * np.sin(angle), 0, -G * np.cos(angle)))
-    system = vv.System([particle, floor, contact, gravity])
+    system = vv.System([particle, floor, contact, gravity, *held])
     vv.simulate(system, until=unit, step=0.01 * unit)
     slides = 0.5 * G * (np.sin(angle) - friction * np.cos(angle)) * (part < 1)
     assert contact.slipping.all() == (part < 1)

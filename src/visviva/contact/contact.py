@@ -72,8 +72,7 @@ class Contact(Component):
         surface's nodes; 'conserving' lets a gap close freely within the step in which it does and only then holds
         it, so that energy is exact.
     friction : float
-        Coulomb's coefficient: tractions are at most this times the pressure. Points of rigid bodies rub on exact
-        shapes, and balls roll on them.
+        Coulomb's coefficient: tractions are at most this times the pressure. Balls roll on what they rub.
     tangential : {'multipliers', 'penalty'}
         Below Coulomb's limit, 'multipliers': nothing slips, tractions are unknowns; 'penalty': tractions are
         `tangential_stiffness` times an elastic slip, which is kept from step to step.
@@ -239,15 +238,11 @@ class Contact(Component):
         self._facing = opposite = surface_of(self.second, self.second_faces, self.label)
         size = max(first.size, opposite.size)
         reach = self.reach or size
-        pair = self._paired(opposite)
+        pair = self._paired(opposite, *(frame_surface([frame], length) for frame in self._turning))
         if self.formulation == "mortar":
             return _core.mortar(pair, reach, first.axisymmetric, self.multipliers == "dual"), size, reach
-        if rubs and not len(first.facets):
-            raise InputError(
-                f"{self.label}: {self.first.label} touches by points, which rub on exact shapes only; give the surface "
-                "with facets first"
-            )
-        return _core.node_to_segment(pair, areas, self._radius, reach, rubs), size, reach
+        axis = length if self._turning else 0.0
+        return _core.node_to_segment(pair, areas, self._radius, reach, rubs, axis), size, reach
 
     @property
     def _turning(self) -> list[Frame]:
@@ -256,14 +251,14 @@ class Contact(Component):
             return [self.first.frame()]
         return []
 
-    def _paired(self, opposite: Surface) -> _core.Skin:
+    def _paired(self, opposite: Surface, *frames: Surface) -> _core.Skin:
         first = self._surface
         other = self.second.label if self.second else ""
         if first.dimension != opposite.dimension and any(opposite.forms):
             raise InputError(f"{self.label}: {self.first.label} and {other} differ in dimension")
         if not any(form for part in (first, opposite) for form in part.forms):
             raise InputError(f"{self.label}: neither {self.first.label} nor {other} can move")
-        pair: _core.Skin = skin(first, opposite)
+        pair: _core.Skin = skin(first, opposite, *frames)
         return pair
 
     def start(self, system: System, scheme: Scheme) -> None:

@@ -40,7 +40,7 @@ def record(contact: Contact, x: Array) -> Array:
         places = body.positions(x)[body.faces(contact.second_faces).nodes]
         areas = replace(opposite, places=places).areas[:, None]
         forces, friction = (
-            values.reshape(-1, 3)[len(first) :] / areas
+            values.reshape(-1, 3)[len(first) :][: len(second)] / areas
             for values in (contact.term.forces, contact.term.friction_forces)
         )
         second[:, 0] = np.linalg.norm(forces, axis=1)

@@ -199,9 +199,9 @@ def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Su
     return of_vectors([component.place(X) for X in points], NO_FACETS, points), radius
 
 
-def skin(first: Surface, second: Surface | None) -> Any:
-    """The core's description of two surfaces, or of one that may touch itself."""
-    parts = [first] if second is None else [first, second]
+def skin(first: Surface, second: Surface | None, *frames: Surface) -> Any:
+    """The core's description of two surfaces, or of one that may touch itself, and of frames."""
+    parts = [first] if second is None else [first, second, *frames]
     forms = [form for part in parts for form in part.forms]
     starts = np.concatenate([[0], np.cumsum([len(form) for form in forms])])
     shifts = np.cumsum([0, *(len(part.forms) for part in parts)])
