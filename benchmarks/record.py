@@ -45,10 +45,14 @@ class Record:
 
 
 def command(run: Callable[[Any, str], Record], variants: tuple[str, ...], kind: type[Any], size: str) -> None:
-    """Command line of a code; the first variant is the default. `kind` makes the case of its `size` and `steps`."""
+    """Command line of a code; the first variant is the default.
+
+    `kind` makes the case of its `size`, its `steps` and, where it has one, the length `step`.
+    """
     parser = argparse.ArgumentParser()
     parser.add_argument("--variant", choices=variants, default=variants[0])
-    for name in (size, "steps"):
-        parser.add_argument(f"--{name}", type=int, default=getattr(kind, name))
+    names = [name for name in (size, "steps", "step") if hasattr(kind, name)]
+    for name in names:
+        parser.add_argument(f"--{name}", type=type(getattr(kind, name)), default=getattr(kind, name))
     chosen = vars(parser.parse_args())
-    run(kind(**{name: chosen[name] for name in (size, "steps")}), chosen["variant"]).tell()
+    run(kind(**{name: chosen[name] for name in names}), chosen["variant"]).tell()

@@ -1,6 +1,6 @@
 """The paper's two flaps in a channel beside NGSolve: alternating rounds, one process and one thread per measurement.
 
-    python benchmarks/valve.py --python ngsolve=PATH [--n 256] [--steps 5] [--code visviva]
+    python benchmarks/valve.py --python ngsolve=PATH [--n 256] [--steps 5] [--step 0.01] [--code visviva]
 
 prints one markdown table of the first steps, in which the flaps open: CPU time of a step as median [least-greatest]
 over the rounds, its ratio to ours, and the displacement of the lower tip along the channel at their end. The codes
@@ -50,10 +50,12 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     add_options(options)
     options.add_argument("--n", type=int, default=ValveCase.n, help="spaces between nodes along the channel")
+    options.add_argument("--step", type=float, default=ValveCase.step, help="its length")
     chosen = options.parse_args()
     steps = chosen.steps or ValveCase.steps
-    figures = alternate(present(CONTENDERS, chosen), [f"--n={chosen.n}", f"--steps={steps}"], chosen)
-    title, ours = f"n = {chosen.n}, up to t = {steps * ValveCase.step:.2f}", figures.get(OURS, [])
+    extra = [f"--n={chosen.n}", f"--steps={steps}", f"--step={chosen.step}"]
+    figures = alternate(present(CONTENDERS, chosen), extra, chosen)
+    title, ours = f"n = {chosen.n}, up to t = {steps * chosen.step:.2f}", figures.get(OURS, [])
     show(title, COLUMNS, (row(code, records, ours) for code, records in figures.items()))
 
 

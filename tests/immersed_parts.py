@@ -55,7 +55,12 @@ def patch(
 
 
 def carried(
-    cell: str = "quad4", n: int = 6, scale: float = 1.0, damping: float = 0.0, **options: Any
+    cell: str = "quad4",
+    n: int = 6,
+    scale: float = 1.0,
+    damping: float = 0.0,
+    sealing: float = 1.0,
+    **options: Any,
 ) -> Components:
     """A block that swirls in a closed box."""
     fluid = box(cell, n, scale)
@@ -64,7 +69,7 @@ def carried(
         fluid,
         vv.NoSlip(fluid=fluid, faces="all"),
         solid,
-        vv.Immersed(solid=solid, fluid=fluid, damping=damping),
+        vv.Immersed(solid=solid, fluid=fluid, damping=damping, sealing=sealing),
     ]
 
 
@@ -74,7 +79,12 @@ def large(cell: str, **options: Any) -> Components:
 
 
 def body(
-    cell: str = "quad4", n: int = 6, scale: float = 1.0, damping: float = 0.0, **options: Any
+    cell: str = "quad4",
+    n: int = 6,
+    scale: float = 1.0,
+    damping: float = 0.0,
+    sealing: float = 1.0,
+    **options: Any,
 ) -> Components:
     """A rigid block that swirls in a closed box."""
     fluid = box(cell, n, scale)
@@ -83,7 +93,7 @@ def body(
         size[2], place[2] = 1.0, 0.0
     given = {"density": 1.5, "shape": vv.Box(size=tuple(size)), "position": place, **options}
     block = vv.RigidBody(**given)
-    wet = vv.ImmersedBody(body=block, fluid=fluid, damping=damping)
+    wet = vv.ImmersedBody(body=block, fluid=fluid, damping=damping, sealing=sealing)
     return [fluid, vv.NoSlip(fluid=fluid, faces="all"), block, wet]
 
 

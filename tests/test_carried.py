@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,20 @@ from visviva.errors import InputError, RunError
 from visviva.run import run
 
 
+@pytest.mark.parametrize("build", [carried, body, flap])
+def test_energy_balances_with_less_stabilisation_around(build: Any) -> None:
+    result = vv.simulate(vv.System(build(sealing=100.0)), until=0.4, step=0.02)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
+    assert np.abs(result.ledger["work_stabilisation"]).max() > 1e-6 * result.ledger["total"][0]
+
+
 @pytest.mark.parametrize(("build", "n"), [(carried, 3), (body, 4)])
 def test_energy_of_a_closed_cube_balances(build: Any, n: int) -> None:
     result = vv.simulate(vv.System(build("hex8", n)), until=0.1, step=0.02)
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
 
 
-@pytest.mark.parametrize("build", [carried, flap])
+@pytest.mark.parametrize("build", [carried, flap, partial(carried, sealing=100.0)])
 def test_resumed_bit_by_bit(build: Any, tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(vv.System(build()), until, 0.02)
@@ -40,6 +48,11 @@ def twice(parts: list[Any], kind: type[Any]) -> vv.System:
 BAD: dict[str, tuple[Callable[[], Any], str]] = {
     "damping beyond the end": (lambda: carried(damping=0.6), "damping = 0.6 is not a number from 0 to 0.5"),
     "negative damping": (lambda: body(damping=-1.0), "damping = -1.0 is not a number from 0 to 0.5"),
+    "sealing below one": (lambda: carried(sealing=0.5), "sealing = 0.5 is not a number from 1"),
+    "nothing to seal": (
+        lambda: carried("quad9", sealing=10.0),
+        "sealing = 10 is for stabilised elements; leave",
+    ),
     "solid twice": (lambda: twice(carried(), vv.Solid), "immersed twice"),
     "rigid body twice": (lambda: twice(body(), vv.RigidBody), "immersed twice"),
 }

@@ -56,20 +56,32 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
     };
 }
 
+// Takes unknowns; None where nobody asks.
+Reach reach_of(nb::object function) {
+    if (function.is_none()) return {};
+    return [f = nb::weakref(function)](const std::vector<int>& unknowns) {
+        nb::gil_scoped_acquire gil;
+        alive(f)(nb::cast(nb::ndarray<nb::numpy, const int>(unknowns.data(), {unknowns.size()}, nb::none())));
+    };
+}
+
 }  // namespace
 
 void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
-        .def("__init__",
-             [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
-                const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
-                nb::object couple) {
-                 const int n = static_cast<int>(multiplier.size()),
-                           terms = static_cast<int>(vector.size()) / n;
-                 new (t) ImmersedTerm({dim, terms, width, damping, vector_of(vector), vector_of(weight),
-                                       vector_of(multiplier)},
-                                      interpolation_of(std::move(interpolate), n, dim, width),
-                                      coupling_of(std::move(couple), n, dim));
-             })
+        .def(
+            "__init__",
+            [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
+               const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
+               nb::object couple, nb::object reach) {
+                const int n = static_cast<int>(multiplier.size()),
+                          terms = static_cast<int>(vector.size()) / n;
+                new (t) ImmersedTerm(
+                    {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
+                    interpolation_of(std::move(interpolate), n, dim, width),
+                    coupling_of(std::move(couple), n, dim), reach_of(std::move(reach)));
+            },
+            nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("vector"), nb::arg("weight"),
+            nb::arg("multiplier"), nb::arg("interpolate"), nb::arg("couple"), nb::arg("reach").none())
         .def_prop_ro("location", &ImmersedTerm::location);
 }

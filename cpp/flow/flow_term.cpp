@@ -41,6 +41,16 @@ void FlowTerm::connect(const Pattern& pattern) {
     view_.row = slots_.row(), view_.length = slots_.length(), view_.offset = slots_.offset();
 }
 
+// The metric is in lanes: eight elements beside each other, block by block.
+void FlowTerm::scale_metric(const double* factor) {
+    if (given_metric_.empty()) given_metric_ = metric_;
+    const std::size_t rows = metric_.size() / (static_cast<std::size_t>(view_.n_blocks) * slot_lanes);
+    for (int e = 0; e < view_.n; ++e) {
+        std::size_t at = e / slot_lanes * rows * slot_lanes + e % slot_lanes;
+        for (std::size_t k = 0; k < rows; ++k, at += slot_lanes) metric_[at] = factor[e] * given_metric_[at];
+    }
+}
+
 void FlowTerm::update_force(double t) {
     if (!load_ || t == force_time_) return;
     const std::int64_t rows = view_.n_points * view_.dim;

@@ -28,6 +28,10 @@ class FlowTerm : public Term {
   public:
     explicit FlowTerm(const FlowData& data);
 
+    // Stabilised elements: factors [element] of the metric, from 1; the greater, the less an element is
+    // stabilised.
+    void scale_metric(const double* factor);
+
     // Body force per volume; evaluated once per time.
     void set_force(FlowLoad f) { load_ = std::move(f); }
 
@@ -58,7 +62,7 @@ class FlowTerm : public Term {
     FlowLoad load_;
     double force_time_ = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> N_, M_, given_;
-    Aligned<double> G_, w_, X_, metric_, force_, out_;
+    Aligned<double> G_, w_, X_, metric_, given_metric_, force_, out_;
 };
 
 }  // namespace visviva

@@ -8,8 +8,11 @@
 
 namespace visviva {
 
-ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple)
-    : points_(std::move(points)), interpolate_(std::move(interpolate)), couple_(std::move(couple)) {
+ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple, Reach reach)
+    : points_(std::move(points)),
+      interpolate_(std::move(interpolate)),
+      couple_(std::move(couple)),
+      reach_(std::move(reach)) {
     const std::size_t n = static_cast<std::size_t>(points_.n());
     now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
     at_tangent_ = now_;
@@ -86,6 +89,7 @@ bool ImmersedTerm::read_memory(const double*& m) {
     for (double& w : at_tangent_.weight) w = *m++;
     now_ = at_tangent_;
     std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
+    tell_reach();
     return true;
 }
 
@@ -106,6 +110,15 @@ void ImmersedTerm::couple(const double* x0, const double* x1) {
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());
     }
+    tell_reach();
+}
+
+// It changes with the pattern alone: a kept tangent and a restart know the same.
+void ImmersedTerm::tell_reach() const {
+    if (!reach_) return;
+    std::vector<int> unknowns;
+    for (const auto& all : coupled_) unknowns.insert(unknowns.end(), all.begin(), all.end());
+    reach_(unknowns);
 }
 
 // f(row, column) of every entry, two by two those of a constraint and its transpose.

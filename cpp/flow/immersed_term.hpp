@@ -17,6 +17,9 @@ using Interpolation = std::function<void(const double* places, int* unknown, dou
 /// step: for each, without order.
 using Coupling = std::function<std::vector<std::vector<int>>(const double* places, const double* moves)>;
 
+/// Told of the first unknowns of all velocities that points follow or may come to follow.
+using Reach = std::function<void(const std::vector<int>& unknowns)>;
+
 /// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
 /// multiplier and follows `width` velocities.
 struct ImmersedPoints {
@@ -35,7 +38,7 @@ struct ImmersedPoints {
 
 class ImmersedTerm : public Term {
   public:
-    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple);
+    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple, Reach reach);
 
     bool search(const double* x0, const double* x1) override;
     void write_memory(std::vector<double>& memory) const override;
@@ -56,6 +59,7 @@ class ImmersedTerm : public Term {
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
     void couple(const double* x0, const double* x1);
+    void tell_reach() const;
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
     double moved(const Context&, int point, int i) const;
@@ -65,6 +69,7 @@ class ImmersedTerm : public Term {
     ImmersedPoints points_;
     Interpolation interpolate_;
     Coupling couple_;
+    Reach reach_;  // or none
     // [point][width] first unknowns of velocities, and their weights
     struct Weights {
         std::vector<int> unknown;

@@ -42,6 +42,7 @@ FLOW = [
     ],
     Entry("immersed, lighter", lambda: large("quad4", density=0.4), NOTHING, h=0.02, steps=10),
     Entry("immersed, damped", lambda: large("quad4", damping=0.1), NOTHING, h=0.02, steps=10),
+    Entry("immersed, sealed", lambda: large("quad4", sealing=100.0), NOTHING, h=0.02, steps=10),
     Entry("immersed, enhanced", lambda: large("quad4", formulation="enhanced"), NOTHING, h=0.02, steps=10),
     # immersed rigid bodies
     *[

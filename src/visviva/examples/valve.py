@@ -55,10 +55,12 @@ def through(fluid: vv.Fluid, lower: vv.Solid, upper: vv.Solid, x: Array) -> floa
     return float(v[0] * (b - a)[1] - v[1] * (b - a)[0])
 
 
-def channel(mesh: Cells, density: float) -> tuple[vv.Fluid, list[Any]]:
+def channel(
+    mesh: Cells, density: float, cell: Literal["quad4", "quad9"] = "quad4"
+) -> tuple[vv.Fluid, list[Any]]:
     """The fluid, and what holds at its boundary."""
     counts = COUNTS[mesh] if isinstance(mesh, str) else mesh
-    grid = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=counts, cell="quad4")
+    grid = vv.RectangleMesh(size=(LENGTH, HEIGHT), counts=counts, cell=cell)
     blood = vv.Fluid(mesh=grid, density=density, viscosity=1.0, name="blood")
     return blood, [
         vv.VelocityBoundary(fluid=blood, faces="x0", velocity=inflow, name="inflow"),
@@ -76,9 +78,11 @@ def study(
     until: float = 2.1,
     step: float = 0.01,
     damping: float = 0.05,
+    sealing: float = 1.0,
+    cell: Literal["quad4", "quad9"] = "quad4",
 ) -> vv.Study:
     """Flaps of other stiffness, as Gil's third example (`lower_young` = 11.2e6), bend one more than the other."""
-    blood, openings_and_walls = channel(mesh, density)
+    blood, openings_and_walls = channel(mesh, density, cell)
     flaps = flap("lower", lower_young, density), flap("upper", upper_young, density)
     parts: list[Any] = [blood, *openings_and_walls]
     probes: dict[str, Any] = {}
@@ -88,7 +92,9 @@ def study(
         parts += [
             solid,
             clamp,
-            vv.Immersed(solid=solid, fluid=blood, damping=damping, name=f"{side} flap in blood"),
+            vv.Immersed(
+                solid=solid, fluid=blood, damping=damping, sealing=sealing, name=f"{side} flap in blood"
+            ),
         ]
         node, start = tip(solid), solid.points[tip(solid)]
         probes[f"{side}_tip"] = lambda s, b=solid, n=node, X=start: b.positions(s.x)[n] - X

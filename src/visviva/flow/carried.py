@@ -34,12 +34,23 @@ cells around."""
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Carried(Component):
-    """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity."""
+    """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity.
+
+    The fluid's elements around are stabilised less, by a metric that is larger by the factor `sealing`.
+    """
 
     fluid: Fluid
     damping: float = 0.0
+    sealing: float = 1.0
 
     def __post_init__(self) -> None:
+        if not 1.0 <= self.sealing < np.inf:
+            raise InputError(f"{self.label}: sealing = {self.sealing} is not a number from 1")
+        if self.sealing > 1 and not self.fluid.is_stabilised:
+            raise InputError(
+                f"{self.label}: sealing = {self.sealing:g} is for stabilised elements; leave it out, "
+                f"those of {self.fluid.label} are not"
+            )
         if not 0.0 <= self.damping <= 0.5:
             raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
 
@@ -58,7 +69,12 @@ class Carried(Component):
     def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
         """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
         transfer = Transfer(self.fluid)
-        self._calls = self._finder(transfer), self._coupler(transfer)  # which the core does not keep alive
+        reach = self._reached if self.sealing > 1 else None
+        self._calls = (
+            self._finder(transfer),
+            self._coupler(transfer),
+            reach,
+        )  # which the core does not keep alive
         term = _core.ImmersedTerm(
             self.fluid.dimension,
             transfer.width,
@@ -111,6 +127,9 @@ class Carried(Component):
             return transfer.within(n, points[cells >= 0], cells[cells >= 0])
 
         return couple
+
+    def _reached(self, unknowns: Ints) -> None:
+        self.fluid.seal(self, self.sealing, unknowns)
 
     def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
         if np.all(cells >= 0):

@@ -181,8 +181,22 @@ class Fluid(Meshed):
 
     def contribute(self, model: Model) -> None:
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
-        for batch in self.batches:
-            model.batch(self._term(model, batch))
+        self._terms = [self._term(model, batch) for batch in self.batches]
+        self._sealed: dict[Any, tuple[float, Array]] = {}
+        for term in self._terms:
+            model.batch(term)
+
+    def seal(self, owner: object, factor: float, unknowns: Any) -> None:
+        """Stabilise elements less all of whose velocities are among `unknowns`, those of every owner together.
+
+        The `factor`, from 1, multiplies the metric that their part of the stabilisation is made of.
+        """
+        known = np.zeros(self._n_numbers, dtype=bool)
+        known[(unknowns - self.flow.start) // self.dimension] = True
+        self._sealed[owner] = factor, known[self._number]
+        for batch, term in zip(self.batches, self._terms, strict=True):
+            factors = [np.where(at[batch.nodes].all(axis=1), f, 1.0) for f, at in self._sealed.values()]
+            term.scale_metric(np.max(factors, axis=0))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of the velocity of each node."""
@@ -192,7 +206,7 @@ class Fluid(Meshed):
         """Unknowns (m, p) of the pressures at the corners of the elements of a cell type."""
         return np.asarray(self.pressure.start + self.pressure_number[cell], dtype=np.int32)
 
-    def _term(self, model: Model, batch: Batch) -> _core.Term:
+    def _term(self, model: Model, batch: Batch) -> _core.FlowTerm:
         gradients, volume = batch.geometry()
         index = np.hstack([self.node_unknowns(batch.nodes), self.pressure_unknowns(batch.cell)])
         term = _core.FlowTerm(

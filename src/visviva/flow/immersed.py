@@ -43,6 +43,10 @@ class Immersed(Carried):
         From 0, which damps nothing, to 0.5, where nodes follow the velocities at the end of the step: they go ahead by
         this part of what the velocities change by in the step. Takes away the swinging from step to step that
         stiff solids cause, at the cost of an error of that part of a step in time.
+    sealing : float
+        From 1, for fluids with stabilised elements: their metric around the solid is multiplied by it, so that
+        stabilisation lets less of the fluid through thin solids, at the cost of pressures that swing from node to node
+        there (Kamensky et al. 2015).
 
     Raises
     ------

@@ -42,7 +42,7 @@ class ImmersedBody(Carried):
     spacing : float
         Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it (half
         edges of quadratic ones).
-    damping : float
+    damping, sealing : float
         See `Immersed`.
 
     Raises
