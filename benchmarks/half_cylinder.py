@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
+from half_cylinder_case import CENTRE, FLOOR, HEIGHT, LAME, LENGTH, RADIUS, SHEAR
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -14,8 +15,6 @@ from visviva.mesh.grid import assembled
 
 Array = NDArray[np.float64]
 
-RADIUS, CENTRE, LENGTH, FLOOR, HEIGHT = 0.5, np.array([1.5, -0.5]), 6.5, -0.5, 1.5
-LAME, SHEAR = 500.0, 50.0
 POISSON = LAME / (2 * (LAME + SHEAR))
 FITTED = {"linear elastic": 0.1437, "Saint-Venant-Kirchhoff": 0.1136, "neo-Hooke": 0.1503}
 """Displacement of the top along the channel at rest, body-fitted, of solids that keep their volume, by

@@ -16,9 +16,8 @@ from typing import Any
 import netgen.occ as occ
 import ngsolve as ng
 import numpy as np
+from half_cylinder_case import CENTRE, FLOOR, HEIGHT, LAME, LENGTH, RADIUS, SHEAR
 
-RADIUS, CENTRE, LENGTH, FLOOR, HEIGHT = 0.5, (1.5, -0.5), 6.5, -0.5, 1.5
-LAME, SHEAR = 500.0, 50.0
 SOFT = 1e-10
 """Of the fluid's mesh: on the solid's surface its equations are added to those that hold the velocity there."""
 STEPS, MOST, TOLERANCE = 8, 25, 1e-9
