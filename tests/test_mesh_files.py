@@ -247,7 +247,7 @@ def test_missing_packages(package: str, file: Path, tmp_path: Path, monkeypatch:
     (tmp_path / "plate.geo").write_text("")
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(vv.InputError, match=rf'needs the package {package}: pip install "visviva\['):
-        vv.MeshFile(tmp_path / file).build()
+        vv.MeshFile(tmp_path / file, trust=True).build()
 
 
 SCRIPT = """SetFactory("Built-in");
@@ -263,14 +263,14 @@ Mesh.ElementOrder = 2;
 def test_gmsh_script(tmp_path: Path) -> None:
     pytest.importorskip("gmsh")
     (tmp_path / "plate.geo").write_text(SCRIPT)
-    mesh = vv.MeshFile(tmp_path / "plate.geo").build().check()
+    mesh = vv.MeshFile(tmp_path / "plate.geo", trust=True).build().check()
     assert list(mesh.cells) == ["tri6"]
     assert mesh.volume == pytest.approx(4 - np.pi / 4, rel=1e-5)
     assert mesh.faces("hole").area(mesh.points) == pytest.approx(np.pi / 2, rel=1e-5)
     assert enclosed(mesh, mesh.faces("all")) == pytest.approx(mesh.volume)
     (tmp_path / "plate.geo").write_text("Point(1) = {0;")
     with pytest.raises(vv.InputError, match="Gmsh says"):
-        vv.MeshFile(tmp_path / "plate.geo").build()
+        vv.MeshFile(tmp_path / "plate.geo", trust=True).build()
 
 
 def test_scenes_hold_meshes(tmp_path: Path) -> None:

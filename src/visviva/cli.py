@@ -28,6 +28,13 @@ app = App(
 )
 
 Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
+Trust = Annotated[
+    bool,
+    Parameter(negative="", help="Run the meshing scripts that a scene names; they can run any command."),
+]
+Outside = Annotated[
+    bool, Parameter(negative="", help="Read files that a scene names also outside of its folder.")
+]
 Directory = Annotated[Path, Parameter(help="Directory of a run.")]
 Field = Annotated[
     str | None,
@@ -58,6 +65,8 @@ def run(
     ] = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
     resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
+    trust: Trust = False,
+    allow_outside: Outside = False,
 ) -> int:
     """Run an example or a scene file and print an audit of what was conserved."""
     from visviva.gallery import assignments
@@ -71,7 +80,7 @@ def run(
         given, parameters = as_before(directory, given, parameters)
     else:
         refuse_earlier_run(directory)
-    source = compose(model, parameters, given)
+    source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source)
     notes = {"study": source.name, "parameters": parameters, "given": given}
     try:
@@ -87,11 +96,18 @@ def run(
 
 
 @app.command
-def check(model: Model, /, *, settings: Settings = []) -> int:  # noqa: B006
+def check(
+    model: Model,
+    /,
+    *,
+    settings: Settings = [],  # noqa: B006
+    trust: Trust = False,
+    allow_outside: Outside = False,
+) -> int:
     """Compose an example or a scene file and check it without running."""
     from visviva.gallery import assignments
 
-    source = compose(model, assignments(settings), {})
+    source = compose(model, assignments(settings), {}, trust=trust, allow_outside=allow_outside)
     print(source.study.title or source.name)
     print(source.study.system.check())
     return 0
@@ -211,14 +227,14 @@ def info() -> None:
 
 
 # --- what the commands share --------------------------------------------------------------------------------
-def compose(model: str, parameters: dict[str, Any], given: dict[str, Any]) -> Source:
-    """The study that was asked for, with end time, step and scheme as given."""
+def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **allowed: bool) -> Source:
+    """The study that was asked for, with end time, step and scheme as given, and what its scene may do."""
     from visviva.gallery import compose_example
 
     if Path(model).suffix in SCENES or os.sep in model:
         from visviva.scene.read import compose_scene
 
-        source = compose_scene(model, parameters)
+        source = compose_scene(model, parameters, **allowed)
     else:
         source = compose_example(model, parameters)
     if "until" in given:

@@ -3,6 +3,7 @@
 A surface is a pair of points (n, 3) and triangles (m, 3), rows of points, anticlockwise as seen from outside.
 """
 
+import io
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError
+from visviva.mesh.files import existing
 
 Array = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 Surface = tuple[Array, Triangles]
+KINDS = ("stl", "obj", "ply")
 
 
 def halve(quads: Triangles) -> Triangles:
@@ -51,11 +54,14 @@ def revolve(profile: Array, n_segments: int) -> Surface:
 
 def read(file: Path) -> Surface:
     """Triangles of an STL, OBJ or PLY file, equal points merged, triangles that collapse by it dropped."""
-    if not file.is_file():
-        raise InputError(f"there is no mesh file {file}: check the path, relative to {Path.cwd()}")
+    existing(file)
     trimesh = load_trimesh()
+    kind = file.suffix[1:].lower()
+    if kind not in KINDS:
+        raise InputError(f"{file} cannot be read as a mesh by its ending: give an STL, OBJ or PLY file")
     try:
-        mesh = trimesh.load_mesh(str(file), process=False)
+        stream = io.BytesIO(file.read_bytes())  # without a path, materials it names are not looked for
+        mesh = trimesh.load_mesh(stream, file_type=kind, process=False)
         corners = np.asarray(mesh.triangles, dtype=np.float64).reshape(-1, 3)
     except Exception as error:  # the readers of trimesh raise whatever the bytes lead them to
         raise InputError(

@@ -14,6 +14,7 @@ from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.faces import Faces
+from visviva.mesh.files import existing, refuse_outside
 from visviva.mesh.mesh import Mesh
 
 SOLID = {"4": "tet4", "6": "wedge6", "8": "hex8", "10": "tet10", "20": "hex20", "27": "hex27"}
@@ -24,6 +25,7 @@ PATTERNS = (
 )
 WRITTEN = {name: f"C3D{n}" for n, name in SOLID.items()} | {name: f"CPE{n}" for n, name in PLANE.items()}
 WRITTEN["quad9"] = "M3D9"  # Abaqus has no plane element of nine nodes
+MAX_DEPTH = 20  # of files that include each other
 # Places of the nodes of a C3D27 in the order of VTK: the cell's middle comes first, then those of S1 to S6.
 HEX27 = np.array([*range(20), 26, 24, 23, 25, 21, 22, 20])
 
@@ -37,8 +39,10 @@ class Section:
     lines: list[list[str]] = field(default_factory=list)
 
 
-def sections(path: Path) -> Iterator[Section]:
-    """Keywords of a file in order, names and parameters in capitals; included files are entered."""
+def sections(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Section]:
+    """Keywords of a file in order, names and parameters in capitals; included files of a folder are entered."""
+    if depth > MAX_DEPTH:
+        raise InputError(f"{path} is included more than {MAX_DEPTH} deep: does it include itself?")
     now: Section | None = None
     continued = False
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -50,7 +54,7 @@ def sections(path: Path) -> Iterator[Section]:
                 words = [word.strip() for word in line.lstrip("*").split(",")]
                 if not continued:
                     if now is not None:
-                        yield from _entered(now, path)
+                        yield from _entered(now, path, within, depth)
                     now = Section(words.pop(0).upper(), {})
                 assert now is not None
                 pairs = [word.partition("=") for word in words if word]
@@ -59,23 +63,26 @@ def sections(path: Path) -> Iterator[Section]:
             elif now is not None:
                 now.lines.append([word.strip() for word in line.split(",") if word.strip()])
     if now is not None:
-        yield from _entered(now, path)
+        yield from _entered(now, path, within, depth)
 
 
-def _entered(section: Section, path: Path) -> Iterator[Section]:
+def _entered(section: Section, path: Path, within: Path | None, depth: int) -> Iterator[Section]:
     if section.keyword != "INCLUDE":
         yield section
         return
     target = path.parent / section.parameters.get("INPUT", "")
-    if not target.is_file():
-        raise InputError(f"{path} includes {target}, which does not exist")
-    yield from sections(target)
+    try:
+        refuse_outside(existing(target), within)
+    except InputError as error:
+        raise InputError(f"{path} includes what does not exist or is outside: {error}") from None
+    yield from sections(target, within, depth + 1)
 
 
 class Reader:
     """Collects what the sections say."""
 
-    def __init__(self) -> None:
+    def __init__(self, within: Path | None = None) -> None:
+        self.within = within
         self.node_of: dict[int, int] = {}
         self.entry_of: dict[int, int] = {}
         self.points: list[list[float]] = []
@@ -97,7 +104,7 @@ class Reader:
             "PART": self.part,
             "INSTANCE": self.instance,
         }
-        for section in sections(path):
+        for section in sections(path, self.within):
             if section.keyword in known:
                 try:
                     known[section.keyword](section)

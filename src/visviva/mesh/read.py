@@ -15,11 +15,14 @@ from visviva.errors import InputError
 from visviva.mesh.abaqus import Reader
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
+from visviva.mesh.files import existing, refuse_outside
 from visviva.mesh.generate import CONFIG, MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.write import load_meshio
 
 NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
+CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", ".e", ".ex2", ".exo", ".nc")
+"""Endings of formats whose files can name other files to be read with them."""
 
 
 @dataclass(frozen=True, config=CONFIG)
@@ -35,14 +38,21 @@ class MeshFile(MeshSource):
     path : path
         ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
         ``.vtk``, where whole-numbered arrays of zeros and ones are sets; whatever else meshio reads; ``.geo``
-        of Gmsh, which is meshed.
+        of Gmsh, a script which is run and meshed, if it is trusted.
     drop_orphans : bool
         Whether nodes that belong to no cell are left out, such as centres of circles.
+    trust : bool
+        Run the script of a ``.geo`` file. Such scripts can run any command of the system: read them before. A scene
+        file cannot say this; `read_scene` takes `trust`, the command line ``--trust``.
+    within : path, optional
+        Folder which reading must not leave, for files that the file includes as well; that of the scene for meshes in
+        scene files unless ``allow_outside`` is said.
 
     Raises
     ------
     InputError
-        By `build`, with the path, if the file cannot be read, holds unknown cells, or faces that no cell has.
+        By `build`, with the path, if the file cannot be read, is a script that is not trusted, holds unknown cells,
+        or faces that no cell has.
 
     Notes
     -----
@@ -61,11 +71,12 @@ class MeshFile(MeshSource):
 
     path: Path
     drop_orphans: bool = False
+    trust: bool = False
+    within: Path | None = None
 
     def build(self) -> Mesh:
         """The mesh."""
-        if not self.path.is_file():
-            raise InputError(f"there is no mesh file {self.path}: check the path, relative to {Path.cwd()}")
+        refuse_outside(existing(self.path), self.within)
         try:
             mesh = self._collection().mesh()
         except ValueError as error:
@@ -75,15 +86,28 @@ class MeshFile(MeshSource):
     def _collection(self) -> Collection:
         suffix = self.path.suffix.lower()
         if suffix == ".inp":
-            return Reader().read(self.path)
+            return Reader(self.within).read(self.path)
         if suffix == ".geo":
+            self._refuse_untrusted()
             with tempfile.TemporaryDirectory() as folder:
                 return _of_meshio(_meshio_read(_meshed(self.path, Path(folder) / "mesh.msh")))
+        if self.within is not None and suffix in CAN_REFER:
+            raise InputError(
+                f"files *{suffix} can name others to be read, which may be outside the scene's folder: convert it to "
+                ".vtu, or allow it by --allow-outside (in Python read_scene(..., allow_outside=True))"
+            )
         read = _meshio_read(self.path)
         if suffix == ".vtk":  # its names are written without blanks
             read.point_data = {unquote(name): data for name, data in read.point_data.items()}
             read.cell_data = {unquote(name): data for name, data in read.cell_data.items()}
         return _of_meshio(read)
+
+    def _refuse_untrusted(self) -> None:
+        if not self.trust:
+            raise InputError(
+                "it is a script of Gmsh, which can run any command of the system: read it, then trust it by --trust "
+                "(in Python MeshFile(..., trust=True) or read_scene(..., trust=True)), or mesh it to a .msh file"
+            )
 
 
 def _meshed(script: Path, target: Path) -> Path:

@@ -72,11 +72,16 @@ def schemes() -> dict[str, type[Scheme]]:
     return public(Scheme)
 
 
+PERMISSIONS = ("trust", "within")
+"""Arguments that a file must not give itself: who reads it does."""
+
+
 def arguments(cls: type[Any]) -> dict[str, Any]:
-    """Arguments of a constructor with their types, without the name, which is the key in a file."""
+    """Arguments that a file gives a constructor, with their types; the name of a component is its key."""
     hints = typing.get_type_hints(cls, include_extras=True)
     names = [f.name for f in dataclasses.fields(cls) if f.init]
-    return {n: hints[n] for n in names if not (n == "name" and issubclass(cls, Component))}
+    other = ("name", *PERMISSIONS) if issubclass(cls, Component) else PERMISSIONS
+    return {n: hints[n] for n in names if n not in other}
 
 
 def leaves(hint: Any) -> list[Any]:

@@ -15,6 +15,7 @@ from visviva.arguments import ArgumentError, told
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, nearest
 from visviva.gallery import Source, plain_value
+from visviva.mesh.files import refuse_outside
 from visviva.newton import Newton
 from visviva.scene import language
 from visviva.scene.text import Document, Key, parse
@@ -28,7 +29,13 @@ OBJECTS = ConfigDict(arbitrary_types_allowed=True)
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
-def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
+def read_scene(
+    file: str | Path,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    trust: bool = False,
+    allow_outside: bool = False,
+) -> Study:
     """Compose the study that a scene file describes.
 
     Parameters
@@ -38,6 +45,10 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
     changes : mapping
         Values by dotted key that replace those of the file, e.g. ``{"girder.mass": 90.0, "run.step": 0.01}``;
         components are found by their names.
+    trust : bool
+        Run the meshing scripts that the scene names (``.geo`` of Gmsh), which can run any command of the system.
+    allow_outside : bool
+        Read files that the scene names also where they are not in its folder.
 
     Raises
     ------
@@ -67,7 +78,7 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
         change(document, key, value)
     data = document.data
     known_keys(document, (), data, language.TOP_LEVEL)
-    reader = Reader(document)
+    reader = Reader(document, trust=trust, allow_outside=allow_outside)
     system = reader.system()
     run = data.get("run")
     if not isinstance(run, dict):
@@ -89,9 +100,9 @@ def read_scene(file: str | Path, changes: Mapping[str, Any] | None = None) -> St
     )
 
 
-def compose_scene(file: str, changes: Mapping[str, Any]) -> Source:
-    """A scene file as a source of a run."""
-    return Source(read_scene(file, changes), Path(file).name, dict(changes))
+def compose_scene(file: str, changes: Mapping[str, Any], **allowed: bool) -> Source:
+    """A scene file as a source of a run, with what `read_scene` takes to be allowed."""
+    return Source(read_scene(file, changes, **allowed), Path(file).name, dict(changes))
 
 
 def scheme_of_text(text: str) -> Scheme:
@@ -161,8 +172,11 @@ def inside(data: Any, part: str) -> Any:
 class Reader:
     """Builds the objects of one document."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, *, trust: bool = False, allow_outside: bool = False) -> None:
         self.document = document
+        self.folder = document.file.parent
+        self.within = None if allow_outside else self.folder
+        self.permissions = {"trust": trust, "within": self.within}
         self._made: dict[str, Component] = {}
         self._making: list[str] = []
 
@@ -226,6 +240,7 @@ class Reader:
         hints = language.arguments(cls)
         known_keys(self.document, key, given, hints)
         arguments = {n: self.argument((*key, n), value, hints[n]) for n, value in given.items()}
+        more |= {n: self.permissions[n] for n in inspect.signature(cls).parameters if n in self.permissions}
         missing = [
             n for n, p in inspect.signature(cls).parameters.items() if p.default is p.empty and n not in given
         ]
@@ -261,10 +276,18 @@ class Reader:
         if language.named(hint) and isinstance(given, dict):
             return {name: self.reference((*key, name), item) for name, item in given.items()}
         if language.is_path(hint) and isinstance(given, str):
-            return self.document.file.parent / given
+            return self.path(key, given)
         if isinstance(given, dict):
             return self.instance(key, given, language.values())
         return given
+
+    def path(self, key: Key, given: str) -> Path:
+        """A file by its path relative to the scene."""
+        try:
+            refuse_outside(self.folder / given, self.within)
+        except InputError as error:
+            raise self.document.error(key, str(error)) from None
+        return self.folder / given
 
     def reference(self, key: Key, given: Any) -> Any:
         """A component by name, a point or frame of it, a measure, or a list of these."""
