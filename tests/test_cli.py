@@ -308,3 +308,22 @@ def test_importing_stays_cheap() -> None:
         [sys.executable, "-c", code % (heavy,)], capture_output=True, text=True, check=True
     ).stdout
     assert out.strip() == "[]"
+
+
+def test_no_traceback_reaches_the_user_but_for_debugging(cli: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise KeyError("a line\nand " + "x" * 5000)
+
+    monkeypatch.setattr("visviva.run.run", broken)
+    code, out, err = cli("run", "pendulum")
+    assert code == 1
+    assert "Traceback" not in err + out
+    assert "an error that is not expected, KeyError: " in err
+    assert "--debug" in err
+    assert len(err.splitlines()) == 1
+    assert len(err) < 600
+    for arguments in (["--debug", "run", "pendulum"], ["run", "pendulum", "--debug"]):
+        with pytest.raises(KeyError):
+            main(arguments)
+    with pytest.raises(vv.InputError):
+        main(["check", "nothing", "--debug"])

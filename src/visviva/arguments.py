@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from abc import ABCMeta
+from collections.abc import Iterator
 from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import cache
 from inspect import Parameter, Signature, signature
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
 from pydantic import ValidationError
 
 from visviva.errors import InputError, nearest
@@ -47,6 +51,9 @@ class Validated(ABCMeta):
     """
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        for name, value in (*zip(cls.__signature__.parameters, args, strict=False), *kwargs.items()):
+            if complaint := complaint_about(cls, name, value):
+                raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
         try:
             return super().__call__(*args, **kwargs)
         except ValidationError as error:
@@ -64,6 +71,49 @@ class Validated(ABCMeta):
         """Pydantic would set one that does not know the fields of a class which it completes late."""
 
 
+def called(cls: type, name: Any) -> str:
+    """How messages call what a constructor was to make."""
+    return f"{cls.__name__} {name!r}" if isinstance(name, str) else cls.__name__
+
+
+@cache
+def atoms(cls: type) -> dict[str, frozenset[type]]:
+    """The arguments that take Booleans or numbers alone, with the types they are made of."""
+    try:
+        hints = get_type_hints(cls)
+    except NameError:  # names that only a type checker imports
+        return {}
+    found = {name: frozenset(leaves(hint)) - {NoneType} for name, hint in hints.items()}
+    return {name: types for name, types in found.items() if types and types <= {bool, int, float}}
+
+
+def leaves(hint: Any) -> Iterator[Any]:
+    """The types that a union, list or tuple is made of."""
+    if get_origin(hint) in (Union, UnionType, list, tuple):
+        for part in get_args(hint):
+            if part is not ...:
+                yield from leaves(part)
+    else:
+        yield hint
+
+
+def complaint_about(cls: type, name: str, value: Any) -> str:
+    """What is wrong with a value that would be turned into a Boolean or number though it is none; else nothing.
+
+    Pydantic takes the text 'yes' for True, '2' for 2 and True for 1.
+    """
+    types = atoms(cls).get(name)
+    if types is None or value is None:
+        return ""
+    if types == {bool} and not isinstance(value, bool | np.bool_ | list | tuple):
+        return f"write true or false, not {value!r}"
+    wrong = (str, bytes) if bool in types else (str, bytes, bool, np.bool_)
+    for item in value if isinstance(value, list | tuple) else [value]:
+        if isinstance(item, wrong):
+            return f"input should be a valid number, not {item!r}"
+    return ""
+
+
 def parameter(f: Field[Any]) -> Parameter:
     """A field of a dataclass as a parameter of its constructor."""
     kind = Parameter.KEYWORD_ONLY if f.kw_only else Parameter.POSITIONAL_OR_KEYWORD
@@ -77,7 +127,7 @@ def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
     original = first.get("ctx", {}).get("error")
     if isinstance(original, InputError) and not first["loc"]:
         return original  # from the constructor's own checks, which say whose
-    whose = f"{cls.__name__} {name!r}" if isinstance(name, str) else cls.__name__
+    whose = called(cls, name)
     where, complaint = told(error)
     if first["type"] == UNEXPECTED:
         complaint = f"there is no such argument{nearest(str(where[-1]), signature(cls).parameters)}"

@@ -10,18 +10,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
-from visviva.errors import InputError, VisvivaError
+from visviva.errors import InputError, VisvivaError, shortened
 
 if TYPE_CHECKING:
     from visviva.gallery import Source
     from visviva.result import Result
 
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+DEBUG = "--debug"
+UNEXPECTED = "an error that is not expected"
 SCENES = (".yaml", ".yml", ".toml")
 
 app = App(
     name="visviva",
-    help="Energy-momentum conserving mechanics: bodies, joints and forces as one system, with an audit.",
+    help="Energy-momentum conserving mechanics: bodies, joints and forces as one system, with an audit. "
+    "With --debug anywhere on the line Python tells where an error comes from.",
     version=lambda: _version(),
     suppress_keyboard_interrupt=False,
     help_format="plaintext",
@@ -334,13 +337,23 @@ def _version() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code: 0, 2 for bad input, 1 for a failed run, 130 on Ctrl-C."""
-    tokens = sys.argv[1:] if arguments is None else list(arguments)
+    """Run the command line; returns the exit code: 0, 2 for bad input, 1 for a failed run, 130 on Ctrl-C.
+
+    With ``--debug`` anywhere errors are raised, so that Python tells where they come from.
+    """
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    tokens = [token for token in given if token != DEBUG]
+    if len(tokens) < len(given):
+        return command(tokens)
     try:
-        code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
-        sys.stdout.flush()
+        return command(tokens)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:  # who reads has seen enough, as in `visviva examples | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left must not fail at exit
+        return FAILED
     except CycloptsError as error:
-        say(f"{str(error).strip()} (see visviva --help)")
+        say(f"{one_line(error)} (see visviva --help)")
         return BAD_INPUT
     except InputError as error:
         say(str(error))
@@ -348,9 +361,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VisvivaError as error:
         say(str(error))
         return FAILED
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except BrokenPipeError:  # who reads has seen enough, as in `visviva examples | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left must not fail at exit
+    except MemoryError:
+        say("there is not enough memory: take a coarser mesh, fewer steps, or a larger machine")
         return FAILED
+    except Exception as error:
+        say(f"{UNEXPECTED}, {type(error).__name__}: {one_line(error)}; {DEBUG} tells where, please report it")
+        return FAILED
+
+
+def command(tokens: list[str]) -> int:
+    """Run the command that the tokens give; returns the exit code."""
+    code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+    sys.stdout.flush()
     return code if isinstance(code, int) else 0
+
+
+def one_line(error: Exception) -> str:
+    """What an error says, in a line that is not too long."""
+    return shortened(" ".join(str(error).split()))

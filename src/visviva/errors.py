@@ -1,11 +1,29 @@
 """Errors that visviva raises on purpose; each message says what was wrong and what cures it."""
 
 import difflib
+import re
 from collections.abc import Iterable
+
+MAX_WORD, MAX_MESSAGE, MAX_NAME = 400, 1000, 200
+
+
+def shortened(message: str) -> str:
+    """A message in which what was given is not repeated at any length: long words and long messages lose their middles.
+
+    Examples
+    --------
+    >>> len(shortened("there is no class " + 10**5 * "x"))
+    105
+    """
+    words = re.sub(rf"\S{{{MAX_WORD},}}", lambda word: f"{word[0][:60]}...{word[0][-24:]}", message)
+    return words if len(words) <= MAX_MESSAGE else f"{words[:600]} ... {words[-300:]}"
 
 
 class VisvivaError(Exception):
     """Base of all errors raised by visviva."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(shortened(message))
 
 
 class InputError(VisvivaError, ValueError):
@@ -26,6 +44,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """
     listed = sorted(known)
     close = [k for k in listed if k.lower() == name.lower()]
+    if len(name) > MAX_NAME:  # comparing takes the square of the length
+        return ""
     close = close or difflib.get_close_matches(name, listed, n=1, cutoff=0.5)
     if not close:
         lower = {k.lower(): k for k in listed}

@@ -88,15 +88,9 @@ def assignments(texts: Iterable[str]) -> dict[str, Any]:
 
 def plain_value(text: str) -> Any:
     """A number, text, list or mapping from its YAML notation; 1e-3 is a number, too."""
-    import yaml
+    from visviva.scene import yaml12
 
     try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError:
-        raise InputError(f"cannot read the value {text!r}; write it as in YAML") from None
-    if isinstance(value, str):
-        try:
-            return float(value)
-        except ValueError:
-            return value
-    return value
+        return yaml12.load(text)[0]
+    except yaml12.Unreadable as error:
+        raise InputError(f"cannot read the value {text[:60]!r}; write it as in YAML ({error})") from None

@@ -17,7 +17,10 @@ NUMBER = {"type": "number"}
 
 def _array(value: Any) -> Array:
     try:
-        a = np.array(value, dtype=float)
+        given = np.asarray(value)
+        if given.dtype.kind not in "iuf":  # texts and Booleans would become numbers
+            raise TypeError
+        a = given.astype(float)
     except (TypeError, ValueError):
         raise ValueError(f"expected numbers, not {value!r}") from None
     if not np.isfinite(a).all():

@@ -103,6 +103,11 @@ def named(hint: Any) -> Any:
     return typing.get_args(hint)[1] if typing.get_origin(hint) is dict else None
 
 
+def is_boolean(hint: Any) -> bool:
+    """Whether an argument of this type is true or false."""
+    return bool in leaves(hint)
+
+
 def is_path(hint: Any) -> bool:
     """Whether an argument of this type is a file."""
     return Path in leaves(hint)

@@ -18,7 +18,8 @@ from visviva.gallery import Source, plain_value
 from visviva.mesh.files import refuse_outside
 from visviva.newton import Newton
 from visviva.scene import language
-from visviva.scene.text import Document, Key, parse
+from visviva.scene.text import Document, parse
+from visviva.scene.yaml12 import Key
 from visviva.scheme import Scheme
 from visviva.system import System
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from visviva.study import Study
 
 OBJECTS = ConfigDict(arbitrary_types_allowed=True)
+WORDS = ("yes", "no", "on", "off", "y", "n", "t", "f", "true", "false")
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -279,6 +281,10 @@ class Reader:
             return self.path(key, given)
         if isinstance(given, dict):
             return self.instance(key, given, language.values())
+        if isinstance(given, str) and given.lower() in WORDS and language.is_boolean(hint):
+            raise self.document.error(
+                key, f"write true or false, not {given!r}: those alone are Booleans here"
+            )
         return given
 
     def path(self, key: Key, given: str) -> Path:

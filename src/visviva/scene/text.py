@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import re
+import datetime
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from visviva.errors import InputError
+from visviva.scene import yaml12
+from visviva.scene.yaml12 import Key
 
-Key = tuple[str | int, ...]
+MAX_SIZE = 1 << 22
+"""Bytes of a scene file."""
 
 
 @dataclass
@@ -39,13 +42,38 @@ def parse(file: str | Path) -> Document:
         If it cannot be read or contradicts the rules of its notation.
     """
     path = Path(file)
+    text = read(path)
+    return parse_toml(path, text) if path.suffix == ".toml" else parse_yaml(path, text)
+
+
+def read(path: Path) -> str:
+    """The text of a file that is not too long to be a scene."""
     try:
-        text = path.read_text(encoding="utf-8")
+        if not path.is_file():
+            raise FileNotFoundError
+        if path.stat().st_size > MAX_SIZE:
+            raise InputError(
+                f"{path}: is larger than {MAX_SIZE >> 20} MiB: keep meshes in files of their own"
+            )
+        return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from None
-    return parse_toml(path, text) if path.suffix == ".toml" else parse_yaml(path, text)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: cannot be read ({error.reason} at byte {error.start})") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def parse_yaml(path: Path, text: str) -> Document:
+    """Read YAML; no key may occur twice."""
+    document = Document(path, None)
+    try:
+        data, document.lines = yaml12.load(text)
+    except yaml12.Unreadable as error:
+        place = ".".join(map(str, error.key)) + ": " if error.key else ""
+        raise InputError(f"{path}:{error.line or 1}: {place}{error.message}") from None
+    document.data = {} if data is None else data
+    return document
 
 
 def parse_toml(path: Path, text: str) -> Document:
@@ -53,46 +81,31 @@ def parse_toml(path: Path, text: str) -> Document:
     import tomllib
 
     try:
-        return Document(path, tomllib.loads(text))
+        data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: {error}") from None
-
-
-def parse_yaml(path: Path, text: str) -> Document:
-    """Read YAML; numbers such as 1e-3 are numbers, and no key may occur twice."""
-    import yaml
-
-    class Loader(yaml.SafeLoader):
-        pass
-
-    number = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
-    Loader.add_implicit_resolver("tag:yaml.org,2002:float", number, list("-+.0123456789"))
-    document = Document(path, None, lines := {})
-    loader = Loader(text)
-
-    def build(node: Any, key: Key) -> Any:
-        lines[key] = node.start_mark.line + 1
-        if isinstance(node, yaml.SequenceNode):
-            return [build(item, (*key, k)) for k, item in enumerate(node.value)]
-        if not isinstance(node, yaml.MappingNode):
-            return loader.construct_object(node)
-        data: dict[Any, Any] = {}
-        for key_node, value_node in node.value:
-            name = str(loader.construct_object(key_node))
-            twice = name in data
-            lines[(*key, name)] = key_node.start_mark.line + 1
-            if twice:
-                raise document.error((*key, name), f"the key {name!r} occurs twice")
-            data[name] = build(value_node, (*key, name))
-            lines[(*key, name)] = key_node.start_mark.line + 1
-        return data
-
-    try:
-        node = loader.get_single_node()
-        document.data = {} if node is None else build(node, ())
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: {' '.join(str(error).split())}") from None
     except RecursionError:
-        raise InputError(f"{path}: is nested too deeply or contains itself") from None
-    lines.pop((), None)
+        raise InputError(f"{path}: it is nested too deeply") from None
+    except ValueError as error:  # from numbers that are too long, for one
+        raise InputError(f"{path}: {error}") from None
+    document = Document(path, data)
+    refuse_odd(document, (), data)
     return document
+
+
+def refuse_odd(document: Document, key: Key, data: Any) -> None:
+    """Refuse dates and what is too deep, too long or too large."""
+    if len(key) > yaml12.MAX_DEPTH:
+        raise document.error(key[:3], f"it is nested more than {yaml12.MAX_DEPTH} deep")
+    if isinstance(data, str) and ("\0" in data or len(data) > yaml12.MAX_SCALAR):
+        raise document.error(key, "a text is too long or holds the character NUL")
+    if isinstance(data, int) and abs(data) > 1e308:
+        raise document.error(key, "a number is too large")
+    if isinstance(data, datetime.date | datetime.time):
+        raise document.error(key, f"a date or time, {data}, means nothing here")
+    if not isinstance(data, dict | list):
+        return
+    for name, item in data.items() if isinstance(data, dict) else enumerate(data):
+        if isinstance(name, str) and len(name) > yaml12.MAX_KEY:
+            raise document.error(key, f"the key {name[:20]}... has {len(name)} characters")
+        refuse_odd(document, (*key, name), item)

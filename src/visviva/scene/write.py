@@ -147,7 +147,19 @@ def yaml_text(data: Mapping[str, Any]) -> str:
     """YAML, one line per short list or mapping."""
     import yaml
 
-    return yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    from visviva.scene.yaml12 import plain
+
+    class Dumper(yaml.SafeDumper):
+        pass
+
+    def text(dumper: yaml.SafeDumper, item: str) -> yaml.ScalarNode:
+        style = None if plain(item) is item else '"'  # PyYAML knows YAML 1.1, where 1e3 is a text
+        return dumper.represent_scalar("tag:yaml.org,2002:str", item, style=style)
+
+    Dumper.add_representer(str, text)
+    return yaml.dump(
+        data, None, Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
+    )
 
 
 def toml(data: Mapping[str, Any]) -> str:
