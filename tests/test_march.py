@@ -1,4 +1,4 @@
-"""Marching: steps that fail are halved, and meet the grid of whole steps again."""
+"""Marching: steps are counted; those that fail are halved, and meet the grid of whole steps again."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.loading import Equilibrium, NoEquilibrium
 
 
 def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -28,4 +29,80 @@ def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> Non
         times.append(system.time)
     expected = [0, 0.1, 0.2, 0.225, 0.25, 0.3, 0.4, 0.5, 0.6]
     np.testing.assert_allclose(times, expected, atol=1e-14)
-    assert (system.halvings, system.part, system.rejected) == (0, 0, 2)
+    assert (system.clock.halvings, system.rejected) == (0, 2)
+
+
+def falling() -> vv.System:
+    return vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0)), vv.Gravity()])
+
+
+def times_to(until: float, step: float, system: vv.System | None = None) -> list[float]:
+    system = falling() if system is None else system
+    return [system.time, *(system.time for _ in vv.march(system, until=until, step=step))]
+
+
+@pytest.mark.parametrize(
+    ("until", "step"), [(2.0, 1e-4), (1.5, 1e-4), (0.6, 3e-5), (7.0, 1e-3), (0.35, 0.01)]
+)
+def test_steps_are_counted(until: float, step: float) -> None:
+    """Summed up, two seconds of 1e-4 miss the end by 2e-13, and a step of that length followed."""
+    system = falling()
+    times = times_to(until, step, system)
+    n = len(times) - 1
+    assert n == int(until / step + 1e-6)
+    assert times[-1] == pytest.approx(until, abs=1e-9 * step)
+    np.testing.assert_array_equal(times[:n], step * np.arange(n))
+    assert np.abs(np.diff(times) / step - 1).max() <= 0.01
+    np.testing.assert_allclose(system.v[:3], [1, 0, -9.81 * until], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("part", "last"), [(0.5, 0.5), (0.0101, 0.0101), (0.0099, 1.0099), (1e-12, 1.0)])
+def test_the_last_step_is_shortened_or_stretched(part: float, last: float) -> None:
+    times = times_to((3 + part) * 0.1, 0.1)
+    assert times[-1] == pytest.approx((3 + part) * 0.1, abs=1e-12)
+    assert np.diff(times)[-1] / 0.1 == pytest.approx(last, rel=1e-9)
+    assert np.diff(times)[:-1] == pytest.approx(0.1)
+
+
+def test_an_end_time_a_sliver_ahead_is_refused() -> None:
+    system = falling()
+    times_to(0.1, 0.01, system)
+    with pytest.raises(vv.InputError, match="less than a hundredth of step"):
+        times_to(0.1 + 1e-5, 0.01, system)
+    with pytest.raises(vv.InputError, match="less than a hundredth of step"):
+        list(vv.march(system, until=0.1 + 1e-5, step=0.01, adaptive=vv.Adaptive()))
+    assert times_to(0.1 + 1e-16, 0.01, system) == [0.1]
+
+
+def test_marching_on_keeps_the_count() -> None:
+    """A run in pieces has the times of the whole one to the bit."""
+    system, pieces = falling(), [0.0]
+    for until in (0.21, 0.35, 0.7):
+        pieces += times_to(until, 0.01, system)[1:]
+    assert pieces == times_to(0.7, 0.01)
+
+
+def test_steps_by_hand_are_counted() -> None:
+    system = falling()
+    for _ in range(1000):
+        system.step(0.001)
+    assert system.time == 1.0
+
+
+def test_load_steps_are_counted_and_halved_on_their_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The third load step fails once: its halves lead back to the times of the whole ones."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
+    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
+    pull = vv.Force(on=ball.point(), force=(0, 0, -20), times="t")
+    iterate, calls = Equilibrium.iterate, []
+
+    def third_fails(self: Equilibrium, time: float) -> object:
+        calls.append(time)
+        if len(calls) == 3:
+            raise NoEquilibrium("refused")
+        return iterate(self, time)
+
+    monkeypatch.setattr(Equilibrium, "iterate", third_fails)
+    result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=0.7, step=0.1)
+    np.testing.assert_allclose(result.times, [0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7], rtol=1e-15)

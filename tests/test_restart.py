@@ -19,6 +19,7 @@ import pytest
 from rubbing import thrown
 
 import visviva as vv
+from visviva.clock import Clock
 from visviva.examples import crane, four_bar
 from visviva.output import Trajectory, load_state, read_table
 from visviva.restart import notes_of
@@ -134,7 +135,7 @@ def test_steps_after_failures_are_halved_alike(tmp_path: Path) -> None:
 
     def composed() -> vv.Study:
         study = STUDIES["crane"]()
-        study.system.halvings = 4
+        study.system.clock = Clock(step=study.step, halvings=4)
         return study
 
     run(composed(), tmp_path / "whole")

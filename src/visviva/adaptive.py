@@ -102,7 +102,8 @@ def adaptive_steps(
         "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0, 0.0])
     ).tolist()
     estimate.rates = system.pace.get("rates")
-    while until - system.time > 1e-12 * max(abs(until), step):
+    system.clock.refuse_sliver(until, step)
+    while not system.clock.has_reached(until):
         left = until - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
         try:

@@ -30,6 +30,9 @@ ROUGH = 1e-3
 CONFIRMING = 0.05
 """Part of the residual that the last solution may leave, which is to be smaller than the tolerance."""
 
+EASY = 6
+"""After no more iterations than this a halved load step lengthens again."""
+
 
 class NoEquilibrium(RunError):
     """A load step whose iteration did not converge."""
@@ -221,21 +224,21 @@ def quasi_static(
     """
     result, books = begin(system, scheme or Static())
     for _ in advance(result, books, until=until, step=step):
-        if result.statistics.steps % every == 0 or system.time >= until:
+        if result.statistics.steps % every == 0 or system.clock.has_reached(until):
             keep(result)
     return result
 
 
 def load_steps(system: System, scheme: Static, until: float, step: float) -> Iterator[LoadReport]:
-    """Load steps to the end; ``system.pace`` carries the length of the next one."""
+    """Load steps to the end, halved where they fail; they lengthen again where they converge fast."""
     if not until > system.time:
         raise InputError(f"until = {until} is not after the present time {system.time:g}")
-    h, tiny = float(system.pace.get("load_step", step)), step / 2**scheme.halvings
-    while until - system.time > 1e-9 * step:
+    clock = system.clock
+    clock.use(step)
+    clock.refuse_sliver(until, step)
+    while not clock.has_reached(until):
         equations = Equilibrium(system, scheme)
-        target = min(system.time + h, until)
-        if until - target < 1e-9 * step:
-            target = until
+        target = system.time + clock.next(until)
         try:
             equations.predict(target)
             report = equations.iterate(target)
@@ -243,15 +246,15 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
         except NoEquilibrium as failure:
             system.core.discard()
             system.rejected += 1
-            h = (target - system.time) / 2
-            if h < tiny:
+            if clock.halvings == scheme.halvings:
                 raise NoEquilibrium(
                     f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {scheme.halvings} "
                     "times"
                 ) from failure
+            clock.halve()
             continue
-        h = min(step, 2 * h if report.iterations <= 6 else h)
-        system.pace["load_step"] = np.array(h)
+        if report.iterations <= EASY:
+            clock.lengthen()
         yield report
 
 

@@ -54,14 +54,13 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
             arrays |= {f"terms/{k}/{when}/{name}": value for name, value in history.items()}
     attributes: dict[str, float | str] = {
         "time": system.time,
-        "halvings": system.halvings,
-        "part": system.part,
         "rejected": system.rejected,
         "has_acceleration": int(system.has_acceleration),
         "total0": 0.0 if books.total0 is None else books.total0,
         "model": signature(system),
         "notes": json.dumps(notes),
     }
+    attributes |= {f"clock.{name}": value for name, value in asdict(system.clock).items()}
     attributes |= {f"statistics.{name}": value for name, value in asdict(result.statistics).items()}
     save_state(path, arrays, attributes)
 
@@ -100,9 +99,9 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
     for name in STATE:
         getattr(system.core, name)[:] = arrays[name]
     _load_memory(system, arrays)
-    system.time = float(attributes["time"])
-    for name in ("halvings", "part", "rejected"):
-        setattr(system, name, int(attributes[name]))
+    for part in fields(system.clock):
+        setattr(system.clock, part.name, attributes[f"clock.{part.name}"])
+    system.rejected = int(attributes["rejected"])
     system.pace = {n.removeprefix("pace/"): a.copy() for n, a in arrays.items() if n.startswith("pace/")}
     system.has_acceleration = bool(attributes["has_acceleration"])
     for statistic in fields(result.statistics):

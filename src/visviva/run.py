@@ -224,7 +224,7 @@ class Recorder:
 
     def is_complete(self) -> bool:
         """Whether there is nothing left to march."""
-        return not self.study.until - self.study.system.time > 1e-9 * self.study.step
+        return self.study.system.clock.has_reached(self.study.until)
 
     def write(self, step: int, row: Array) -> None:
         """Write and keep what is due after a step."""

@@ -59,41 +59,32 @@ def march(
     prepare(system, scheme)
     if own is not None:
         yield from own
-        return
-    if adaptive is not None:
+    elif adaptive is not None:
         yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
-        return
-    while until - system.time > 1e-9 * step:
-        h = min(step / 2**system.halvings, until - system.time)
-        if abs(until - system.time - h) < 1e-9 * step:
-            h = until - system.time if system.halvings or abs(h - step) > 1e-9 * step else step
-        system.core.allow_last_resort(system.halvings >= LAST_RESORT)
+    else:
+        yield from counted_steps(system, until=until, step=step, scheme=scheme)
+
+
+def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) -> Iterator[Any]:
+    """Steps of equal length, halved after failures; yields reports."""
+    clock = system.clock
+    clock.use(step)
+    clock.refuse_sliver(until, step)
+    while not clock.has_reached(until):
+        system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
         try:
-            report = system.step(h, scheme)
+            report = system.step(clock.next(until), scheme)
         except StepFailure:
             system.rejected += 1
-            if system.halvings == HALVINGS:
-                system.halvings = system.part = 0
+            if clock.halvings == HALVINGS:
+                clock.restart(clock.time)
                 raise
-            system.halvings += 1
-            system.part *= 2
+            clock.halve()
             continue
         finally:
             system.core.allow_last_resort(True)
-        lengthen(system)
+        clock.lengthen()
         yield report
-
-
-def lengthen(system: System) -> None:
-    """After a success: twice the length again where a step of that length begins, so that the grid is met again."""
-    if not system.halvings:
-        return
-    system.part += 1
-    if system.part % 2 == 0:
-        system.halvings -= 1
-        system.part //= 2
-    if not system.halvings:
-        system.part = 0
 
 
 def prepare(system: System, scheme: Scheme) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.build import build_core
+from visviva.clock import Clock
 from visviva.component import Attachable, Component, characteristic_length, name_components
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
@@ -63,12 +64,10 @@ class System:
     def __init__(self, components: Sequence[Component], newton: Newton | None = None) -> None:
         self.components = list(components)
         self._newton = newton or Newton()
-        self.time = 0.0
+        self.clock = Clock()
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
-        self.halvings = 0  # of the step length, after failures
-        self.part = 0  # how many steps of that length were taken within the whole one
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step
@@ -171,6 +170,15 @@ class System:
                     f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}"
                 )
 
+    @property
+    def time(self) -> float:
+        """Present time; setting it begins a new count of steps."""
+        return self.clock.time
+
+    @time.setter
+    def time(self, time: float) -> None:
+        self.clock.restart(float(time))
+
     # --- what is in it -------------------------------------------------------------------------------------
     @property
     def n_coordinates(self) -> int:
@@ -254,7 +262,8 @@ class System:
         return report
 
     def _arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
-        self.time, self._last = step.t1, (step, signals)
+        self._last = step, signals
+        self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
 
     def prescribe(self, step: Any) -> None:

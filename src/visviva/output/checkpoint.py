@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
 
-FORMAT = "visviva state 1"
+FORMAT = "visviva state 2"
 
 
 def save_state(
