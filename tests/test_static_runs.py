@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 from functools import partial
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from interrupting import after_rows, run_until
 
 import visviva as vv
 from visviva.output import Trajectory, read_table
@@ -88,19 +88,7 @@ def test_interrupted_statics_go_on_to_the_same_bits(
     """Ctrl-C after the fourth load step, as it comes while one is computed."""
     whole, first, second = (console(scheme) for _ in range(3))
     run(whole, tmp_path / "whole")
-
-    calls = [0]
-
-    def pressing(system: vv.System) -> float:
-        calls[0] += 1
-        if calls[0] == 6:  # the first tells its size, the second is of the start
-            os.kill(os.getpid(), signal.SIGINT)
-        return system.time
-
-    first.probes = {**first.probes, "press": pressing}
-    second.probes = {**second.probes, "press": lambda system: system.time}
-    with pytest.raises(KeyboardInterrupt):
-        run(first, tmp_path / "parts")
+    run_until(after_rows(5), first, tmp_path / "parts")
     assert 0.2 < first.system.time < 0.9
     run(second, tmp_path / "parts", resume=True)
     assert second.system.x.tobytes() == whole.system.x.tobytes()
@@ -174,20 +162,7 @@ def test_a_path_through_limit_points_is_resumed_to_the_same_bits(tmp_path: Path)
     whole, first, second = truss(), truss(), truss()
     run(whole, tmp_path / "whole")
     first.scheme = second.scheme = vv.ArcLength()
-    stop = 20
-
-    def pressing(system: vv.System) -> float:
-        nonlocal stop
-        stop -= 1
-        if stop == 0:
-            os.kill(os.getpid(), signal.SIGINT)
-        return 0.0
-
-    first.probes, second.probes = (
-        s.probes | {"stop": f} for s, f in ((first, pressing), (second, lambda s: 0.0))
-    )
-    with pytest.raises(KeyboardInterrupt):
-        run(first, tmp_path / "parts")
+    run_until(after_rows(19), first, tmp_path / "parts")
     run(second, tmp_path / "parts", resume=True)
     assert second.system.x.tobytes() == whole.system.x.tobytes()
     ours, theirs = (read_table(tmp_path / d / "probes.csv") for d in ("whole", "parts"))

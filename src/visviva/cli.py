@@ -68,6 +68,9 @@ def run(
     ] = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
     resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
+    force: Annotated[
+        bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
+    ] = False,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
@@ -80,14 +83,14 @@ def run(
     given = {key: value for key, value in changes.items() if value is not None}
     parameters = assignments(settings)
     if resume:
-        given, parameters = as_before(directory, given, parameters)
+        given, parameters = as_before(directory, given, parameters, force)
     else:
         refuse_earlier_run(directory)
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source)
     notes = {"study": source.name, "parameters": parameters, "given": given}
     try:
-        result = run_study(source.study, directory, resume=resume, notes=notes)
+        result = run_study(source.study, directory, resume=resume, force=force, notes=notes)
     except KeyboardInterrupt:
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
         say(f"{where} (state and files are in {directory})")
@@ -256,19 +259,20 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
 
 
 def as_before(
-    directory: Path, given: dict[str, Any], parameters: dict[str, Any]
+    directory: Path, given: dict[str, Any], parameters: dict[str, Any], force: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What an earlier run was given, with the end time changed if wanted."""
+    """What an earlier run was given, with the end time changed if wanted; with `force` all that is given now."""
     from visviva.output.directory import RunDirectory
     from visviva.restart import notes_of
 
     earlier = notes_of(RunDirectory.open(directory).state)["study"]
     for key, value in parameters.items():
-        if earlier["parameters"].get(key) != value:
+        if earlier["parameters"].get(key) != value and not force:
             raise InputError(
-                f"{directory}: was run without --set {key}={value}; resume with what it was run with"
+                f"{directory}: was run without --set {key}={value}; resume with what it was run with, or go on with "
+                "--force if the change is meant"
             )
-    return earlier["given"] | given, earlier["parameters"]
+    return earlier["given"] | given, earlier["parameters"] | parameters
 
 
 def refuse_earlier_run(directory: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
         "has_acceleration": int(system.has_acceleration),
         "total0": 0.0 if books.total0 is None else books.total0,
         "model": signature(system),
+        "start": start_of(system),
         "notes": json.dumps(notes),
     }
     attributes |= {f"clock.{name}": value for name, value in asdict(system.clock).items()}
@@ -72,7 +74,7 @@ def notes_of(path: Path) -> dict[str, Any]:
     return notes
 
 
-def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
+def load(path: Path, ledger: Path, result: Result, books: Bookkeeper, changed: bool = False) -> None:
     """Put a system, its result and its books into the state that `save` wrote.
 
     Parameters
@@ -83,6 +85,9 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
         The run's table of books, read up to the time of the state.
     result, books
         Fresh ones of a system that was composed as for the run that was saved.
+    changed : bool
+        Whether the system has other arguments than the run, on purpose. What was remembered of its last step (the kept
+        tangent, active sets and tractions of contacts) may then not fit, and starts anew.
 
     Raises
     ------
@@ -91,14 +96,15 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
     """
     arrays, attributes = load_state(path)
     system = result.system
-    if attributes["model"] != signature(system):
-        raise InputError(
-            f"{path}: was written for another system ({attributes['model']}; this one: {signature(system)}); "
-            "resume with the same parameters or start the run anew"
-        )
+    for attribute, own in (("model", signature(system)), ("start", start_of(system))):
+        if attributes[attribute] != own and not (changed and attribute == "start"):
+            raise InputError(
+                f"{path}: was written for another system ({attributes[attribute]}; this one: {own}); resume with the "
+                "same or start the run anew"
+            )
     for name in STATE:
         getattr(system.core, name)[:] = arrays[name]
-    _load_memory(system, arrays)
+    _load_memory(system, arrays, changed)
     for part in fields(system.clock):
         setattr(system.clock, part.name, attributes[f"clock.{part.name}"])
     system.rejected = int(attributes["rejected"])
@@ -117,7 +123,7 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper) -> None:
     result.records[:] = [[record[t] for record in records] for t in range(len(result.times))]
 
 
-def _load_memory(system: System, arrays: Arrays) -> None:
+def _load_memory(system: System, arrays: Arrays, changed: bool) -> None:
     """Bring back the kept factorisation, then the histories of terms in Python.
 
     The factorisation is made again from the tangent of its own time, so terms need the history of that time.
@@ -126,7 +132,7 @@ def _load_memory(system: System, arrays: Arrays) -> None:
         for k, (term, _) in enumerate(system.model.terms):
             found = {n.split("/")[-1]: a for n, a in arrays.items() if n.startswith(f"terms/{k}/{when}/")}
             term.history.update({name: value.copy() for name, value in found.items()})
-        if restore:
+        if restore and not changed:
             system.core.remember(np.ascontiguousarray(arrays["memory"]))
 
 
@@ -142,14 +148,17 @@ def rows_until(
 
 
 def signature(system: System) -> str:
-    """A short text that tells systems apart: counts, a digest of names and initial values of unknowns."""
-    import hashlib
-
-    digest = hashlib.sha256()
-    for f in system.model.fields:
-        digest.update(f"{f.component.name}.{f.name}:{f.order}".encode())
-        digest.update(f.values.tobytes() + f.rates.tobytes())
+    """A short text that tells systems apart: counts, a digest of the names and sizes of unknowns."""
+    names = [f"{f.component.label}.{f.name}:{f.order}:{f.size}" for f in system.model.fields]
     return (
         f"n = {system.n_coordinates}, m = {system.n_constraints}, {len(system.components)} components, "
-        f"initial values {digest.hexdigest()[:12]}"
+        f"unknowns {sha256(repr(names).encode()).hexdigest()[:12]}"
     )
+
+
+def start_of(system: System) -> str:
+    """A digest of the initial values of all unknowns."""
+    digest = sha256()
+    for f in system.model.fields:
+        digest.update(f.values.tobytes() + f.rates.tobytes())
+    return f"initial values {digest.hexdigest()[:12]}"

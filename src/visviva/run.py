@@ -19,6 +19,7 @@ from visviva.drawing import draw, shown_field, trail_names
 from visviva.errors import InputError, VisvivaError
 from visviva.interrupt import deferred_interrupt
 from visviva.ledger import Bookkeeper
+from visviva.origin import Origin
 from visviva.output.directory import RunDirectory
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
@@ -60,6 +61,7 @@ def run(
     directory: str | Path,
     *,
     resume: bool = False,
+    force: bool = False,
     progress: bool = True,
     frames_per_second: float = 50.0,
     save_every: float = 5.0,
@@ -80,7 +82,10 @@ def run(
         Made if missing; must not hold a run yet unless `resume`.
     resume : bool
         Continue the run in the directory from its last saved state, to the same bits as an unbroken run. The
-        study must be composed in the same way; only its end time may differ.
+        study must be composed in the same way; only its end time, texts and wishes for pictures may differ.
+    force : bool
+        With `resume`: go on although arguments have changed, if the unknowns are the same. The summary says when
+        and what.
     progress : bool
         Show a progress bar where there is a terminal.
     frames_per_second : float
@@ -108,7 +113,9 @@ def run(
     >>> result.statistics.steps
     10
     """
-    recorder = Recorder.resume(study, directory) if resume else None
+    if force and not resume:
+        raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
+    recorder = Recorder.resume(study, directory, force, dict(notes or {})) if resume else None
     if recorder is None:
         cadence = Cadence.of(checked(study), frames_per_second)
         recorder = Recorder.start(study, directory, cadence, dict(notes or {}))
@@ -128,7 +135,7 @@ def checked(study: Study) -> Study:
 
 
 def steps_of(study: Study) -> dict[str, Any]:
-    """How a study steps through time: what a resumed run must have in common with the first."""
+    """How a study steps through time."""
     return {
         "step": study.step,
         "scheme": str(study.scheme),
@@ -139,8 +146,10 @@ def steps_of(study: Study) -> dict[str, Any]:
 class Recorder:
     """The files of a run and what goes into them while it marches."""
 
-    def __init__(self, study: Study, files: RunDirectory, result: Result, books: Bookkeeper) -> None:
-        self.study, self.files, self.result, self.books = study, files, result, books
+    def __init__(
+        self, study: Study, files: RunDirectory, result: Result, books: Bookkeeper, origin: Origin
+    ) -> None:
+        self.study, self.files, self.result, self.books, self.origin = study, files, result, books, origin
         self.drawing = draw(study)
         self.cadence = Cadence(1, 1, 1)
         self.notes: dict[str, Any] = {}
@@ -155,11 +164,13 @@ class Recorder:
     @classmethod
     def start(cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
+        origin = Origin.of(study)
         result, books = begin(study.system, study.scheme)
         columns = probe_columns(study)
-        recorder = cls(study, RunDirectory.create(directory), result, books)
+        recorder = cls(study, RunDirectory.create(directory), result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
         files = recorder.files
+        origin.write(files)
         recorder.ledger = Table(files.ledger, books.ledger.names)
         recorder.probes = Table(files.probes, columns)
         if recorder.drawing.surfaces:
@@ -171,20 +182,19 @@ class Recorder:
         return recorder
 
     @classmethod
-    def resume(cls, study: Study, directory: str | Path) -> Recorder:
+    def resume(cls, study: Study, directory: str | Path, force: bool, notes: dict[str, Any]) -> Recorder:
         """Open the files of an earlier run at its last saved state."""
         files = RunDirectory.open(directory)
         kept = restart.notes_of(files.state)
-        for name, wanted in steps_of(study).items():
-            if kept.get(name) != wanted:
-                raise InputError(
-                    f"{files.path}: was run with {name} = {kept.get(name)}, not {wanted}; resume with the same "
-                    f"{name} or start anew in another directory"
-                )
+        origin, changed = Origin.read(files).resumed(files, study, force)
         result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
-        restart.load(files.state, files.ledger, result, books)
-        recorder = cls(study, files, result, books)
+        restart.load(files.state, files.ledger, result, books, bool(changed))
+        recorder = cls(study, files, result, books, origin)
         recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
+        if changed:
+            recorder.notes |= notes
+            origin.forced.append({"time": study.system.time, "changes": changed})
+            origin.write(files)
         recorder.rows, now = kept["rows"], study.system.time
         recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now, recorder.rows)
         recorder.probes = Table.reopen(files.probes, probe_columns(study), now, recorder.rows)
@@ -280,7 +290,8 @@ class Recorder:
     def finish(self, pictures: bool) -> None:
         """Write summary and pictures of a complete run."""
         files, study = self.files, self.study
-        files.write_summary(summary(study, self.result, self.notes))
+        origin = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
+        files.write_summary(summary(study, self.result, self.notes | origin))
         if pictures:
             self.draw()
 

@@ -115,6 +115,9 @@ class TimeFunction:
     def __repr__(self) -> str:
         return f"TimeFunction({self.source!r})"
 
+    def __reduce__(self) -> tuple[type[TimeFunction], tuple[Source]]:
+        return TimeFunction, (self.source,)
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, TimeFunction) and self.source == other.source
 

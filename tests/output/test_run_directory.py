@@ -63,6 +63,7 @@ def test_run_directory(tmp_path):
         "probes.csv",
         "summary.json",
         "state.h5",
+        "arguments.json",
         "energy.png",
         "picture.png",
         "movie.mp4",

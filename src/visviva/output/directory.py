@@ -55,6 +55,11 @@ class RunDirectory:
         return self.path / "state.h5"
 
     @property
+    def arguments(self) -> Path:
+        """What the study was made of, compared when the run is resumed."""
+        return self.path / "arguments.json"
+
+    @property
     def energy_plot(self) -> Path:
         """Plot of the ledger."""
         return self.path / "energy.png"
@@ -76,7 +81,7 @@ class RunDirectory:
     @property
     def files(self) -> tuple[Path, ...]:
         """All files that a run may write."""
-        series = (self.trajectory, self.ledger, self.probes, self.summary, self.state)
+        series = (self.trajectory, self.ledger, self.probes, self.summary, self.state, self.arguments)
         return (*series, self.energy_plot, self.picture, self.movie)
 
     @classmethod
@@ -124,17 +129,33 @@ class RunDirectory:
 
         Not-a-number and infinity become null, since JSON has neither.
         """
-        text = json.dumps(_plain(summary), indent=2, allow_nan=False)
-        with reporting(self.summary), replacing(self.summary) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
+        self.write_json(self.summary, summary)
 
     def read_summary(self) -> dict[str, Any]:
         """Read the figures of the run."""
+        return self.read_json(self.summary)
+
+    def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
+        """Replace a file of the run by one that holds `content`."""
+        text = json.dumps(_plain(content), indent=2, allow_nan=False)
+        with reporting(path), replacing(path) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
+
+    def read_json(self, path: Path) -> dict[str, Any]:
+        """Read a file of the run.
+
+        Raises
+        ------
+        InputError
+            If it is missing or damaged.
+        """
         try:
-            summary: dict[str, Any] = json.loads(self.summary.read_text(encoding="utf-8"))
+            content = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError(f"{self.summary}: cannot be read ({error})") from error
-        return summary
+            raise InputError(f"{path}: cannot be read ({error})") from error
+        if not isinstance(content, dict):
+            raise InputError(f"{path}: is damaged (holds no names with values)")
+        return content
 
 
 def _prepare(path: Path) -> None:
