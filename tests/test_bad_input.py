@@ -30,6 +30,31 @@ def twice(kind: Callable[..., Any], **more: Any) -> Any:
     return kind(a=body.point(), b=body, at=(0, 0, 0), name="link", **more)
 
 
+GROUND, BALL = vv.Ground(), vv.PointMass(mass=1.0)
+
+
+def rod(**changes: Any) -> vv.Distance:
+    return vv.Distance(**({"a": GROUND, "b": arm(), "at": (0, 0, 0), "name": "rod"} | changes))
+
+
+def hinge() -> vv.Revolute:
+    return vv.Revolute(a=GROUND, b=arm(name=None), at=(0, 0, 0))
+
+
+def hinges() -> dict[str, vv.Revolute]:
+    return {"a": hinge(), "b": hinge()}
+
+
+def pinion(radius: float) -> vv.RackAndPinion:
+    rail = vv.Prismatic(a=GROUND, b=arm(), at=(0, 0, 0))
+    return vv.RackAndPinion(a=hinge(), b=rail, radius=radius, name="rack")
+
+
+def rope(**changes: Any) -> vv.RopeOverWinch:
+    given = {"a": GROUND.point(), "b": BALL, "winch": hinge(), "radius": 0.1, "length": 1.0, "name": "rope"}
+    return vv.RopeOverWinch(**(given | {"at": (0, 0, 0)} | changes))
+
+
 REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "no mass": (lambda: arm(mass=0.0), "RigidBody 'arm'.*mass 0 is not positive"),
     "negative mass": (lambda: arm(mass=-2.0), "RigidBody 'arm'.*mass -2 is not positive"),
@@ -52,6 +77,35 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "frame not orthonormal": (lambda: arm().frame(axes=BENT), "'arm'.*not right-handed and orthonormal"),
     "left-handed frame": (lambda: arm().frame(axes=LEFT), "'arm'.*not right-handed and orthonormal"),
     "axis without direction": (lambda: arm().frame_at((0, 0, 0), (0, 0, 0)), "an axis needs three finite numbers"),
+    "rod of no length": (lambda: rod(length=0.0), r"Distance 'rod': length 0 is not positive; a Spherical joint"),
+    "rod of negative length": (lambda: rod(length=-1.0), r"Distance 'rod': length -1 is not positive"),
+    "rod of no initial length": (
+        lambda: vv.System([ball := vv.PointMass(mass=1.0), GROUND, rod(b=ball)]), r"Distance 'rod': length 0"
+    ),
+    "screw without pitch": (lambda: vv.Screw(a=GROUND, b=arm(), at=(0, 0, 0), pitch=0.0), "pitch 0 .*Revolute"),
+    "gear without ratio": (lambda: vv.Gear(**hinges(), ratio=0.0, name="g"), "Gear 'g': ratio 0 .*different from zero"),
+    "gear of a number": (lambda: vv.Gear(a=1.5, b=hinge(), ratio=1.0), "Gear: a: .*Joint, not 1.5"),
+    "pinion without radius": (lambda: pinion(0.0), "RackAndPinion 'rack': radius 0 is not positive"),
+    "pinion of negative radius": (lambda: pinion(-1.0), "RackAndPinion 'rack': radius -1 .*turn the axis"),
+    "winch without radius": (lambda: rope(radius=0.0), "RopeOverWinch 'rope': radius 0 is not positive"),
+    "winch of negative radius": (lambda: rope(radius=-1.0), "RopeOverWinch 'rope': radius -1 .*turn the winch's axis"),
+    "winch that is none": (lambda: rope(winch=3), "RopeOverWinch 'rope': winch: .*Joint, not 3"),
+    "negative free length": (
+        lambda: vv.Spring(a=GROUND, b=arm(), stiffness=1.0, free_length=-1.0, name="s"),
+        "Spring 's': free_length -1 is negative.*force=",
+    ),
+    "negative free length of a damper": (
+        lambda: vv.Damper(a=GROUND, b=arm(), damping=1.0, free_length=-1.0), "Damper: free_length -1"
+    ),
+    "density beside inertia": (lambda: arm(density=-1.0), "RigidBody 'arm': density means nothing beside inertia"),
+    "centre beside a shape": (
+        lambda: vv.RigidBody(shape=vv.Sphere(radius=1.0), density=1.0, centre=(1, 0, 0)), "centre means nothing"
+    ),
+    "no constraint": (
+        lambda: vv.Constraint(of=[BALL], function=lambda x: [x[0]], n=0, name="c"), "Constraint 'c': n = 0 constraints"
+    ),
+    "steps that never grow": (lambda: Adaptive(easy=0), "Adaptive: easy = 0"),
+    "bounds in the wrong order": (lambda: Adaptive(min_step=1.0, max_step=0.1), "Adaptive: min_step = 1.0 is longer"),
     **{
         f"{kind.__name__} with itself": (lambda kind=kind: twice(kind), "'link'.*'arm' with itself")  # type: ignore[misc]
         for kind in (vv.Spherical, vv.Revolute, vv.Prismatic, vv.Cylindrical, vv.Planar, vv.Universal, vv.Rigid,
@@ -105,7 +159,6 @@ def composed() -> dict[str, Any]:
     return found
 
 
-BALL = vv.PointMass(mass=1.0)
 AXIS = (1.0, 0.0, 0.0)
 MORE_VALUES: list[Any] = [
     vv.Sphere(radius=1.0), vv.Box(size=(1, 2, 3)), vv.Cylinder(radius=1.0, length=2.0),

@@ -48,14 +48,20 @@ class Adaptive:
         for what in ("tolerance", "min_step", "max_step"):
             value = getattr(self, what)
             if value is not None and not (value > 0 and np.isfinite(value)):
-                raise InputError(f"{what} = {value} is not a positive number")
+                raise InputError(f"Adaptive: {what} = {value} is not a positive number")
+        if self.easy < 1:
+            raise InputError(
+                f"Adaptive: easy = {self.easy} is not a positive number, so that steps never grow"
+            )
+        if None not in (self.min_step, self.max_step):
+            self.bounds(1.0)
 
     def bounds(self, step: float) -> tuple[float, float]:
         """Shortest and longest step."""
         low = 1e-6 * step if self.min_step is None else self.min_step
         high = 100 * step if self.max_step is None else self.max_step
         if low > high:
-            raise InputError(f"min_step = {low} is longer than max_step = {high}")
+            raise InputError(f"Adaptive: min_step = {low} is longer than max_step = {high}")
         return low, high
 
 

@@ -114,6 +114,12 @@ def complaint_about(cls: type, name: str, value: Any) -> str:
     return ""
 
 
+def refuse_unless(right: bool, whose: Any, what: str, wanted: str) -> None:
+    """Refuse an argument of a component that is not `wanted`, which says also what to do instead."""
+    if not right:
+        raise InputError(f"{whose.label}: {what} {getattr(whose, what):g} is not {wanted}")
+
+
 def parameter(f: Field[Any]) -> Parameter:
     """A field of a dataclass as a parameter of its constructor."""
     kind = Parameter.KEYWORD_ONLY if f.kw_only else Parameter.POSITIONAL_OR_KEYWORD

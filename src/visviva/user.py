@@ -109,9 +109,12 @@ class Constraint(_OnMeasures):
     function: Function
     n: int = 1
 
-    def contribute(self, model: Model) -> None:
+    def __post_init__(self) -> None:
+        super().__post_init__()
         if self.n < 1:
             raise InputError(f"{self.label}: n = {self.n} constraints; at least one is needed")
+
+    def contribute(self, model: Model) -> None:
         strains = strains_of(self._measures)
         Phi = guarded(self.label, "function", self.function)
         call = constraint_callback(Phi, len(strains), self.n, f"{self.label}, its function")

@@ -84,6 +84,10 @@ class RigidBody(Attachable):
             raise InputError(f"{self.label}: rotation {R.tolist()} has no orthonormal columns (directors)")
         if handedness(R) < 0:
             raise InputError(f"{self.label}: rotation {R.tolist()} is left-handed; swap two directors")
+        from_shape = self.shape is not None and self.inertia is None and self.euler is None
+        if (self.centre if from_shape else self.density) is not None:
+            what, others = ("centre", "a shape alone") if from_shape else ("density", "inertia or euler")
+            raise InputError(f"{self.label}: {what} means nothing beside {others}; leave it out")
         try:
             check_inertia(self.mass_properties().inertia)
         except InputError as error:

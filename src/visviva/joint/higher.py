@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import refuse_unless
 from visviva.component import settings
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, product, squared
@@ -27,15 +28,17 @@ class RopeOverWinch(Joint):
     ``(|p|^2 - (length + radius angle)^2) / (2 length)``, so that its multiplier is about the rope's tension.
     """
 
-    winch: Any
+    winch: Joint
     radius: Number
     length: Number
     needs_frames = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.length <= 0:
-            raise InputError(f"{self.label}: length {self.length:g} is not positive")
+        refuse_unless(self.length > 0, self, "length", "positive")
+        refuse_unless(
+            self.radius > 0, self, "radius", "positive; to pay out the other way turn the winch's axis"
+        )
         self.winch.want("angle")
 
     def constraints(self, A: Side, B: Side) -> Constraints:
@@ -50,8 +53,8 @@ class RopeOverWinch(Joint):
 class _Coupling(Joint):
     """One linear relation between two joint coordinates that keeps its initial value."""
 
-    a: Any
-    b: Any
+    a: Joint
+    b: Joint
 
     def __post_init__(self) -> None:
         if self.a is self.b:
@@ -81,6 +84,9 @@ class Gear(_Coupling):
     ratio: Number
 
     def request(self) -> None:
+        refuse_unless(
+            self.ratio != 0, self, "ratio", "different from zero; a Rigid joint or a Motor holds an angle"
+        )
         self.a.want("angle")
         self.b.want("angle")
 
@@ -96,6 +102,9 @@ class RackAndPinion(_Coupling):
     radius: Number
 
     def request(self) -> None:
+        refuse_unless(
+            self.radius > 0, self, "radius", "positive; for the other sense turn the axis of a joint"
+        )
         self.a.want("angle")
         self.b.want("stroke")
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import refuse_unless
 from visviva.component import settings
 from visviva.form import Form, Strain, Vector, dot, squared
 from visviva.joint.base import Joint, Side, stroke_strain
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from visviva.model import Model
 
 Constraints = Sequence[Strain | Form]
+TOGETHER = "positive; a Spherical joint keeps points together"
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -79,6 +81,12 @@ class Screw(Cylindrical):
     pitch: Number
     has_stroke = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        refuse_unless(
+            self.pitch != 0, self, "pitch", "different from zero; a Revolute joint does not advance"
+        )
+
     def declare(self, model: Model) -> None:
         self.angle = True
         super().declare(model)
@@ -137,11 +145,17 @@ class Distance(Joint):
     length: Number | None = None
     needs_frames = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.length is not None:
+            refuse_unless(self.length > 0, self, "length", TOGETHER)
+
     def declare(self, model: Model) -> None:
         super().declare(model)
         if self.length is None:
             A, B = self.sides
             self.length = float(np.sqrt(squared(B.p - A.p).value(model.initial[0])))
+            refuse_unless(self.length > 0, self, "length", TOGETHER)
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         assert self.length is not None

@@ -68,6 +68,11 @@ class Spring(Component):
         for what in ("stiffness", "damping"):
             if getattr(self, what) < 0:
                 raise InputError(f"{self.label}: {what} {getattr(self, what):g} is negative")
+        if self.free_length is not None and self.free_length < 0:
+            raise InputError(
+                f"{self.label}: free_length {self.free_length:g} is negative, but no distance is; give the pull that "
+                "is meant as a law of your own, force=lambda l, rate: ..."
+            )
         if self.energy is not None and (self.stiffness or self.free_length is not None):
             raise InputError(
                 f"{self.label}: energy replaces stiffness and free_length; give one or the other"
