@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 import visviva as vv
 from visviva.component import Component
 from visviva.errors import InputError
+from visviva.examples import valve
 from visviva.flow.transfer import Transfer
 from visviva.problem import problem_of
+from visviva.solve import prepare
 
 Array = NDArray[np.float64]
 
@@ -84,16 +86,17 @@ def test_nodes_move_along_streamlines_with_the_order_of_the_scheme(scheme: vv.Sc
         strain = until + 0.5 * (1 - np.cos(3 * until)) / 3
         exact = (solid.points - [0.5, 0.5, 0]) * [np.exp(strain), np.exp(-strain), 1] + [0.5, 0.5, 0]
         errors.append(np.abs(solid.positions(system.x) - exact).max())
-    assert np.log2(errors[1] / errors[2]) == pytest.approx(order, abs=0.2)
-    assert order == 1 or errors[2] < 2e-4
+    assert np.log2(errors[1] / errors[2]) > order - 0.2
+    assert order == 1 or errors[2] < 8e-5
 
 
+@pytest.mark.parametrize("density", [1.5, 1.0])
 @pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.BDF2(), vv.GeneralizedAlpha(0.8)], ids=str)
-def test_a_heavier_elastic_body_moves_to_second_order(scheme: vv.Scheme) -> None:
-    """Against tiny steps of the midpoint rule on the same mesh."""
+def test_an_elastic_body_moves_to_second_order(scheme: vv.Scheme, density: float) -> None:
+    """Heavier than the fluid or as dense, against tiny steps of the midpoint rule on the same mesh."""
 
     def end(h: float, scheme: vv.Scheme) -> Array:
-        parts = carried("quad9", 4, counts=(2, 2))
+        parts = carried("quad9", 4, counts=(2, 2), density=density)
         system = vv.System(parts, vv.Newton(tolerance=1e-10))
         vv.simulate(system, until=0.16, step=h, scheme=scheme)
         return np.asarray(part(parts, vv.Solid).positions(system.x))
@@ -101,6 +104,32 @@ def test_a_heavier_elastic_body_moves_to_second_order(scheme: vv.Scheme) -> None
     exact = end(0.0005, vv.Midpoint())
     coarse, fine = (np.abs(end(h, scheme) - exact).max() for h in (0.008, 0.002))
     assert np.log2(coarse / fine) / 2 > 1.8
+
+
+def test_bodies_begin_with_the_acceleration_of_the_fluid() -> None:
+    """Of a body as dense as the fluid, which leaves no mass of its own, it is what short steps find."""
+    parts = carried("quad9", 4, density=1.0)
+    system = vv.System(parts)
+    prepare(system, vv.GeneralizedAlpha())
+    flow, motion = part(parts, vv.Fluid).flow, part(parts, vv.Solid).motion
+    start, h = system.core.a.copy(), 1e-6
+    for _ in range(4):
+        u, v = system.x.copy(), system.v.copy()
+        system.step(h, vv.BackwardEuler())
+    for field, found in ((flow, system.x - u), (motion, system.v - v)):  # nodes on borders of cells have two
+        at = np.array(field.unknowns)
+        assert np.allclose(start[at], found[at] / h, rtol=0, atol=0.05 * np.abs(found[at] / h).max())
+
+
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha()], ids=str)
+def test_flaps_as_dense_as_the_fluid_move_under_every_scheme(scheme: vv.Scheme) -> None:
+    """The valve of the paper: its tip is where the energy-momentum scheme takes it, but for what the others damp."""
+    ends = []
+    for s in (vv.EnergyMomentum(), scheme):
+        study = valve.study(mesh=(32, 8), cell="quad9")
+        vv.simulate(study.system, until=0.05, step=0.005, scheme=s)
+        ends.append(study.probes["lower_tip"](study.system)[0])
+    assert ends[1] == pytest.approx(ends[0], rel=0.05)
 
 
 def test_bodies_begin_with_the_velocity_of_the_fluid() -> None:

@@ -405,6 +405,7 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
+    for (const auto& term : terms_) term->settle(step, x.data());
     discard();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
 }

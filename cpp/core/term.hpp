@@ -73,6 +73,9 @@ class Term {
     virtual void inner_tangent(const Context& c, double* values) { tangent(c, values); }
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
     virtual void accept(const Context&) {}
+    // After a step, whose end is now x: brings unknowns that belong to where the scheme evaluates forces to
+    // the end.
+    virtual void settle(const Step&, double* /*x*/) {}
 
     std::string name;            // for messages
     bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself

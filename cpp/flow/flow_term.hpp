@@ -6,6 +6,7 @@
 
 #include "core/slots.hpp"
 #include "core/term.hpp"
+#include "end_values.hpp"
 #include "flow.hpp"
 
 namespace visviva {
@@ -48,6 +49,9 @@ class FlowTerm : public Term {
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
+    void settle(const Step& step, double* x) override { pressures_.settle(step, x); }
+    void write_memory(std::vector<double>& memory) const override { pressures_.write(memory); }
+    bool read_memory(const double*& memory) override { return pressures_.read(memory), false; }
 
     int kinetic_account = -1, owner = 0;
     // Works of viscosity, stabilisation and body force; what steady solutions gain in kinetic energy.
@@ -59,6 +63,7 @@ class FlowTerm : public Term {
 
     FlowView view_;
     Slots slots_;
+    EndValues pressures_;
     FlowLoad load_;
     double force_time_ = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> N_, M_, given_;

@@ -16,6 +16,8 @@ from visviva.errors import InputError
 from visviva.form import Vector
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
     from visviva.body.shape import Core
     from visviva.model import Model
     from visviva.point import Frame
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from visviva.system import System
 
     Outline = tuple[Core, Frame]
+    RateConstraints = tuple[NDArray[np.int64], sp.csr_array, NDArray[np.float64]]
 
 Array = NDArray[np.float64]
 Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
@@ -57,6 +60,15 @@ class Component(metaclass=Validated):
 
     def follow_start(self, system: System) -> None:
         """After the check has moved the start of other components onto their constraints."""
+
+    def rate_constraints(self, system: System) -> RateConstraints | None:
+        """What accelerations have to satisfy besides the constraints of an instant, for schemes that start from them.
+
+        Returns
+        -------
+        multipliers (m,), gradients (m, n) by the accelerations of all unknowns, and what these shall add up to (m,).
+        """
+        return None
 
     def trouble(self, x: Array) -> str:
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""

@@ -232,7 +232,7 @@ def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Arr
     if system.model.prescribed and not still:
         force = force + at.prescribed_inertia()
     system.x[at.multipliers] = saved
-    right = np.zeros(len(at.multipliers)) if still else -at.convection()
+    right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
     return at.solve_consistent(-force, right)
 
 
@@ -244,6 +244,7 @@ def initial_acceleration(system: System, at: Instant | None = None) -> None:
     """
     if at is None:
         at = Instant(system)
+        at.add_rate_constraints()
         at.factor()
     a, multipliers = accelerations(system, at)
     prescribed = at.prescribed_acceleration()

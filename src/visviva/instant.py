@@ -66,7 +66,11 @@ class Instant:
         Mass (capacity for fields of order 1) and gradients of the constraints.
     reach : array (m,)
         What a constraint's value is measured by: its gradient times the size of the unknowns.
+    added : array (k,)
+        What the last k rows of G, which `add_rate_constraints` appends, shall give.
     """
+
+    added: Array = np.zeros(0)
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -89,6 +93,26 @@ class Instant:
     def _tangent(self, **step: Any) -> sp.csr_array:
         return self.system.tangent(instant(self.system.time, **step))[1]
 
+    def add_rate_constraints(self) -> None:
+        """Append what components ask of accelerations alone, such as to follow a fluid, to the multipliers and to G."""
+
+        import scipy.sparse as sp
+
+        found = [c.rate_constraints(self.system) for c in self.system.components]
+        asked = [f for f in found if f is not None]
+        if not asked:
+            return
+        multipliers = np.concatenate([m for m, _, _ in asked])
+        free = np.isin(multipliers, self.system.free_unknowns)
+        rows = sp.vstack([G for _, G, _ in asked], format="csr")[free]
+        values = np.concatenate([values for _, _, values in asked])[free]
+        self.added = values - rows @ self.prescribed_acceleration()
+        self.multipliers = np.concatenate([self.multipliers, multipliers[free]])
+        self.metric = self.M  # masses of what a fluid displaces are taken off, and lumped ones may vanish
+        more = rows[:, self.coordinates]
+        self.G = sp.vstack([self.G, more], format="csr")
+        self.columns = sp.hstack([self.columns, more.T], format="csr")
+
     # --- constraints ----------------------------------------------------------------------------------------
     def violation(self, later: float = 0.0, ahead: Array | None = None) -> Array:
         """Values (m,) of the constraints, the clock `later`, prescribed functions changed by `ahead`."""
@@ -96,7 +120,7 @@ class Instant:
         signals = self.system.signals(instant(self.system.time)).copy()
         if ahead is not None:
             signals[2] += ahead
-        r: Array = self.system.residual(step, signals)[self.multipliers]
+        r: Array = self.system.residual(step, signals)[self.multipliers[: len(self.reach)]]
         return r
 
     def _by_signals(self, rate: Array) -> Array:

@@ -19,14 +19,20 @@ from visviva.flow.location import Place
 from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.component import RateConstraints
     from visviva.field import Field
     from visviva.model import Model
+    from visviva.system import System
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
 
 
+NEARBY = 1e-5
+"""Part of a cell's edge over which changes of the velocity along the way of a point are measured."""
 AHEAD, MARGIN = 3, 0.45
 """The pattern of the coupling holds what so many more steps at the present velocity would reach, and so many edges of
 cells around."""
@@ -70,6 +76,8 @@ class Carried(Component):
         """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
         transfer = Transfer(self.fluid)
         reach = self._reached if self.sealing > 1 else None
+        n = len(multipliers)
+        self._points = vectors.reshape(n, -1), weights.reshape(n, -1), multipliers
         self._calls = (
             self._finder(transfer),
             self._coupler(transfer),
@@ -106,6 +114,44 @@ class Carried(Component):
         unknowns, weights = Transfer(self.fluid).at(places)
         nodal = flow[unknowns[:, :, None] - self.fluid.flow.start + np.arange(self.fluid.dimension)]
         return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
+
+    def rate_constraints(self, system: System) -> RateConstraints | None:
+        """Points are accelerated as the fluid they move with."""
+        import scipy.sparse as sp
+
+        d, (vectors, weights, multipliers) = self.fluid.dimension, self._points
+        axes = np.arange(d)
+        own, move = (
+            np.einsum("nk,nkc->nc", weights, y[vectors[:, :, None] + axes]) for y in (system.x, system.v)
+        )
+        unknowns, shares = Transfer(self.fluid).at(self._located(own))
+        n, shape = len(own), (d * len(own), len(system.x))
+
+        def spread(first: Ints, by: Array) -> sp.csr_array:
+            columns = first[:, None, :] + axes[:, None]
+            rows = np.broadcast_to(np.arange(d * n).reshape(n, d, 1), columns.shape)
+            values = np.broadcast_to(by[:, None, :], columns.shape)
+            return sp.coo_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsr()
+
+        ahead = self._carried_along(own, move, system.x)
+        gradients = spread(vectors, weights) - spread(unknowns, shares)
+        return (multipliers[:, None] + axes).ravel(), gradients, ahead.ravel()
+
+    def _carried_along(self, places: Array, velocities: Array, x: Array) -> Array:
+        """How fast the fluid's velocity (n, d) changes where one moves through it at the unknowns `x` of the system."""
+        edge = float(np.min(self.fluid.grid.volumes)) ** (1 / self.fluid.dimension)
+        span = NEARBY * edge / max(float(np.abs(velocities).max()), 1e-300)
+        ends = [places + side * span * velocities for side in (-0.5, 0.5)]
+        for end in ends:
+            end[self.fluid.location.find(end)[0] < 0] = np.nan
+        inside = ~np.isnan(ends[0] + ends[1]).any(axis=1)
+        before, after = (
+            self._velocities(
+                self._located(np.where(inside[:, None], end, places)), x[self.fluid.flow.unknowns]
+            )
+            for end in ends
+        )
+        return np.asarray((after - before) / span)
 
     def _finder(self, transfer: Transfer) -> Callable[[Array], tuple[Ints, Array]]:
         def find(places: Array) -> tuple[Ints, Array]:

@@ -14,6 +14,7 @@ from visviva import _core
 from visviva.component import settings
 from visviva.errors import InputError, RunError
 from visviva.flow.conditions import Conditions
+from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
 from visviva.flow.periodic import numbering
@@ -26,6 +27,7 @@ from visviva.meshed import Meshed
 from visviva.values import Number, VectorOrFunction
 
 if TYPE_CHECKING:
+    from visviva.component import RateConstraints
     from visviva.model import Model
     from visviva.system import System
 
@@ -237,6 +239,13 @@ class Fluid(Meshed):
             model.account(self, "continuation", "work"),
         )
         return term
+
+    def rate_constraints(self, system: System) -> RateConstraints | None:
+        """Accelerations without divergence; pressures that are multipliers see to that by themselves."""
+        if not self.is_stabilised:
+            return None
+        flux = divergence_rows(self, len(system.x))
+        return np.array(self.pressure.unknowns), flux, np.zeros(self.pressure.size)
 
     def is_loaded(self, model: Model) -> bool:
         """Whether a force may act on its volume."""

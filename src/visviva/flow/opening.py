@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SURGE = 10.0
-"""Fluid that comes in through an opening this many times as fast as anything at the start is told of."""
+SURGE, LOST = 10.0, 1e6
+"""Fluid that comes in through an opening this many times as fast as anything at the start is told of; where it is
+faster still, the iteration has lost its way, and an opening is not known to be the cause."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -51,7 +52,7 @@ class Open(FluidBoundary):
             into = -np.sum(np.einsum("mqk,mkd->mqd", p.N, v[p.nodes]) * outward, axis=2)
             if into.max(initial=0.0) > fastest:
                 fastest, place = float(into.max()), p.X.reshape(-1, 3)[np.argmax(into)]
-        if fastest < SURGE * usual:
+        if not SURGE * usual <= fastest <= LOST * usual:
             return ""
         where = place[: self.fluid.dimension].round(6).tolist()
         return (
