@@ -113,3 +113,61 @@ def test_arcs_close_to_second_order() -> None:
     coarse, fine = arch(0.02), arch(0.01)
     assert fine < 0.01
     assert 3.0 < coarse / fine < 5.5
+
+
+def pressed(step: float, **options: Any) -> vv.Result:
+    """Two bricks of length 1 that overlap by 0.02 between fixed ends."""
+    brick = {"material": vv.LinearElastic(young=100.0, poisson=0.0), "density": 1.0}
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+    low = vv.Solid(mesh=mesh, **brick)
+    high = vv.Solid(mesh=mesh.moved((0, 0, 0.98)), **brick)
+    contact = vv.Contact(
+        first=high, first_faces="z0", second=low, second_faces="z1", initial="press", **options
+    )
+    ends = [vv.Fixed(solid=low, nodes="z0"), vv.Fixed(solid=high, nodes="z1")]
+    return vv.quasi_static(vv.System([low, high, contact, *ends]), until=1.0, step=step)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"stiffness": 1000.0}, {"formulation": "node-to-segment"}, {"friction": 0.3}],
+    ids=["mortar", "stiff", "node-to-segment", "friction"],
+)
+@pytest.mark.parametrize("step", [1.0, 0.25])
+def test_press_fit_does_the_work_of_its_strains(step: float, options: dict[str, Any]) -> None:
+    """Each brick gives way by 0.01: 100 / 2 * 0.01^2 in each, however stiff the augmentation is."""
+    ledger = pressed(step, **options).ledger
+    assert ledger["potential_strain"][-1] == pytest.approx(0.01)
+    assert ledger["work_contact"][-1] == pytest.approx(0.01)
+    assert ledger.imbalance() < 1e-10
+
+
+@pytest.mark.parametrize("options", [{}, {"tangential": "penalty"}, {"formulation": "node-to-segment"}])
+def test_friction_takes_its_work(options: dict[str, Any]) -> None:
+    """A brick that is pressed down by 0.02 and pushed along by 0.4: what friction takes is its limit times the way."""
+    brick = {"material": vv.LinearElastic(young=100.0, poisson=0.0), "density": 1.0}
+    low = vv.Solid(mesh=vv.BoxMesh(size=(3, 1, 1), counts=(1, 1, 1)), **brick)
+    high = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0.5, 0, 1)), **brick)
+    contact = vv.Contact(first=high, first_faces="z0", second=low, second_faces="z1", friction=0.1, **options)
+    motion = (lambda t: 0.4 * max(t - 1, 0), lambda t: 0.0 * t, lambda t: -0.02 * min(t, 1))
+    push = vv.Prescribed(solid=high, nodes="z1", motion=motion)
+    system = vv.System([low, high, contact, push, vv.Fixed(solid=low, nodes="all")])
+    result = vv.quasi_static(system, until=2.0, step=0.1)
+    way = (result.states[-1] - result.states[10])[high.node_unknowns(high.nodes("z0"))].mean()
+    assert 0.35 < way < 0.4
+    assert result.ledger["work_friction"][-1] == pytest.approx(-0.1 * 100 * 0.02 * way, rel=0.05)
+    assert result.ledger.imbalance() < 1e-9
+
+
+def test_loads_that_are_there_from_the_first_are_let_go() -> None:
+    """Weight g on a brick held below: what held it up in the beginning takes half of what gravity does."""
+    brick = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.LinearElastic(young=100.0, poisson=0.0),
+        density=1.0,
+    )
+    system = vv.System([brick, vv.Fixed(solid=brick, nodes="z0"), vv.Gravity(acceleration=(0, 0, -10.0))])
+    result = vv.quasi_static(system, until=1.0, step=0.5)
+    ledger = result.ledger
+    assert ledger["work_release"][-1] == pytest.approx(-ledger["potential_strain"][-1])
+    assert ledger.imbalance() < 1e-12

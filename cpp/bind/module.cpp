@@ -215,13 +215,15 @@ static void bind_terms(nb::module_& m) {
     bind_flow(m);
     bind_immersed(m);
     nb::class_<CallbackTerm, Term>(m, "CallbackTerm")
-        .def("__init__", [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
-                            nb::object ledger, nb::object accept) {
-            const auto n = index.shape(0), nl = index.shape(1);
-            new (t) CallbackTerm(static_cast<int>(n), static_cast<int>(nl), index.data(),
-                                 term_callback(residual, n, nl), term_callback(tangent, n, nl),
-                                 term_callback(ledger, n, nl), term_callback(accept, n, nl));
-        });
+        .def("__init__",
+             [](CallbackTerm* t, const Ints& index, nb::object residual, nb::object tangent,
+                nb::object ledger, nb::object accept) {
+                 const auto n = index.shape(0), nl = index.shape(1);
+                 new (t) CallbackTerm(static_cast<int>(n), static_cast<int>(nl), index.data(),
+                                      term_callback(residual, n, nl), term_callback(tangent, n, nl),
+                                      term_callback(ledger, n, nl), term_callback(accept, n, nl));
+             })
+        .def_rw("work_account", &CallbackTerm::work_account);
 }
 
 static void bind_step(nb::module_& m) {
@@ -353,6 +355,7 @@ static void bind_system(nb::module_& m) {
                  s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
         .def_prop_ro("n_exchanged", &System::n_exchanged)
+        .def_prop_ro("n_negative", [](const System& s) { return s.solver() ? s.solver()->n_negative() : -1; })
         .def("set_nodal_multipliers",
              [](System& s, const Ints& multiplier, const Ints& unknown, const Ints& size) {
                  std::vector<NodalMultiplier> all;
@@ -380,9 +383,9 @@ static void bind_system(nb::module_& m) {
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("take_stock",
-             [](System& s, const Step& step, const Doubles& signals) {
+             [](System& s, const Step& step, const Doubles& signals, bool moves) {
                  nb::gil_scoped_release release;
-                 s.take_stock(step, signals_of(signals));
+                 s.take_stock(step, signals_of(signals), moves);
              })
         .def(
             "assemble",
@@ -418,7 +421,8 @@ static void bind_system(nb::module_& m) {
                          const Csr& c = nb::cast<const System&>(self).csr();
                          return nb::make_tuple(view(c.row), view(c.col), view(c.unknown));
                      }) VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
-            VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect);
+            VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect)
+                VISVIVA_SUM(release);
 }
 
 NB_MODULE(_core, m) {

@@ -5,7 +5,8 @@
 
 namespace visviva {
 
-// The traction at a gap: elastic or a multiplier within Coulomb's limit.
+// The traction at a gap: elastic or a multiplier within Coulomb's limit; that at the start of a step that the
+// books of statics go back.
 void ContactTerm::rub(int A, const Context& c) {
     const FrictionOptions& o = options_.friction;
     base_[A] = {elastic_[2 * A], elastic_[2 * A + 1]};
@@ -15,7 +16,8 @@ void ContactTerm::rub(int A, const Context& c) {
     if (!active_[A]) return;
     slid_[A] = sliding(A).displacement();
     const double limit = o.coefficient * std::max(S_[A], 0.0);  // negative while the active set settles
-    traction_[A] = coulomb(base_[A] + o.stiffness[A] * slid_[A], limit);
+    const Eigen::Vector2d change = c.backwards ? Eigen::Vector2d::Zero() : (o.stiffness[A] * slid_[A]).eval();
+    traction_[A] = coulomb(base_[A] + change, limit);
     slips_[A] = traction_[A].slips;
     if (S_[A] < 0) traction_[A].by_limit.setZero();
 }
@@ -72,7 +74,7 @@ void ContactTerm::keep(const Context& c) {
 }
 
 // What slip takes is what the forces do less what the elastic slip stores; nothing happens in no time.
-void ContactTerm::book_friction(int A, const Context& c, LedgerSums& sums) const {
+void ContactTerm::book_friction(int A, const Context& c, LedgerSums& sums) {
     const double work = -traction_[A].value.dot(slid_[A]);
     if (!has_history()) {
         sums.work[friction_account] += work;
@@ -81,7 +83,11 @@ void ContactTerm::book_friction(int A, const Context& c, LedgerSums& sums) const
     auto stored = [&](const Eigen::Vector2d& t) {
         return 0.5 * t.squaredNorm() / options_.friction.stiffness[A];
     };
-    const double before = stored(base_[A]), after = c.step.h == 0 ? before : stored(traction_[A].value);
+    double before = stored(base_[A]), after = c.step.h == 0 ? before : stored(traction_[A].value);
+    if (c.backwards)
+        before = stored_[A];
+    else
+        stored_[A] = after;
     sums.work[friction_account] += work + after - before;
     sums.energy[slip_energy_account] += after;
 }

@@ -59,7 +59,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
-    elastic_.assign(2 * n, 0.0);
+    elastic_.assign(2 * n, 0.0), stored_.assign(n, 0.0);
     for (Record* r : {&now_, &before_, &at_tangent_})
         r->X.assign(gaps_->skin().constant.size(), 0.0), r->traction = elastic_;
 }
@@ -312,9 +312,10 @@ void ContactTerm::choose_active(const Context& c) {
 
 // In statics bodies may be held by contact alone: the augmentation keeps their tangents regular. With inertia
 // multipliers serve as they are, so that a change of the active set changes nothing but their rows and
-// columns.
+// columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
 double ContactTerm::augmentation(int A, const Context& c) const {
-    return c.step.motion[0][0] != 0 && !has_friction() ? 0 : options_.stiffness[A];
+    const bool plain = c.step.motion[0][0] != 0 && !has_friction();
+    return plain || c.backwards ? 0 : options_.stiffness[A];
 }
 
 // The pressure at a gap, not negative once the active set has settled.
@@ -586,7 +587,7 @@ void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<d
 
 // A step taken backwards, as statics books its work, leaves the forces of the step itself.
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
-    if (c.step.h >= 0) return book(c, sums);
+    if (!c.backwards) return book(c, sums);
     const auto forces = forces_, friction = friction_forces_;
     book(c, sums);
     forces_ = forces, friction_forces_ = friction;

@@ -129,7 +129,7 @@ class ContactTerm : public Term {
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void scatter(int A, const Border&, double* values);
     void narrow();
-    void book_friction(int A, const Context&, LedgerSums&) const;
+    void book_friction(int A, const Context&, LedgerSums&);
     Sliding sliding(int A) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
@@ -159,6 +159,7 @@ class ContactTerm : public Term {
     std::vector<Eigen::Vector2d> slid_;  // weighted displacements in the step
     std::vector<Traction> traction_;
     std::vector<double> elastic_;       // at the start of the step
+    std::vector<double> stored_;        // energy of elastic slip at the end of the step last booked
     Record now_, before_, at_tangent_;  // the latest, the one before, that of the kept tangent
     std::optional<Pattern> pattern_;
     std::vector<Places> places_;

@@ -119,7 +119,7 @@ void CallbackTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) 
     ledger_(gather(c));
     for (int e = 0; e < n_; ++e) {
         sums.energy[account[e]] += energy_[e];
-        sums.work[account[e]] += work_[e];
+        if (work_account >= 0) sums.work[work_account] += work_[e];
         double* momentum = &sums.momentum[6 * static_cast<std::size_t>(component[e])];
         for (int k = 0; k < 6; ++k) momentum[k] += momentum_[6 * static_cast<std::size_t>(e) + k];
     }

@@ -146,7 +146,8 @@ void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     sums.energy[strain_account] += total[0];
     if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
     if (damping_account >= 0) sums.work[damping_account] += total[2];
-    for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
+    for (int k = 0; k < 6; ++k)  // what moves away from the axis all around has no momentum but along it
+        if (!view_.H || k == 1) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
 }
 
 void SolidTerm::at_rest(At kernel, const double* x, int begin, int end, std::int64_t per_element,

@@ -15,7 +15,7 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
     for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
-                    &v_next_, &a_next_, &w_next_})
+                    &v_next_, &a_next_, &w_next_, &still_})
         u->assign(n_ + 1, 0.0);
     for (int i = 0; i < n_; ++i)
         if (segments_.empty() || segments_.back().order != order_[i])
@@ -30,6 +30,7 @@ void System::set_accounts(int n_accounts, int n_components) {
     sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
     sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
     sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
+    sums.release.assign(n_, 0.0);
 }
 
 void System::finalize() {
@@ -319,7 +320,7 @@ bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 
 }  // namespace
 
 void System::clear_sums() {
-    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect})
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
         std::fill(s->begin(), s->end(), 0.0);
 }
 
@@ -330,7 +331,8 @@ void System::book(const Context& c, const double* v1) {
 
 // The same with the work of prescribed motion, which goes along dx or against it.
 void System::book_step(const Context& c, const double* v1, double direction) {
-    if (!prescribed_.empty()) evaluate_residual(c, true);  // before the terms go on to the end
+    // before the terms go on to the end; on the way back they find their branches there
+    if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
     book(c, v1);
     for (std::size_t k = 0; k < prescribed_.size(); ++k) {
         const int u = prescribed_[k];
@@ -352,8 +354,10 @@ void System::book_path(const Context& c) {
     const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate};
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
     for (const auto& term : terms_) term->begin(c.vectors.x1);
-    book_step({back, vectors, signals}, v.data(), -1);
+    book_step({back, vectors, signals, true}, still_.data(), -1);
     for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+    // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
+    for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];
     sums = std::move(there);
 }
 
@@ -393,7 +397,7 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     stale_begin_ = true;
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && is_static(step);
-    if (ledger) book_step(context, new_v ? v_next_.data() : v.data(), 1);
+    if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
@@ -410,13 +414,13 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
 }
 
-void System::take_stock(const Step& step, const Signals& signals) {
+void System::take_stock(const Step& step, const Signals& signals, bool moves) {
     discard();
     for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), v.data(), a.data()};
-    book({step, vectors, signals}, v.data());
+    book({step, vectors, signals}, moves ? v.data() : still_.data());
 }
 
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {

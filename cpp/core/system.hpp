@@ -81,7 +81,8 @@ class System {
     void accept(const Step& step, const Signals& signals, bool ledger);
     void discard();
     // The ledger of the present state (no work done).
-    void take_stock(const Step& step, const Signals& signals);
+    // `moves`: the rates are velocities, and not what is left of them in statics.
+    void take_stock(const Step& step, const Signals& signals, bool moves);
     // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
@@ -201,6 +202,7 @@ class System {
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
+    std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;

@@ -19,11 +19,15 @@ struct Context {
     const Step& step;
     const Vectors& vectors;
     const Signals& signals;
+    // The books of statics go the step from its end to its start too: forces are then those that it began
+    // with.
+    bool backwards = false;
 };
 
-// What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component.
+// What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
+// statics `release` per unknown, the work of what held it out of equilibrium when the step began.
 struct LedgerSums {
-    std::vector<double> energy, work, momentum, defect;
+    std::vector<double> energy, work, momentum, defect, release;
 };
 
 class Pattern;
@@ -164,6 +168,8 @@ class CallbackTerm : public Term {
     using Function = std::function<void(const TermArguments&)>;
     CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
                  Function accept);
+    int work_account = -1;  // where work is booked that is done beside what is stored; -1: none
+
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }

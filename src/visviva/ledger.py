@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 STILL = 1e-6
 """What moves by less than this part of its size counts as being at rest."""
 
+RELEASE = "release"
+"""Work in statics of what held a system that starts out of equilibrium: it lets go slowly in the first load step."""
+
 MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z")
 
 
@@ -123,9 +126,9 @@ class Bookkeeper:
             return sorted({a.kind for a in accounts if a.category in categories})
 
         mass = sum(c.total_mass for c in system.components)
-        self.ledger = Ledger(
-            kinds("potential"), kinds("work", "dissipation"), mass, system.model.length, pull(system)
-        )
+        self._held = None if system.has_inertia else held(system)
+        works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
+        self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, pull(system))
         self._per_reach = 1 / reaches(system)[:, None]
         ledger, n = self.ledger, len(accounts)
         self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)
@@ -146,6 +149,8 @@ class Bookkeeper:
         potential = self._potential @ energy
         total = kinetic + potential.sum()
         self.done = self.done + self._work @ core.work
+        if self._held is not None:
+            self.done[-1] += core.release[self._held].sum()
         if self.total0 is None:
             self.total0 = total
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
@@ -154,6 +159,12 @@ class Bookkeeper:
         row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
         self.ledger.rows.append(row)
         return row
+
+
+def held(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) in which energies are least: those that stood out of equilibrium release some in statics."""
+    fields = system.model.fields
+    return np.concatenate([np.full(f.size, f.order != 1 and f.definite and not f.multiplier) for f in fields])
 
 
 def reaches(system: System) -> Array:

@@ -341,7 +341,7 @@ class System:
     def take_stock(self) -> None:
         """Fill the core's sums with the present state."""
         step = Static().step(self.time, 0.0)
-        self.core.take_stock(step, self.signals(step))
+        self.core.take_stock(step, self.signals(step), self.has_inertia)
 
     @property
     def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:

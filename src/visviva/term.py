@@ -55,7 +55,7 @@ class Term:
     A subclass sets `unknowns` (n, n_local), `order` (n_local,) of its unknowns, and defines `residual`; the
     rest is optional: without `tangent` the residual is differentiated numerically, without `energy` the
     ledger books the term's work, ``-residual . dx`` unless `work` says otherwise (as it must for unknowns of
-    order 1).
+    order 1). With `energy` a `work` of its own is what the term does beside storing that: a damper's loss, say.
 
     Attributes
     ----------
@@ -131,14 +131,17 @@ class Term:
         owner = model.components[component]
         self.label = owner.label
         n = len(self.unknowns)
-        category = self.stores if self.energy is not None else "work"
-        account = model.account(owner, self.kind, category)
+        stores = self.energy is not None
+        self._works = not stores or type(self).work is not Term.work
+        account = model.account(owner, self.kind, self.stores if stores else "work")
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
         moving = n and self.stores == "kinetic" and self.energy is not None
         self._places = places(model, index[0]) if moving else []
         # The core keeps weak references only (a term may know its system); they live here.
         self._calls = self._residual, self._tangent, self._ledger, self._accept
         term = _core.CallbackTerm(index, *self._calls)
+        if self._works:
+            term.work_account = model.account(owner, self.kind, "work")
         term.name = owner.label
         term.book(np.full(n, account, dtype=np.int32), np.full(n, component, dtype=np.int32))
         return term
@@ -154,7 +157,7 @@ class Term:
         s = Stencils(*args[:6])
         if self.energy is not None:
             args[8][:] = checked(self.label, "energy", self.energy(s), args[8].shape)
-        else:
+        if self._works:
             args[9][:] = checked(self.label, "work", self.work(s), args[9].shape)
         args[10][:] = checked(self.label, "momentum", self.momentum(s), args[10].shape)
 
