@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.audit import audit
 from visviva.form import Form, Strain, Vector
 from visviva.ledger import MOMENTA, Ledger
 from visviva.measure import Measure
-from visviva.progress import gauge_text
 
 if TYPE_CHECKING:
     from visviva.scheme import Scheme
@@ -127,33 +127,6 @@ class Result:
         for name in names or ("energy", "constraints"):
             if not figures[name] <= tolerance:
                 raise AssertionError(f"{name} is not conserved: error {figures[name]:.3e} > {tolerance:.1e}")
-
-
-def audit(result: Result) -> str:
-    """The audit's text."""
-    system, s, ledger = result.system, result.statistics, result.ledger
-    f = result.conservation()
-    m = system.n_constraints
-    momentum = "  ".join(f"{c} {f[f'momentum_{c}']:.1e}" for c in "xyz")
-    angular = "  ".join(f"{c} {f[f'angular_{c}']:.1e}" for c in "xyz")
-    works = ", ".join(f"{k} {ledger[f'work_{k}'][-1]:.6g}" for k in ledger.works) or "none"
-    seconds = max(s.seconds, 1e-12)
-    return "\n".join(
-        [
-            f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
-            f"  unknown coordinates n = {system.n_coordinates}, constraints m = {m}",
-            f"  linear solver for {system.linear_explanation}",
-            f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
-            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
-            f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
-            f"  work done on the system: {works}",
-            f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}",
-            f"  linear momentum changes (relative)   {momentum}",
-            f"  angular momentum changes (relative)  {angular}",
-            f"  constraints hold (relative) to {f['constraints']:.1e}, "
-            f"their rates to {f['constraint rates']:.1e}",
-        ]
-    )
 
 
 def figures(result: Result) -> dict[str, Any]:

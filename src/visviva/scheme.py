@@ -44,6 +44,8 @@ class Scheme:
         Whether masses take part; without them, what nothing holds has no equilibrium.
     has_growing_time : bool
         Whether time grows in every step; otherwise pictures and movies count steps.
+    conserves_energy : bool
+        Whether the energy balance closes to rounding whatever is in the system, by which the audit judges.
     """
 
     order: ClassVar[int] = 0
@@ -54,6 +56,12 @@ class Scheme:
     projects_velocity: ClassVar[bool] = False
     has_inertia: ClassVar[bool] = True
     has_growing_time: ClassVar[bool] = True
+    conserves_energy: ClassVar[bool] = False
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether it is meant to take energy from what moves fast."""
+        return False
 
     def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
         """Steps of its own to `until`, yielding a report of each; None where they are equal steps of time."""
@@ -99,6 +107,7 @@ class EnergyMomentum(Midpoint):
     """
 
     discrete_gradient: ClassVar[bool] = True
+    conserves_energy: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -117,6 +126,10 @@ class BackwardEuler(Scheme):
     """Backward Euler: first order, dissipates."""
 
     order: ClassVar[int] = 1
+
+    @property
+    def dissipates(self) -> bool:
+        return True
 
     def motion(self, h: float) -> Table:
         second = (1 / h**2, -1 / h, 0.0, 0.0)
@@ -137,6 +150,10 @@ class BDF2(Scheme):
 
     order: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
+
+    @property
+    def dissipates(self) -> bool:
+        return True
 
     def motion(self, h: float) -> Table:
         v1 = np.array([1.5 / h, -0.5, 0.25 * h, 0])
@@ -167,6 +184,10 @@ class GeneralizedAlpha(Scheme):
 
     order: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
+
+    @property
+    def dissipates(self) -> bool:
+        return self.rho < 1
 
     def parameters(self) -> tuple[float, float, float, float]:
         """``alpha_m, alpha_f, gamma, beta``."""

@@ -16,7 +16,7 @@ from visviva.ledger import Bookkeeper
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import NONE, Static
-from visviva.solve import begin, keep, record
+from visviva.solve import begin, keep, prepare, record
 from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -36,6 +36,10 @@ class Relaxation(Static):
 
     duration: float = 1.0
     has_inertia: ClassVar[bool] = True
+
+    @property
+    def dissipates(self) -> bool:
+        return True
 
     def march(self, system: System, *, until: float, step: float) -> None:
         return None
@@ -88,8 +92,9 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
     for history in (system.v, system.core.a, system.core.w):
         history[:] = 0.0
     system.touch()
-    result, books = begin(system, Relaxation())
+    prepare(system, Relaxation())  # which gives prescribed motion its rates
     system.v[:] = 0.0
+    result, books = begin(system, Relaxation())
     try:
         follow(system, result, books, until, steps, most)
     except RunError as error:

@@ -1,0 +1,98 @@
+"""The audit: what a run conserved, and a verdict on what it did not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from visviva.progress import gauge_text
+
+if TYPE_CHECKING:
+    from visviva.result import Result
+    from visviva.system import System
+
+CONSERVED = 1e-9
+"""Relative errors up to this are those of rounding and of Newton's method."""
+LOOSE = 1e-6
+"""Errors of schemes that conserve energy up to this may be those of loose tolerances, in many steps."""
+OVERSHOOT = 0.1
+"""Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
+
+
+def audit(result: Result) -> str:
+    """What was conserved, in ten lines."""
+    system, s, ledger = result.system, result.statistics, result.ledger
+    f = result.conservation()
+    works = ", ".join(f"{k} {ledger[f'work_{k}'][-1]:.6g}" for k in ledger.works) or "none"
+    seconds = max(s.seconds, 1e-12)
+    return "\n".join(
+        [
+            f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
+            f"  unknown coordinates n = {system.n_coordinates}, constraints m = {system.n_constraints}",
+            f"  linear solver for {system.linear_explanation}",
+            f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
+            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
+            f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
+            f"  work done on the system: {works}",
+            f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}: {energy_verdict(result)}",
+            *momentum_lines(result),
+            f"  constraints hold (relative) to {f['constraints']:.1e}, "
+            f"their rates to {f['constraint rates']:.1e}",
+        ]
+    )
+
+
+def energy_verdict(result: Result) -> str:
+    """Whether the energy balance closes as the scheme promises.
+
+    Conserved, dissipated by the scheme, not meant to be conserved by it, or wrong.
+    """
+    closing = result.ledger["imbalance"] / result.ledger.energy_scale
+    scheme, gained, lost = result.scheme, float(closing.max()), float(-closing.min())
+    if max(gained, lost) <= CONSERVED:
+        return "conserved"
+    if scheme.conserves_energy and max(gained, lost) <= LOOSE:
+        return "conserved as well as the tolerances of the solvers allow"
+    if scheme.conserves_energy:
+        return (
+            "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
+            "discrete gradient of its energy"
+        )
+    if not scheme.has_inertia:
+        return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
+    if not scheme.dissipates:
+        return "not meant to be conserved by this scheme, see how it falls with the step"
+    if gained > OVERSHOOT * lost + CONSERVED:
+        return (
+            "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"
+        )
+    return "dissipated by the scheme"
+
+
+def momentum_lines(result: Result) -> list[str]:
+    """Changes of the momenta that there are, and which of them were conserved; statics has none."""
+    if not result.scheme.has_inertia:
+        return []
+    figures, lines = result.conservation(), []
+    for (kind, name), axes in zip(
+        (("momentum", "linear"), ("angular", "angular")), axes_of(result.system), strict=True
+    ):
+        changes = {c: figures[f"{kind}_{c}"] for c in axes}
+        if not changes:
+            continue
+        kept = [c for c, change in changes.items() if change <= CONSERVED]
+        verdict = f"conserved along {', '.join(kept)}" if kept else "changed from outside along all axes"
+        if len(kept) == len(changes):
+            verdict = "conserved"
+        text = "  ".join(f"{c} {change:.1e}" for c, change in changes.items())
+        lines.append(f"  {f'{name} momentum changes (relative)':<36} {text}: {verdict}")
+    return lines
+
+
+def axes_of(system: System) -> tuple[str, str]:
+    """Axes along which linear and angular momentum can be there: in the plane and about revolutions not all."""
+    if any(getattr(c, "axisymmetric", False) for c in system.components):
+        return "y", ""
+    moving = [f for f in system.model.fields if f.order == 2]
+    if moving and all(f.node == 2 for f in moving):
+        return "xy", "z"
+    return "xyz", "xyz"

@@ -1,0 +1,115 @@
+"""The audit's verdicts: conserved, dissipated by the scheme, not meant to be conserved, wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.audit import energy_verdict
+from visviva.term import Stencils, Term
+
+STEEL = vv.LinearElastic(young=100.0, poisson=0.0)
+
+
+def swing(scheme: vv.Scheme | None = None, *more: Any, step: float = 0.02) -> vv.Result:
+    """A ball on a stretched spring that whirls about the origin."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0), velocity=(0, 3, 0))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=40.0, free_length=0.8)
+    return vv.simulate(vv.System([ground, ball, spring, *more]), until=2.0, step=step, scheme=scheme)
+
+
+class Leak(Term):
+    """A pull on a ball that the ledger is told nothing of."""
+
+    def residual(self, s: Stencils) -> Any:
+        return np.full_like(s.x1, -0.5)
+
+    def work(self, s: Stencils) -> Any:
+        return np.zeros(len(s.x1))
+
+
+def leaking() -> vv.Result:
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    return vv.simulate(vv.System([ball, vv.UserTerm(term=Leak(), on=[ball])]), until=1.0, step=0.1)
+
+
+def test_energy_verdicts() -> None:
+    assert energy_verdict(swing()) == "conserved"
+    assert energy_verdict(swing(vv.BackwardEuler())) == "dissipated by the scheme"
+    assert energy_verdict(swing(vv.BDF2())) == "dissipated by the scheme"
+    assert energy_verdict(swing(vv.GeneralizedAlpha(0.5))) == "dissipated by the scheme"
+    assert energy_verdict(swing(vv.Midpoint())).startswith("not meant to be conserved")
+    assert energy_verdict(leaking()).startswith("WRONG")
+
+
+def test_momentum_verdicts(capsys: pytest.CaptureFixture[str]) -> None:
+    """The spring on the ground turns the momentum of the ball but not its moment about the origin."""
+    text = swing().audit()
+    assert text.count(": conserved along z\n") == 1  # linear
+    angular = next(line for line in text.splitlines() if "angular" in line)
+    assert angular.endswith(": conserved")
+
+
+def squeezed(plane: str) -> vv.System:
+    mesh = vv.RectangleMesh(size=(1, 2), counts=(2, 2), origin=(1, 0))
+    solid = vv.Solid(mesh=mesh, material=STEEL, density=1.0, plane=plane, velocity=(1.0, 0.5, 0.0))
+    return vv.System([solid])
+
+
+def test_only_momenta_that_there_are() -> None:
+    """What moves away from an axis all around has no momentum; a plane body turns about one axis alone."""
+    ring = vv.simulate(squeezed("axisymmetric"), until=0.1, step=0.01)
+    lines = [line for line in ring.audit().splitlines() if "momentum" in line]
+    assert len(lines) == 1
+    assert " y " in lines[0]
+    assert " x " not in lines[0]
+    assert np.abs(ring.ledger["momentum_x"]).max() == 0
+    assert ring.ledger["momentum_y"][0] == pytest.approx(0.5 * np.pi * (2**2 - 1) * 2)
+    plate = vv.simulate(squeezed("strain"), until=0.1, step=0.01)
+    lines = [line for line in plate.audit().splitlines() if "momentum" in line]
+    assert len(lines) == 2
+    assert " z " not in lines[0]
+    assert " x " not in lines[1]
+
+
+@pytest.mark.parametrize("run", [vv.quasi_static, vv.equilibrium])
+def test_statics_has_no_kinetic_energy(run: Any) -> None:
+    """Prescribed nodes move with the load parameter, and bodies may have velocities from elsewhere."""
+    mesh = vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1))
+    solid = vv.Solid(mesh=mesh, material=STEEL, density=7.0, velocity=(1, 0, 0))
+    held = vv.Fixed(solid=solid, nodes="x0")
+    pull = vv.Prescribed(solid=solid, nodes="x1", motion=("0.1*t", "0*t", "0*t"))
+    options = {"steps": 2} if run is vv.equilibrium else {"step": 0.5}
+    result = run(vv.System([solid, held, pull]), until=1.0, **options)
+    assert np.abs(result.ledger["kinetic"]).max() == 0
+    if run is vv.quasi_static:
+        assert result.ledger["potential_strain"][-1] == pytest.approx(0.5 * 100 * 0.05**2 * 2)
+        assert result.ledger.imbalance() < 1e-12
+        assert "momentum" not in result.audit()
+        assert energy_verdict(result) == "conserved"
+
+
+class Damper(Term):
+    """A spring and a damper to the origin in one term: what it stores, and what it loses."""
+
+    c, k = 2.0, 30.0
+
+    def residual(self, s: Stencils) -> Any:
+        return self.k * s.x + self.c * s.rate
+
+    def energy(self, s: Stencils) -> Any:
+        return 0.5 * self.k * (s.x1**2).sum(axis=1)
+
+    def work(self, s: Stencils) -> Any:
+        return -self.c * np.einsum("ij,ij->i", s.rate, s.x1 - s.x0)
+
+
+def test_terms_book_both_energy_and_work() -> None:
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    result = vv.simulate(vv.System([ball, vv.UserTerm(term=Damper(), on=[ball])]), until=1.0, step=0.01)
+    assert result.ledger["work_user"][-1] < -5
+    assert result.ledger["total"][-1] == pytest.approx(15 + result.ledger["work_user"][-1])
+    assert result.ledger.imbalance() < 1e-12
