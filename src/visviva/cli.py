@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, CycloptsError, Parameter
 
 from visviva.errors import InputError, VisvivaError, shortened
+from visviva.interrupt import exit_code
 
 if TYPE_CHECKING:
     from visviva.gallery import Source
     from visviva.result import Result
 
-BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+BAD_INPUT, FAILED = 2, 1
 DEBUG = "--debug"
 UNEXPECTED = "an error that is not expected"
 SCENES = (".yaml", ".yml", ".toml")
@@ -71,6 +72,11 @@ def run(
     force: Annotated[
         bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
     ] = False,
+    every: Annotated[
+        int | None,
+        Parameter(help="Write tables and trajectory every so many steps; by default as fine as is useful."),
+    ] = None,
+    save_every: Annotated[float, Parameter(help="Seconds between saves of the state.")] = 5.0,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
@@ -90,11 +96,19 @@ def run(
     introduce(source)
     notes = {"study": source.name, "parameters": parameters, "given": given}
     try:
-        result = run_study(source.study, directory, resume=resume, force=force, notes=notes)
-    except KeyboardInterrupt:
+        result = run_study(
+            source.study,
+            directory,
+            resume=resume,
+            force=force,
+            every=every,
+            save_every=save_every,
+            notes=notes,
+        )
+    except KeyboardInterrupt as interrupt:
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
         say(f"{where} (state and files are in {directory})")
-        return INTERRUPTED
+        return exit_code(interrupt)
     result.audit()
     passed = report_check(source, result)
     print(f"files are in {directory}")
@@ -279,7 +293,7 @@ def refuse_earlier_run(directory: Path) -> None:
     """A new run must not mix with an older one."""
     from visviva.output.directory import RunDirectory
 
-    earlier = [file for file in RunDirectory(directory).files if file.exists()]
+    earlier = RunDirectory(directory).earlier
     if earlier:
         raise InputError(
             f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
@@ -351,8 +365,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return command(tokens)
     try:
         return command(tokens)
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    except KeyboardInterrupt as interrupt:
+        return exit_code(interrupt)
     except BrokenPipeError:  # who reads has seen enough, as in `visviva examples | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left must not fail at exit
         return FAILED

@@ -1,4 +1,4 @@
-"""Ctrl-C between steps instead of anywhere."""
+"""Ctrl-C and termination between steps instead of anywhere."""
 
 from __future__ import annotations
 
@@ -7,26 +7,34 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+STOPPING = (signal.SIGINT, signal.SIGTERM)
+
 
 @contextmanager
-def deferred_interrupt() -> Iterator[Callable[[], bool]]:
-    """Note Ctrl-C instead of raising it; the function given tells whether it was pressed.
+def deferred_interrupt() -> Iterator[Callable[[], int]]:
+    """Note Ctrl-C and termination instead of ending at once; the function given tells the signal, 0 for none.
 
-    Pressed a second time it raises `KeyboardInterrupt` at once. Outside the main thread, where Python
-    delivers no signals, nothing changes.
+    A second one raises `KeyboardInterrupt` at once. Outside the main thread, where Python delivers no signals,
+    nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
+        yield lambda: 0
         return
-    pressed: list[int] = []
+    noted: list[int] = []
 
     def note(number: int, _: object) -> None:
-        if pressed:
-            raise KeyboardInterrupt
-        pressed.append(number)
+        if noted:
+            raise KeyboardInterrupt(number)
+        noted.append(number)
 
-    earlier = signal.signal(signal.SIGINT, note)
+    earlier = {number: signal.signal(number, note) for number in STOPPING}
     try:
-        yield lambda: bool(pressed)
+        yield lambda: noted[0] if noted else 0
     finally:
-        signal.signal(signal.SIGINT, earlier)
+        for number, handler in earlier.items():
+            signal.signal(number, handler)
+
+
+def exit_code(interrupt: KeyboardInterrupt) -> int:
+    """What a shell expects of a process that a signal has ended: 130 after Ctrl-C, 143 after termination."""
+    return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from visviva import restart
 from visviva.drawing import draw, shown_field, trail_names
-from visviva.errors import InputError, VisvivaError
+from visviva.errors import InputError, RunError, VisvivaError
 from visviva.interrupt import deferred_interrupt
 from visviva.ledger import Bookkeeper
 from visviva.origin import Origin
@@ -55,6 +55,13 @@ class Cadence:
             states=math.ceil(kept / MOST_KEPT),
         )
 
+    @staticmethod
+    def all(every: int) -> Cadence:
+        """Everything every so many steps."""
+        if isinstance(every, bool) or not (isinstance(every, int) and every >= 1):
+            raise InputError(f"every = {every!r} is not a whole number of steps")
+        return Cadence(every, every, every)
+
 
 def run(
     study: Study,
@@ -64,6 +71,7 @@ def run(
     force: bool = False,
     progress: bool = True,
     frames_per_second: float = 50.0,
+    every: int | None = None,
     save_every: float = 5.0,
     pictures: bool = True,
     notes: Mapping[str, Any] | None = None,
@@ -72,8 +80,8 @@ def run(
 
     The directory then holds ``trajectory.vtkhdf``, ``ledger.csv``, ``probes.csv``, ``state.h5``,
     ``summary.json``, ``energy.png`` and ``picture.png``, with pictures of the study's moments and a movie if it wants
-    them. Ctrl-C takes effect between two steps; files are
-    closed and the state saved before `KeyboardInterrupt` goes on.
+    them. Ctrl-C and termination (SIGTERM) take effect between two steps; files are closed and the state saved before
+    `KeyboardInterrupt` goes on. One process at a time writes into a directory, others may read all the while.
 
     Parameters
     ----------
@@ -90,6 +98,8 @@ def run(
         Show a progress bar where there is a terminal.
     frames_per_second : float
         Most frames of the trajectory per second of simulated time.
+    every : int
+        Write tables and trajectory, and keep the state, every so many steps; by default all are as fine as is useful.
     save_every : float
         Seconds of wall time between saves of the state.
     pictures : bool
@@ -115,23 +125,40 @@ def run(
     """
     if force and not resume:
         raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
-    recorder = Recorder.resume(study, directory, force, dict(notes or {})) if resume else None
-    if recorder is None:
-        cadence = Cadence.of(checked(study), frames_per_second)
-        recorder = Recorder.start(study, directory, cadence, dict(notes or {}))
-    with recorder, deferred_interrupt() as interrupted:
-        recorder.march(interrupted, progress, save_every)
-    recorder.finish(pictures)
+    if not save_every >= 0:
+        raise InputError(f"save_every = {save_every} is not a number of seconds")
+    refuse_bad_times(study)
+    chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
+    if resume:
+        files = RunDirectory.open(directory)
+    else:
+        refuse_early_end(study)
+        files = RunDirectory(Path(directory))
+    with files.writing():
+        if resume:
+            recorder = Recorder.resume(study, files, force, said)
+            recorder.cadence = chosen or recorder.cadence
+        else:
+            cadence = chosen or Cadence.of(study, frames_per_second)
+            recorder = Recorder.start(study, files, cadence, said)
+        with recorder, deferred_interrupt() as interrupted:
+            recorder.march(interrupted, progress, save_every)
+        recorder.finish(pictures)
     return recorder.result
 
 
-def checked(study: Study) -> Study:
-    """The study, if its times make sense."""
+def refuse_bad_times(study: Study) -> None:
+    """Refuse what cannot be a step or an end."""
     if not (study.step > 0 and math.isfinite(study.step)):
         raise InputError(f"step = {study.step} is not a positive number")
-    if not (study.until > study.system.time and math.isfinite(study.until)):
+    if not math.isfinite(study.until):
+        raise InputError(f"end time until = {study.until} is not a finite number")
+
+
+def refuse_early_end(study: Study) -> None:
+    """Refuse an end that is not after the start."""
+    if not study.until > study.system.time:
         raise InputError(f"end time until = {study.until} is not after the start at {study.system.time:g}")
-    return study
 
 
 def steps_of(study: Study) -> dict[str, Any]:
@@ -153,54 +180,70 @@ class Recorder:
         self.drawing = draw(study)
         self.cadence = Cadence(1, 1, 1)
         self.notes: dict[str, Any] = {}
-        self.ledger: Table
-        self.probes: Table
+        self.ledger: Table | None = None
+        self.probes: Table | None = None
         self.rows = 0  # written to both tables; times need not grow
+        self.is_written = True  # whether all files hold all that is due up to the present state
+        self.saved_time: float | None = None  # of the state from which the run can be resumed
         self._saved = 0.0
         self._cost = 0.0
         self.trajectory: TrajectoryWriter | None = None
 
     # --- opening --------------------------------------------------------------------------------------------
     @classmethod
-    def start(cls, study: Study, directory: str | Path, cadence: Cadence, notes: dict[str, Any]) -> Recorder:
+    def start(cls, study: Study, files: RunDirectory, cadence: Cadence, notes: dict[str, Any]) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
         origin = Origin.of(study)
         result, books = begin(study.system, study.scheme)
         columns = probe_columns(study)
-        recorder = cls(study, RunDirectory.create(directory), result, books, origin)
+        recorder = cls(study, RunDirectory.create(files.path), result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
-        files = recorder.files
-        origin.write(files)
-        recorder.ledger = Table(files.ledger, books.ledger.names)
-        recorder.probes = Table(files.probes, columns)
-        if recorder.drawing.surfaces:
-            n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
-            recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
-        recorder.write_row(books.ledger.rows[-1])
-        recorder.write_frame()
-        recorder.save()
+        with files.beginning(), recorder.closed_on_failure():
+            origin.write(files)
+            recorder.ledger = Table(files.ledger, books.ledger.names)
+            recorder.probes = Table(files.probes, columns)
+            if recorder.drawing.surfaces:
+                n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
+                recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
+            recorder.write_row(books.ledger.rows[-1])
+            recorder.write_frame()
+            recorder.save()
         return recorder
 
     @classmethod
-    def resume(cls, study: Study, directory: str | Path, force: bool, notes: dict[str, Any]) -> Recorder:
+    def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
         """Open the files of an earlier run at its last saved state."""
-        files = RunDirectory.open(directory)
         kept = restart.notes_of(files.state)
         origin, changed = Origin.read(files).resumed(files, study, force)
         result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
         restart.load(files.state, files.ledger, result, books, bool(changed))
+        now = study.system.time
+        if study.scheme.has_growing_time and study.until < now - 1e-6 * study.step:
+            raise InputError(
+                f"end time until = {study.until} is before t = {now:g}, which the run in {files.path} has reached"
+            )
         recorder = cls(study, files, result, books, origin)
         recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
         if changed:
             recorder.notes |= notes
-            origin.forced.append({"time": study.system.time, "changes": changed})
+            origin.forced.append({"time": now, "changes": changed})
             origin.write(files)
-        recorder.rows, now = kept["rows"], study.system.time
-        recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now, recorder.rows)
-        recorder.probes = Table.reopen(files.probes, probe_columns(study), now, recorder.rows)
-        if recorder.drawing.surfaces:
-            recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
+        recorder.rows, recorder.saved_time = kept["rows"], now
+        with recorder.closed_on_failure():
+            recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now, recorder.rows)
+            recorder.probes = Table.reopen(files.probes, probe_columns(study), now, recorder.rows)
+            if recorder.drawing.surfaces:
+                recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
         return recorder
+
+    @contextmanager
+    def closed_on_failure(self) -> Iterator[None]:
+        """Close the files if what is done inside fails."""
+        try:
+            yield
+        except BaseException:
+            self.__exit__()
+            raise
 
     def __enter__(self) -> Recorder:
         return self
@@ -224,13 +267,20 @@ class Recorder:
                     self.write(steps.steps, row)
                     self.save_now_and_then(save_every)
                     show(row)
-                    if interrupted():
-                        raise KeyboardInterrupt
-        except BaseException:
+                    if number := interrupted():
+                        self.save()
+                        raise KeyboardInterrupt(number)
+            self.save()
+        except Exception as error:  # a second Ctrl-C interrupts anywhere, and what stands then is not saved
             with suppress(VisvivaError):  # the first error counts; an older state is still there
-                self.save()
+                if self.is_written:
+                    self.save()
+            if isinstance(error, RunError):
+                error.args = (
+                    f"{error}; the run can be resumed from t = {self.saved_time!r}",
+                    *error.args[1:],
+                )
             raise
-        self.save()
 
     def is_complete(self) -> bool:
         """Whether there is nothing left to march."""
@@ -238,16 +288,19 @@ class Recorder:
 
     def write(self, step: int, row: Array) -> None:
         """Write and keep what is due after a step."""
-        last = self.is_complete()
+        self.is_written, last = False, self.is_complete()
         if last or step % self.cadence.states == 0:
             keep(self.result)
         if last or step % self.cadence.rows == 0:
             self.write_row(row)
         if last or step % self.cadence.frames == 0:
             self.write_frame()
+        self.is_written = True
 
     def write_row(self, row: Array) -> None:
         """Books and probes of the present state."""
+        assert self.ledger is not None
+        assert self.probes is not None
         self.ledger.append(row)
         self.rows += 1
         system = self.study.system
@@ -283,6 +336,7 @@ class Recorder:
             self.books,
             notes | {"cadence": asdict(self.cadence), "rows": self.rows, "study": self.notes},
         )
+        self.saved_time = study.system.time
         self._saved = time.perf_counter()
         self._cost = self._saved - start
 

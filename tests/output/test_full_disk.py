@@ -46,7 +46,9 @@ def test_trajectory_on_a_full_disk_keeps_its_steps(tmp_path, monkeypatch):
     for k in range(3):
         writer.append(k / 2, moved(k / 2))
     disk_with_room_for(1000, monkeypatch)
-    with pytest.raises(RunError, match=r"t\.vtkhdf: No space left on device; the run up to t = 1\.5 is kept"):
+    with pytest.raises(
+        RunError, match=r"t\.vtkhdf: No space left on device; what it holds up to t = 1\.5 stays"
+    ):
         [writer.append(k / 2, moved(k / 2)) for k in range(3, 100)]
     writer.close()
     with Trajectory(path) as motion:
@@ -57,7 +59,9 @@ def test_table_on_a_full_disk_keeps_its_rows(tmp_path, monkeypatch):
     table = Table(tmp_path / "l.csv", ["time", "x"])
     table.append([0.25, 1 / 3])
     disk_with_room_for(30, monkeypatch)
-    with pytest.raises(RunError, match=r"l\.csv: No space left on device; the run up to t = 0\.5 is kept"):
+    with pytest.raises(
+        RunError, match=r"l\.csv: No space left on device; what it holds up to t = 0\.5 stays"
+    ):
         [table.append([k / 4, 1 / 3]) for k in range(2, 9)]
     assert (tmp_path / "l.csv").read_text() == "time,x\n0.25,0.3333333333333333\n0.5,0.3333333333333333\n"
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
+from visviva.output.lock import locked
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,18 @@ class RunDirectory:
         return self.path / "movie.mp4"
 
     @property
+    def starting(self) -> Path:
+        """Mark of a run that has not yet saved its first state: nothing in it is worth keeping."""
+        return self.path / ".starting"
+
+    @property
+    def earlier(self) -> tuple[Path, ...]:
+        """Files of a run that got as far as its first state."""
+        if self.starting.exists() and not self.state.exists():
+            return ()
+        return tuple(file for file in self.files if file.exists())
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """All files that a run may write."""
         series = (self.trajectory, self.ledger, self.probes, self.summary, self.state, self.arguments)
@@ -93,7 +107,7 @@ class RunDirectory:
         path
             Directory; made with its parents if missing.
         overwrite
-            Delete the files of an earlier run in it (and nothing else).
+            Delete the files of an earlier run in it (and nothing else), as is done with one that never began.
 
         Raises
         ------
@@ -102,12 +116,12 @@ class RunDirectory:
         """
         run = cls(Path(path))
         _prepare(run.path)
-        earlier = [file for file in run.files if file.exists()]
+        earlier = run.earlier
         if earlier and not overwrite:
             held = f"{run.path}: already holds a run ({earlier[0].name})"
             raise InputError(f"{held}; resume it, overwrite it, or choose another directory")
-        for file in earlier:
-            file.unlink()
+        for file in run.files:
+            file.unlink(missing_ok=True)
         return run
 
     @classmethod
@@ -122,7 +136,32 @@ class RunDirectory:
         run = cls(Path(path))
         if not any(file.exists() for file in run.files):
             raise InputError(f"{run.path}: holds no run (no {run.trajectory.name}, no {run.state.name})")
+        if not run.earlier:
+            raise InputError(
+                f"{run.path}: holds a run that never saved a state; run it again, without resuming"
+            )
         return run
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Be the only one who writes in the directory, which is made if missing.
+
+        Raises
+        ------
+        InputError
+            If another process writes there, or the directory cannot be written.
+        """
+        _prepare(self.path)
+        with locked(self.path):
+            yield
+
+    @contextmanager
+    def beginning(self) -> Iterator[None]:
+        """Mark what is written inside as a run that has yet to save its first state."""
+        with reporting(self.starting):
+            self.starting.touch()
+        yield
+        self.starting.unlink()
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
         """Write the figures of the run as JSON; numbers and arrays of numpy are welcome.

@@ -12,7 +12,7 @@ from visviva.errors import RunError
 
 @contextmanager
 def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
-    """Turn an `OSError` raised inside into a `RunError` that names the file and what is kept.
+    """Turn an `OSError` raised inside into a `RunError` that names the file and what stays readable.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
         yield
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
-        kept = "" if kept_until is None else f"; the run up to t = {kept_until!r} is kept and can be resumed"
+        kept = "" if kept_until is None else f"; what it holds up to t = {kept_until!r} stays readable"
         raise RunError(f"cannot write {path}: {reason}{kept}") from error
 
 
