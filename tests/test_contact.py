@@ -77,7 +77,7 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
     "rigid bodies without stiffness": (two_bodies, "nothing says how stiff contact should be"),
     "faces of a rigid body": (
         partial(two_bodies, stiffness=1.0, first_faces="top"),
-        "leave out first_faces = 'top'",
+        "no face 'top', but 'z0', 'z1', 'y0', 'y1', 'x0', 'x1'; 'all' is its whole surface",
     ),
     "a body without shape": (
         lambda: against(vv.RigidBody(mass=1.0, inertia=(1, 1, 1))),

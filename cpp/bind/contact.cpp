@@ -32,11 +32,13 @@ nb::ndarray<nb::numpy, double> copy_of(const std::vector<double>& values) {
 }
 
 Skin skin_of(int dim, const Ints& first, const Ints& unknown, const Doubles& weight, const Ints& mesh_node,
-             const Doubles& constant, const Ints& facets, int n_first, int second_begin) {
+             const Doubles& constant, const Ints& facets, const Doubles& behind, const Doubles& ahead,
+             int n_first, int second_begin) {
     Skin s;
     s.dim = dim, s.first = vector_of<int>(first), s.unknown = vector_of<int>(unknown);
     s.weight = vector_of<double>(weight), s.constant = vector_of<double>(constant);
     s.mesh_node.assign(mesh_node.data(), mesh_node.data() + mesh_node.size());
+    s.behind = vector_of<double>(behind), s.ahead = vector_of<double>(ahead);
     s.facets = vector_of<int>(facets), s.n_first = n_first, s.second_begin = second_begin;
     return s;
 }
@@ -124,13 +126,20 @@ void bind_contact(nb::module_& m) {
     nb::class_<Skin>(m, "Skin").def(
         "__init__",
         [](Skin* s, int dim, const Ints& first, const Ints& unknown, const Doubles& weight,
-           const Ints& mesh_node, const Doubles& constant, const Ints& facets, int n_first,
-           int second_begin) {
-            new (s) Skin(
-                skin_of(dim, first, unknown, weight, mesh_node, constant, facets, n_first, second_begin));
+           const Ints& mesh_node, const Doubles& constant, const Ints& facets, const Doubles& behind,
+           const Doubles& ahead, int n_first, int second_begin) {
+            new (s) Skin(skin_of(dim, first, unknown, weight, mesh_node, constant, facets, behind, ahead,
+                                 n_first, second_begin));
         },
         nb::arg("dim"), nb::arg("first"), nb::arg("unknown"), nb::arg("weight"), nb::arg("mesh_node"),
-        nb::arg("constant"), nb::arg("facets"), nb::arg("n_first"), nb::arg("second_begin"));
+        nb::arg("constant"), nb::arg("facets"), nb::arg("behind"), nb::arg("ahead"), nb::arg("n_first"),
+        nb::arg("second_begin"));
+    m.def("sights", [](int dim, const Doubles& places, const Ints& facets) {
+        std::vector<double> all;
+        for (const Sight& s : find_sights(dim, vector_of<double>(places), vector_of<int>(facets)))
+            all.push_back(s.behind), all.push_back(s.ahead);
+        return copy_of(all);
+    });
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
         "mortar",
@@ -140,25 +149,30 @@ void bind_contact(nb::module_& m) {
         nb::arg("skin"), nb::arg("reach"), nb::arg("axisymmetric"), nb::arg("dual"));
     m.def(
         "node_to_segment",
-        [](const Skin& skin, const Doubles& areas, double radius, double reach, bool rubs, double axis) {
-            return shared(make_node_to_segment(skin, {vector_of<double>(areas), radius, reach, rubs, axis}));
+        [](const Skin& skin, const Doubles& areas, const Doubles& behind, double radius, double reach,
+           bool rubs, double axis) {
+            return shared(make_node_to_segment(
+                skin, {vector_of<double>(areas), vector_of<double>(behind), radius, reach, rubs, axis}));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("rubs"),
-        nb::arg("axis"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("radius"), nb::arg("reach"),
+        nb::arg("rubs"), nb::arg("axis"));
     m.def(
         "self_contact",
-        [](const Skin& skin, const Doubles& areas, double reach, bool rubs, const Doubles& places) {
-            return shared(make_self_contact(skin, {vector_of<double>(areas), 0, reach, rubs},
-                                            vector_of<double>(places)));
+        [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,
+           const Doubles& places) {
+            return shared(
+                make_self_contact(skin, {vector_of<double>(areas), vector_of<double>(behind), 0, reach, rubs},
+                                  vector_of<double>(places)));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("reach"), nb::arg("rubs"), nb::arg("places"));
+        nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("reach"), nb::arg("rubs"),
+        nb::arg("places"));
     m.def(
         "obstacle",
         [](const Skin& skin, const Doubles& areas, double radius, bool rubs, int core, const Doubles& half,
            double round, double axis) {
             ObstacleShape shape{static_cast<ObstacleShape::Core>(core), {}, round, axis};
             std::copy_n(half.data(), 3, shape.half);
-            return shared(make_obstacle(skin, {vector_of<double>(areas), radius, 0, rubs}, shape));
+            return shared(make_obstacle(skin, {vector_of<double>(areas), {}, radius, 0, rubs}, shape));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("rubs"), nb::arg("core"),
         nb::arg("half"), nb::arg("round"), nb::arg("axis"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "complement.hpp"
 #include "core/parallel.hpp"
@@ -97,8 +98,8 @@ bool ContactTerm::search(const double* x0, const double* x1) {
     }
     from_ = X0_, to_ = X1_, known_.clear();
     for (std::size_t i = 0; i < to_.size(); ++i) {
-        const double step = std::clamp(to_[i] - from_[i], -reach_, reach_);
-        to_[i] = from_[i] + steps_ahead * step;
+        const double step = to_[i] - from_[i], ahead = steps_ahead * std::clamp(step, -reach_, reach_);
+        to_[i] = from_[i] + (std::abs(step) > std::abs(ahead) ? step : ahead);
     }
     const bool changed = gaps_->search(from_.data(), to_.data());
     known_at_.clear();
@@ -113,10 +114,54 @@ void ContactTerm::narrow() {
 }
 
 Refusal ContactTerm::refuse(const Context& c) {
-    gaps_->skin().positions(c.vectors.x1, X1_);
-    if (!beyond(X1_.data(), too_far * reach_)) return {};
-    return {n_multipliers() > 0 ? multipliers(0)[0] : -1,
-            name + " moved farther in the step than its search had reached"};
+    const Stopwatch watch(costs_.search);
+    gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
+    if (beyond(X1_.data(), too_far * reach_))
+        return {n_multipliers() > 0 ? multipliers(0)[0] : -1,
+                name + " moved farther in the step than its search had reached"};
+    const int A = passes();
+    if (A < 0) return {};
+    char where[128];
+    std::snprintf(where, sizeof where, " near (%.4g, %.4g, %.4g) within the step", X1_[3 * A], X1_[3 * A + 1],
+                  X1_[3 * A + 2]);
+    const Skin& skin = gaps_->skin();
+    const int form = skin.first[A];
+    return {form < skin.first[A + 1] ? skin.unknown[form] : -1,
+            name + ": the surfaces pass through each other" + where};
+}
+
+double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const {
+    return area[A] > least_cover * options_.area[A] ? std::max(-gap[A] / area[A], 0.0) : 0;
+}
+
+// A gap at which the surfaces are deep in each other on the way, and neither where it began nor where it
+// ends, or so deep at its end that they soon do not see each other any more; -1: none. What comes nearer by
+// less than half of what is seen does not pass unseen.
+int ContactTerm::passes() {
+    constexpr double shallow = 0.2, deep = 0.5, back = 0.1;  // of what is seen
+    constexpr double most_parts = 1e4;
+    std::vector<Approach> approach;
+    gaps_->approaches(X0_.data(), X1_.data(), approach);
+    double longest = 0;
+    for (const Approach& a : approach)
+        if (a.way > 0) longest = std::max(longest, a.way / a.sight);
+    auto gained = [&](int A, const std::vector<double>& gap, const std::vector<double>& area) {
+        return (depth(A, gap, area) - depth(A, gap0_, area0_)) / approach[A].sight;
+    };
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (gained(A, gap1_, area1_) > 0 && depth(A, gap1_, area1_) > deep * approach[A].sight) return A;
+    const int n_parts = static_cast<int>(std::min(std::ceil(2 * longest), most_parts));
+    std::vector<double> X(X0_.size()), gap(gaps_->n()), area(gaps_->n());
+    for (int part = 1; part < n_parts; ++part) {
+        const double s = static_cast<double>(part) / n_parts;
+        for (std::size_t i = 0; i < X.size(); ++i) X[i] = (1 - s) * X0_[i] + s * X1_[i];
+        gaps_->values(X.data(), gap.data(), area.data());
+        for (int A = 0; A < gaps_->n(); ++A) {
+            const double on_the_way = gained(A, gap, area);
+            if (on_the_way > shallow && gained(A, gap1_, area1_) < on_the_way - back) return A;
+        }
+    }
+    return -1;
 }
 
 void ContactTerm::write_memory(std::vector<double>& m) const {

@@ -100,6 +100,8 @@ class ContactTerm : public Term {
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     bool read_search(const double*& memory);
     bool beyond(const double* X, double margin) const;
+    int passes();
+    double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();
     void find_gaps();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sight.hpp"
 #include "skin.hpp"
 
 namespace visviva {
@@ -34,6 +35,11 @@ struct Grip {
 void set_tangents(int dim, const Eigen::Vector3d& n, const Eigen::MatrixXd* N, const Eigen::Vector3d& edge,
                   int tail, int head, Grip& out);
 
+/// How deep bodies may be in each other at a gap and be seen there, and how far they come nearer in a step.
+struct Approach {
+    double sight = HUGE_VAL, way = 0;
+};
+
 class Gaps {
   public:
     explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
@@ -56,6 +62,9 @@ class Gaps {
     const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
     /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.
     virtual void values(const double* X, double* gap, double* area) = 0;
+    /// Of every gap, between two configurations that stencils were made for; way and sight are those of the
+    /// facets that come nearest to pass each other unseen.
+    virtual void approaches(const double* from, const double* to, std::vector<Approach>& out) const = 0;
     /// Gradients of the gaps that are wanted.
     virtual void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) = 0;
     /// The sum of S times the second derivatives, shared out over the gaps' `hessian`, and with a `direction`
@@ -84,11 +93,12 @@ std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);
 
 /// Gaps of single points.
 struct PointOptions {
-    std::vector<double> areas;  // of the first surface's vertices, which come before all others
-    double radius = 0;          // of a ball about each of them
-    double reach = 0;           // facets farther away are not seen
-    bool rubs = false;          // there is friction
-    double axis = 0;            // length of the axes of the frame that balls turn with where they rub
+    std::vector<double> areas;   // of the first surface's vertices, which come before all others
+    std::vector<double> behind;  // thickness of the body behind each of them
+    double radius = 0;           // of a ball about each of them
+    double reach = 0;            // facets farther away are not seen
+    bool rubs = false;           // there is friction
+    double axis = 0;             // length of the axes of the frame that balls turn with where they rub
 };
 
 /// Distances to the closest points of the second surface's facets. Where balls rub, the last four vertices

@@ -62,6 +62,7 @@ class Mortar : public Gaps {
     const std::vector<int>& neighbours(int gap) const override { return neighbours_[gap]; }
     bool narrow(const double* from, const double* to) override;
     bool settle(const double* X) override;
+    void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
     void values(const double* X, double* gap, double* area) override;
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,
@@ -88,6 +89,8 @@ class Mortar : public Gaps {
         return slot_[pair] >= 0 && segments_[slot_[pair]].any ? &segments_[slot_[pair]] : nullptr;
     }
     FacetPair corners(const double* X, const Pair& pair) const;
+    Range range(const Pair& pair) const;
+    double nearing(const Pair& pair, const double* from, const double* to) const;
     void gather_neighbours();
     void make_stencils();
     template <class F>
@@ -223,13 +226,46 @@ void Mortar::make_stencils() {
 FacetPair Mortar::corners(const double* X, const Pair& pair) const {
     FacetPair p{};
     p.n_first = skin_.n_corners(pair.first), p.n_second = skin_.n_corners(pair.second);
-    p.reach = options_.reach, p.axisymmetric = options_.axisymmetric;
+    p.range = range(pair), p.axisymmetric = options_.axisymmetric;
     if (options_.dual) p.dual = reinterpret_cast<const double (*)[facet_corners]>(dual_[pair.first].data());
     for (int c = 0; c < segment_corners; ++c) {
         const int v = skin_.corners(c < facet_corners ? pair.first : pair.second)[c % facet_corners];
         for (int i = 0; v >= 0 && i < 3; ++i) p.x[c][i] = X[3 * v + i];
     }
     return p;
+}
+
+Range Mortar::range(const Pair& p) const {
+    if (skin_.behind.empty()) return {options_.reach};
+    return {options_.reach, deepest(skin_.behind[p.first], skin_.behind[p.second]),
+            std::min(skin_.ahead[p.first], skin_.ahead[p.second])};
+}
+
+// How much nearer the facets come along the first one's normal at both ends of the way.
+double Mortar::nearing(const Pair& p, const double* from, const double* to) const {
+    double way = 0;
+    for (const Vector3& n : {views_[p.first].normal, views_after_[p.first].normal}) {
+        double own = -HUGE_VAL, other = HUGE_VAL;
+        auto moved = [&](int v) { return n.dot(At(to + 3 * v) - At(from + 3 * v)); };
+        for (int a = 0; a < skin_.n_corners(p.first); ++a)
+            own = std::max(own, moved(skin_.corners(p.first)[a]));
+        for (int a = 0; a < skin_.n_corners(p.second); ++a)
+            other = std::min(other, moved(skin_.corners(p.second)[a]));
+        way = std::max(way, own - other);
+    }
+    return way;
+}
+
+void Mortar::approaches(const double* from, const double* to, std::vector<Approach>& out) const {
+    std::vector<Approach> by_pair;
+    for (const Pair& p : pairs_)
+        by_pair.push_back({std::min(options_.reach, range(p).inside), nearing(p, from, to)});
+    out.assign(n_, {});
+    for (int A = 0; A < n_; ++A)
+        for (const Share& s : shares_[A]) {
+            const Approach& a = by_pair[s.pair];
+            if (a.way * out[A].sight >= out[A].way * a.sight) out[A] = a;
+        }
 }
 
 Mortar::View Mortar::view(const double* X, int facet) const {

@@ -40,6 +40,7 @@ class NodeToSegment : public PointGaps {
   public:
     NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
     bool search(const double* from, const double* to) override;
+    void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
@@ -55,6 +56,7 @@ class NodeToSegment : public PointGaps {
     bool is_other_side(int vertex, int facet) const;
     void make_stencil(int A, const std::vector<int>& facets);
     FacetShape shape(const double* X, int facet) const;
+    double sight(int A, int facet) const;
     Found pick(const double* X, int A, bool only_facing) const;
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
@@ -318,10 +320,39 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
 // a thin body.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     found = pick(X, A, false);
-    const Reach reach = sign(X, A, found);
-    if (found.faces || found.value >= 0) return reach;
-    found = pick(X, A, true);
-    return sign(X, A, found);
+    Reach reach = sign(X, A, found);
+    if (!found.faces && found.value < 0) {
+        found = pick(X, A, true);
+        reach = sign(X, A, found);
+    }
+    const bool deep =
+        reach == Reach::near && options_.radius - found.value > sight(A, found.candidate->facet);
+    return deep ? Reach::far : reach;
+}
+
+double NodeToSegment::sight(int A, int facet) const {
+    const double there = skin_.behind.empty() ? HUGE_VAL : skin_.behind[facet];
+    return std::min(options_.reach + options_.radius, deepest(options_.behind[A], there));
+}
+
+void NodeToSegment::approaches(const double* from, const double* to, std::vector<Approach>& out) const {
+    out.assign(n_, {});
+    for (int A = 0; A < n_; ++A)
+        for (const Candidate& c : candidates_[A]) {
+            Approach a{sight(A, c.facet), 0};
+            for (const double* X : {from, to}) {
+                const Vector3 n = shape(X, c.facet).normal(0);
+                Vector3 own;
+                if (normals_.normal(X, A, own.data()) && own.dot(n) >= facing) continue;
+                for (int i = 0; i < skin_.n_corners(c.facet); ++i) {
+                    const int v = skin_.corners(c.facet)[i];
+                    const Vector3 moved =
+                        At(to + 3 * v) - At(from + 3 * v) - At(to + 3 * A) + At(from + 3 * A);
+                    a.way = std::max(a.way, n.dot(moved));
+                }
+            }
+            if (a.way * out[A].sight >= out[A].way * a.sight) out[A] = a;
+        }
 }
 
 // Derivatives of the signed distance by the vertex and the facet's corners.

@@ -68,12 +68,14 @@ class Obstacle : public PointGaps {
     Obstacle(Skin skin, PointOptions options, const ObstacleShape& shape)
         : PointGaps(std::move(skin), std::move(options)), shape_(shape) {}
     bool search(const double*, const double*) override;
+    void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
 
   private:
+    Vector3 place(const double* X, int vertex) const;
     bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
     ObstacleShape shape_;
 };
@@ -88,6 +90,26 @@ bool Obstacle::search(const double*, const double*) {
             for (int k = 4; k > 0; --k) stencils_[A].push_back(skin_.n_vertices() - 4 * frame - k);
     }
     return true;
+}
+
+Vector3 Obstacle::place(const double* X, int A) const {
+    const double* frame = X + 3 * (skin_.n_vertices() - 4);
+    const At x(X + 3 * A), o(frame);
+    Vector3 y;
+    for (int i = 0; i < 3; ++i) y[i] = (x - o).dot(At(frame + 3 + 3 * i) - o) / shape_.axis;
+    return y;
+}
+
+// A half space holds whatever is below its plane; of other shapes points come out at the other side.
+void Obstacle::approaches(const double* from, const double* to, std::vector<Approach>& out) const {
+    out.assign(n_, {});
+    if (shape_.core == ObstacleShape::half_space) return;
+    double least = HUGE_VAL;
+    for (double half : shape_.half)
+        if (half > 0) least = std::min(least, half);
+    if (!std::isfinite(least)) least = 0;
+    for (int A = 0; A < n_; ++A)
+        out[A] = {least + shape_.radius + options_.radius, (place(to, A) - place(from, A)).norm()};
 }
 
 // With the place y_i = (x - o) . (p_i - o) / L in the frame.

@@ -2,17 +2,26 @@
 // onto the plane of the first one's centre, the common polygon is cut out, triangulated and integrated
 // (Puso & Laursen 2004; paper refs. [10][13]).
 #pragma once
+#include <cmath>
 
 namespace visviva {
 
 inline constexpr int facet_corners = 4, segment_corners = 2 * facet_corners;
 inline constexpr int segment_size = 3 * segment_corners;
 
+/// At which distances, along the normal of the first, two facets see each other.
+struct Range {
+    double reach = 0;  // segments fade out from half of this on, so that gaps stay smooth; 0: never
+    // Beyond these distances inside and outside of the first one a body is in between: see deepest().
+    double inside = HUGE_VAL, outside = HUGE_VAL;
+    bool holds(double height) const { return height > -inside && height < outside; }
+};
+
 /// Corners of two facets, three coordinates each; in the plane facets are edges, of two corners.
 struct FacetPair {
     double x[segment_corners][3];  // the first facet's corners, from `facet_corners` on the second's
     int n_first, n_second;
-    double reach = 0;  // segments fade out from half of this distance on, so that gaps stay smooth; 0: never
+    Range range;
     bool axisymmetric = false;  // edges stand for surfaces of revolution about the second axis
     // Dual functions of the first facet's corners by their shapes, [a][b]; null: the shapes themselves.
     const double (*dual)[facet_corners] = nullptr;

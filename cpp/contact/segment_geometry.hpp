@@ -252,9 +252,10 @@ inline Vec<T> normal_of(const Vec<T>* x, int n) {
 
 template <class T>
 inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<T>* second, int n2,
-                                         double reach) {
+                                         const Range& range) {
     const Vec<T> centre = centre_of(first, n1), normal = normal_of(first, n1);
-    const auto w = weight(normal, normal_of(second, n2), centre_of(second, n2) - centre, reach);
+    const Vec<T> facing = normal_of(second, n2), between = centre_of(second, n2) - centre;
+    const auto w = weight(normal, facing, between, range.reach);
     if (!w) return {};
     const Vec<T> edge = first[1] - first[0];
     Outline<T> o;
@@ -277,14 +278,18 @@ inline std::optional<Outline<T>> outline(const Vec<T>* first, int n1, const Vec<
     for (int k = n2 - 1; k >= 0 && polygon.n > 2; --k)
         polygon.clip(q2[(k + 1) % n2], q2[k], facet_corners + k, along_each_other * size);
     if (polygon.n < 3 || !polygon.find_centroid(1e-14 * size)) return {};
+    const Planar<T>& middle = polygon.p[polygon.n];
+    const Vec<T> there = between - (middle.x * o.e1 + middle.y * o.e2);
+    if (!range.holds(value(dot(facing, there)) / value(dot(facing, normal)))) return {};
     o.f1 = Facet<T>::make(o.q, o.height, n1), o.f2 = Facet<T>::make(q2, o.height + facet_corners, n2);
     return o;
 }
 
 /// Calls each(weight, N of the first facet, N of the second, x2 - x1) at every quadrature point of a segment.
 template <class T, class F>
-inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int n2, double reach, F each) {
-    const auto o = outline(first, n1, second, n2, reach);
+inline bool integrate_3d(const Vec<T>* first, int n1, const Vec<T>* second, int n2, const Range& range,
+                         F each) {
+    const auto o = outline(first, n1, second, n2, range);
     if (!o) return false;
     const Polygon<T>& polygon = o->polygon;
     for (int k = 0; k < polygon.n; ++k) {
@@ -311,11 +316,13 @@ inline constexpr double line_weights[3] = {0.277777777777778, 0.444444444444444,
 
 /// The same for edges in the plane, projected along the normal of the first.
 template <class T, class F>
-inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach, bool axisymmetric, F each) {
+inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, const Range& range, bool axisymmetric,
+                         F each) {
     const Vec<T> along = first[1] - first[0], other = second[1] - second[0];
     const Vec<T> n1 = unit(Vec<T>{along.y, (-1.0) * along.x, 0.0 * along.x});
     const Vec<T> n2 = unit(Vec<T>{other.y, (-1.0) * other.x, 0.0 * other.x});
-    const auto counts = weight(n1, n2, 0.5 * (second[0] + second[1]) - 0.5 * (first[0] + first[1]), reach);
+    const auto counts =
+        weight(n1, n2, 0.5 * (second[0] + second[1]) - 0.5 * (first[0] + first[1]), range.reach);
     if (!counts) return false;
     const T length2 = dot(along, along), scale = reciprocal(length2);
     const T s0 = scale * dot(second[0] - first[0], along), s1 = scale * dot(second[1] - first[0], along);
@@ -323,6 +330,9 @@ inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach
     constexpr double slack = 1e-12;  // what one edge does not cut off, the next one does not have
     const T low = value(s1) > slack ? s1 : 0.0 * s1, high = value(s0) < 1 - slack ? s0 : 0.0 * s0 + 1.0;
     if (!(value(high) - value(low) > slack)) return false;
+    const double middle = (0.5 * (value(low) + value(high)) - value(s0)) / (value(s1) - value(s0));
+    const auto above = [&](const Vec<T>& a) { return value(dot(n1, a - first[0])); };
+    if (!range.holds((1 - middle) * above(second[0]) + middle * above(second[1]))) return false;
     const T length = *counts * root(length2), part = high - low, slope = reciprocal(s1 - s0);
     for (int g = 0; g < 3; ++g) {
         const T s = low + line_points[g] * part, t = slope * (s - s0);
@@ -336,8 +346,8 @@ inline bool integrate_2d(const Vec<T>* first, const Vec<T>* second, double reach
 
 template <class T, class F>
 inline bool integrate(const Vec<T>* x, const FacetPair& p, F each) {
-    return p.n_first == 2 ? integrate_2d(x, x + facet_corners, p.reach, p.axisymmetric, each)
-                          : integrate_3d(x, p.n_first, x + facet_corners, p.n_second, p.reach, each);
+    return p.n_first == 2 ? integrate_2d(x, x + facet_corners, p.range, p.axisymmetric, each)
+                          : integrate_3d(x, p.n_first, x + facet_corners, p.n_second, p.range, each);
 }
 
 }  // namespace visviva::VISVIVA_ISA

@@ -198,7 +198,7 @@ bool differentiate(const FacetPair& p, const Seed& coordinate, const Covectors* 
     using R = Taped<T, K>;
     const Corners<R> c = on_tape<T, K>(coordinate);
     const bool any =
-        integrate_2d(c.x, c.x + facet_corners, p.reach, p.axisymmetric,
+        integrate_2d(c.x, c.x + facet_corners, p.range, p.axisymmetric,
                      [&](R w, const R* N1, const R*, const Vec<R>& gap) {
                          also(w.v(), Local<T>{N1[1].v(), {}, {}}, Vec<T>{gap.x.v(), gap.y.v(), gap.z.v()});
                          const R parts[2][3] = {{w * gap.x, w * gap.y, w * gap.z},
@@ -264,7 +264,7 @@ void second_2d(const FacetPair& p, const double (*u)[3], const double (*n)[3], c
 // --------------------------------------------------------------------------------
 template <class T>
 std::optional<Outline<T>> outline(const FacetPair& p, const Vec<T>* x) {
-    return outline(x, p.n_first, x + facet_corners, p.n_second, p.reach);
+    return outline(x, p.n_first, x + facet_corners, p.n_second, p.range);
 }
 
 // How much a segment counts, by the corners' coordinates; 1 alone if it has not begun to fade.
@@ -282,7 +282,7 @@ struct Fading {
         const Vec<R>*first = c.x, *second = c.x + facet_corners;
         const auto w =
             VISVIVA_ISA::weight(normal_of(first, p.n_first), normal_of(second, p.n_second),
-                                centre_of(second, p.n_second) - centre_of(first, p.n_first), p.reach);
+                                centre_of(second, p.n_second) - centre_of(first, p.n_first), p.range.reach);
         std::copy_n(w->v().d, N, g);
         add_value(R::tape().adjoint(w->id, 0), 1);
         R::tape().walk_back(N);

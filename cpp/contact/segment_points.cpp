@@ -40,13 +40,13 @@ void add_points(const FacetPair& pair, const std::vector<RulePoint>& rule, std::
     for (int k = 0; k < segment_corners; ++k) x[k] = {pair.x[k][0], pair.x[k][1], pair.x[k][2]};
     const Vec<double>* second = x + facet_corners;
     if (pair.n_first == 2) {
-        once::integrate_2d(x, second, pair.reach, false,
+        once::integrate_2d(x, second, pair.range, false,
                            [&](double w, const double* N1, const double* N2, const Vec<double>&) {
                                add(w, N1, 2, N2, 2, out);
                            });
         return;
     }
-    const auto o = once::outline(x, pair.n_first, second, pair.n_second, pair.reach);
+    const auto o = once::outline(x, pair.n_first, second, pair.n_second, pair.range);
     for (int k = 0; o && k < o->polygon.n; ++k) add_triangle(*o, k, pair, rule, out);
 }
 

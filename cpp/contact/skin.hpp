@@ -15,8 +15,10 @@ struct Skin {
     std::vector<double> weight, constant;
     std::vector<char> mesh_node;  // per form: its unknowns are those of one node of a mesh
     std::vector<int> facets;      // [facet][facet_corners], -1 behind the last corner; looking outwards
-    int n_first = 0;              // facets of the first surface
-    int second_begin = 0;         // the second one's go from here to the end; 0: the first touches itself
+    // Of each facet, see Sight; empty: nothing is known of the bodies.
+    std::vector<double> behind, ahead;
+    int n_first = 0;       // facets of the first surface
+    int second_begin = 0;  // the second one's go from here to the end; 0: the first touches itself
 
     int n_vertices() const { return static_cast<int>(first.size()) - 1; }
     int n_facets() const { return static_cast<int>(facets.size()) / facet_corners; }

@@ -15,7 +15,17 @@ from pydantic.dataclasses import dataclass
 
 from visviva.arguments import Validated
 from visviva.body.inertia import MassProperties, euler_tensor, inertia_tensor
-from visviva.body.triangles import Array, Surface, arc, check_closed, halve, load_trimesh, read, revolve
+from visviva.body.triangles import (
+    Array,
+    Surface,
+    Triangles,
+    arc,
+    check_closed,
+    halve,
+    load_trimesh,
+    read,
+    revolve,
+)
 from visviva.errors import InputError
 
 
@@ -69,6 +79,11 @@ class Shape(metaclass=Validated):
         return self.surface()[0], 0.0
 
     @property
+    def faces(self) -> dict[str, Triangles]:
+        """Triangles of the surface, by the name of the face that they are part of; those alone that have names."""
+        return {}
+
+    @property
     @abstractmethod
     def volume(self) -> float:
         """Enclosed volume."""
@@ -113,7 +128,7 @@ class Shape(metaclass=Validated):
 
 @dataclass(frozen=True, config=CONFIG)
 class Box(Shape):
-    """Cuboid about the origin with edges along the axes.
+    """Cuboid about the origin with edges along the axes; its faces are 'x0', 'x1', 'y0', 'y1', 'z0', 'z1'.
 
     Parameters
     ----------
@@ -140,6 +155,11 @@ class Box(Shape):
         corners = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
         faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
         return corners * self.size, halve(np.array(faces))
+
+    @property
+    def faces(self) -> dict[str, Triangles]:
+        names = ("z0", "z1", "y0", "y1", "x0", "x1")  # in the order of the surface's
+        return {name: np.array([k, k + len(names)]) for k, name in enumerate(names)}
 
 
 @dataclass(frozen=True, config=CONFIG)
@@ -175,7 +195,7 @@ class Sphere(Shape):
 
 @dataclass(frozen=True, config=CONFIG)
 class Cylinder(Shape):
-    """Circular cylinder along e3, its centre at the origin.
+    """Circular cylinder along e3, its centre at the origin; its faces are 'z0', 'z1' and 'side'.
 
     Parameters
     ----------
@@ -202,10 +222,17 @@ class Cylinder(Shape):
         r, z = self.radius, self.length / 2
         return revolve(np.array([(0, -z), (r, -z), (r, z), (0, z)]), resolution)
 
+    @property
+    def faces(self) -> dict[str, Triangles]:
+        bottom, *side, top = np.split(np.arange(len(self.surface()[1])), 4)
+        return {"z0": bottom, "z1": top, "side": np.concatenate(side)}
+
 
 @dataclass(frozen=True, config=CONFIG)
 class Cone(Shape):
     """Circular cone standing on its tip: tip at the origin, axis along +e3, flat base at ``height e3``.
+
+    Its faces are 'side' and 'z1', the base.
 
     The centre of mass lies at ``¾ height e3``, so that a top spins about the origin of its shape.
 
@@ -240,6 +267,11 @@ class Cone(Shape):
 
     def surface(self, resolution: int = 32) -> Surface:
         return revolve(np.array([(0, 0), (self.radius, self.height), (0, self.height)]), resolution)
+
+    @property
+    def faces(self) -> dict[str, Triangles]:
+        side, base = np.split(np.arange(len(self.surface()[1])), 2)
+        return {"side": side, "z1": base}
 
 
 @dataclass(frozen=True, config=CONFIG)

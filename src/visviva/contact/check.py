@@ -67,7 +67,7 @@ def check_sides(contact: Contact) -> None:
             check_faces(body, body.faces(faces), contact.label)
         elif isinstance(body, RigidBody) and body.shape is None:
             raise InputError(f"{contact.label}: {body.label} has no surface; give it a shape")
-        elif faces != "all":
+        elif faces != "all" and not isinstance(body, RigidBody):
             raise InputError(
                 f"{contact.label}: {body.label} touches with its whole shape; leave out {side}_faces = {faces!r}"
             )

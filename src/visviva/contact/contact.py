@@ -42,7 +42,8 @@ class Contact(Component):
     second : Solid, RigidBody, Plane or Obstacle, optional
         What it touches; if left out the first surface touches itself, by vertices and with a penalty.
     first_faces, second_faces : str or Faces
-        Which part of the surface, by the name of a set of faces; 'all' for the whole boundary.
+        Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape; 'all' for
+        the whole boundary.
     formulation : {'mortar', 'node-to-segment'}
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
         'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
@@ -84,7 +85,8 @@ class Contact(Component):
         pushes out; in dynamics that adds energy, in the ledger's share of contact. 'resolve': nodes of solids are moved
         apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
-        Facets farther apart than this are no candidates; by default the size of the largest facet.
+        Facets farther apart than this are no candidates; by default the size of the largest facet. Whatever it is,
+        facets do not see each other through their own bodies.
 
     Notes
     -----
@@ -172,7 +174,8 @@ class Contact(Component):
     @property
     def _outline(self) -> Outline | None:
         """The second one's exact shape, if that is what counts."""
-        if self.second is None or (self.formulation == "mortar" and self.second.surface() is not None):
+        by_facets = self.formulation == "mortar" or self.second_faces != "all"
+        if self.second is None or (by_facets and self.second.surface() is not None):
             return None
         return self.second.outline()
 
@@ -232,7 +235,12 @@ class Contact(Component):
         self._facing = None
         if self.second is None:
             reach = self.reach or first.size
-            return _core.self_contact(skin(first, None), areas, reach, rubs, first.places), first.size, reach
+            whole = skin(first, None)
+            return (
+                _core.self_contact(whole, areas, first.behind, reach, rubs, first.places),
+                first.size,
+                reach,
+            )
         if not isinstance(self.second, Attachable):
             raise InputError(f"{self.label}: {self.second.label} has no surface")
         self._facing = opposite = surface_of(self.second, self.second_faces, self.label)
@@ -242,7 +250,7 @@ class Contact(Component):
         if self.formulation == "mortar":
             return _core.mortar(pair, reach, first.axisymmetric, self.multipliers == "dual"), size, reach
         axis = length if self._turning else 0.0
-        return _core.node_to_segment(pair, areas, self._radius, reach, rubs, axis), size, reach
+        return _core.node_to_segment(pair, areas, first.behind, self._radius, reach, rubs, axis), size, reach
 
     @property
     def _turning(self) -> list[Frame]:

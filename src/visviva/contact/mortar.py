@@ -147,7 +147,7 @@ class MortarSurfaces:
         self.parents = Parents.of(first[1]), Parents.of(second[1])
         self.reach = reach or 0.1 * max(self.first.size, self.second.size)
         self._axisymmetric = first[0].axisymmetric
-        self._skin = skin(self.first, self.second)
+        self._skin = skin(self.first, self.second, sees=False)
         self._places = np.vstack([self.first.places, self.second.places])
 
     @cached_property

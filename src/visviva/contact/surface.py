@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Attachable
 from visviva.errors import InputError
@@ -62,6 +63,8 @@ class Surface:
     dimension : int
     axisymmetric : bool
         Edges stand for surfaces of revolution about the second axis.
+    thick : array, (n,), optional
+        Thickness of the body behind points without facets.
     """
 
     forms: list[list[tuple[int, float]]]
@@ -71,6 +74,21 @@ class Surface:
     places: Array
     dimension: int
     axisymmetric: bool = False
+    thick: Array | None = None
+
+    @cached_property
+    def sights(self) -> Array:
+        """Thickness of the body behind each facet, and free way before it, (m, 2); inf where nothing is known."""
+        found = _core.sights(self.dimension, self.places.ravel(), self.facets.astype(np.int32).ravel())
+        return np.asarray(found).reshape(-1, 2)
+
+    @cached_property
+    def behind(self) -> Array:
+        """Thickness of the body behind each vertex (n,)."""
+        behind = np.full(len(self.forms), np.inf) if self.thick is None else self.thick.copy()
+        used = self.facets >= 0
+        np.minimum.at(behind, self.facets[used], np.repeat(self.sights[:, 0], used.sum(axis=1)))
+        return behind
 
     @cached_property
     def areas(self) -> Array:
@@ -145,7 +163,7 @@ def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface
     """The surface of a solid given by faces, or the whole one of a rigid body or the ground."""
     if isinstance(component, Solid):
         return _of_solid(component, component.faces(faces))
-    return _of_shape(component, label)
+    return _of_shape(component, faces, label)
 
 
 def _of_solid(solid: Solid, faces: Faces) -> Surface:
@@ -172,13 +190,28 @@ def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -
     )
 
 
-def _of_shape(component: Attachable, label: str) -> Surface:
-    shape = component.surface()
-    if shape is None:
+def _of_shape(component: Attachable, faces: str | Faces, label: str) -> Surface:
+    surface = component.surface()
+    if surface is None:
         raise InputError(f"{label}: {component.label} has no surface; give it a shape, or take a solid")
-    points, triangles = (np.asarray(part) for part in shape)
+    points, triangles = (np.asarray(part) for part in surface)
+    if faces != "all":
+        used, triangles = np.unique(triangles[_named(component, faces, label)], return_inverse=True)
+        points, triangles = points[used], triangles.reshape(-1, 3)
     facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
     return of_vectors([component.place(X) for X in points], facets, points)
+
+
+def _named(component: Attachable, faces: str | Faces, label: str) -> Ints:
+    """Triangles of a face of a rigid body's shape."""
+    shape = component.shape if isinstance(component, RigidBody) else None
+    named = {} if shape is None else shape.faces
+    if not isinstance(faces, str) or faces not in named:
+        names = ", ".join(map(repr, named)) or "none"
+        raise InputError(
+            f"{label}: the shape of {component.label} has no face {faces!r}, but {names}; 'all' is its whole surface"
+        )
+    return named[faces]
 
 
 def of_vectors(vectors: list[Vector], facets: Ints, places: Array) -> Surface:
@@ -196,16 +229,27 @@ def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Su
     if feelers is None:
         raise InputError(f"{label}: nothing says where {component.label} touches; give it a shape")
     points, radius = feelers
-    return of_vectors([component.place(X) for X in points], NO_FACETS, points), radius
+    if radius == 0 and isinstance(component, RigidBody):  # vertices of its shape
+        shape = _of_shape(component, faces, label)
+        return replace(shape, facets=NO_FACETS, thick=shape.behind), radius
+    if faces != "all":
+        _named(component, faces, label)  # round shapes have no faces, points neither
+    thick = np.full(len(points), 2 * radius if radius > 0 else np.inf)
+    return replace(of_vectors([component.place(X) for X in points], NO_FACETS, points), thick=thick), radius
 
 
-def skin(first: Surface, second: Surface | None, *frames: Surface) -> Any:
-    """The core's description of two surfaces, or of one that may touch itself, and of frames."""
+def skin(first: Surface, second: Surface | None, *frames: Surface, sees: bool = True) -> Any:
+    """The core's description of two surfaces, or of one that may touch itself, and of frames.
+
+    Where it `sees`, facets know their own bodies, which are in the way of what is behind them.
+    """
     parts = [first] if second is None else [first, second, *frames]
     forms = [form for part in parts for form in part.forms]
     starts = np.concatenate([[0], np.cumsum([len(form) for form in forms])])
     shifts = np.cumsum([0, *(len(part.forms) for part in parts)])
     facets = [np.where(p.facets >= 0, p.facets + s, -1) for p, s in zip(parts, shifts, strict=False)]
+    none = np.full((sum(len(p.facets) for p in parts), 2), np.inf)
+    sights = np.concatenate([p.sights for p in parts]) if sees else none
     on_mesh = [np.full(sum(len(f) for f in p.forms), p.on_mesh) for p in parts]
     return _core.Skin(
         first.dimension,
@@ -215,6 +259,8 @@ def skin(first: Surface, second: Surface | None, *frames: Surface) -> Any:
         np.concatenate(on_mesh).astype(np.int32),
         np.concatenate([p.constant for p in parts]).ravel(),
         np.concatenate(facets).astype(np.int32).ravel(),
+        np.ascontiguousarray(sights[:, 0]),
+        np.ascontiguousarray(sights[:, 1]),
         len(first.facets),
         0 if second is None else len(first.facets),
     )

@@ -1,0 +1,21 @@
+// How far the facets of a surface see before its own body is in the way, and how thick that is behind them.
+#pragma once
+#include <vector>
+
+namespace visviva {
+
+/// Infinite where the surface has no other facet there.
+struct Sight {
+    double behind;  // to where one leaves the body through its other side; the least over the facet
+    double ahead;   // to the middle of what one would enter it by again; the largest over the facet
+};
+
+/// For every facet, [facet][facet_corners], of a surface with vertices at X, three numbers each.
+std::vector<Sight> find_sights(int dim, const std::vector<double>& X, const std::vector<int>& facets);
+
+/// How deep two bodies of these thicknesses may be in each other: half way to where each of them would have
+/// left the other on its far side. What lies deeper are their far sides, which face each other as well. Of a
+/// surface whose other side is not known the other body's thickness is all.
+double deepest(double one, double two);
+
+}  // namespace visviva
