@@ -128,12 +128,88 @@ def test_bad_bodies_and_joints_are_refused(name: str) -> None:
 def test_bad_times_of_a_run_are_refused_before_its_directory_is_made(
     until: float, step: float, tmp_path: Any
 ) -> None:
-    study = vv.Study(vv.System([arm()]), until=until, step=step)
-    with pytest.raises(
-        vv.InputError, match=r"step = .* is not a positive number|is not after the start at 0"
-    ):
-        run(study, tmp_path / "out")
+    told = r"step = .* is not a positive number|is not after the start at 0|until = .* is not a finite number"
+    with pytest.raises(vv.InputError, match=told):
+        run(vv.Study(vv.System([arm()]), until=until, step=step), tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+# --- what systems, studies and marches are given ------------------------------------------------------------
+def ball() -> vv.PointMass:
+    return vv.PointMass(mass=1.0, position=(1, 0, 0), name="ball")
+
+
+def study(**changes: Any) -> vv.Study:
+    return vv.Study(**({"system": vv.System([ball()]), "until": 1.0, "step": 0.1} | changes))
+
+
+def coupled() -> Any:
+    return vv.RigidCoupling(solid=block(), faces="x1")
+
+
+ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
+    "no list": (lambda: vv.System(3), "System: components is a list of components, not 3"),
+    "text": (lambda: vv.System("ball"), "System: components is a list"),
+    "no component": (lambda: vv.System([3]), "a system is composed of components, not of 3"),
+    "newton": (lambda: vv.System([ball()], newton=1e-9), "System: newton is Newton"),
+    "joint": (
+        lambda: vv.System([ball(), vv.Spherical(a=GROUND, b=arm().point(), at=(0, 0, 0), name="j")]),
+        "Spherical 'j': b is RigidBody 'arm', which is not in the system: add it",
+    ),
+    "support": (
+        lambda: vv.System([ball(), vv.Fixed(solid=block(), nodes="x0")]), "Fixed.*: solid is Solid.*not in the system"
+    ),
+    "coupling": (lambda: vv.System([ball(), coupled()]), "RigidCoupling.*solid is Solid.*not in the system"),
+    "spring of a joint": (
+        lambda: vv.System([arm(), vv.JointSpring(joint=hinge(), stiffness=1.0)]), "joint is Revolute.*not in the system"
+    ),
+    "measure": (
+        lambda: vv.System([ball(), vv.Potential(of=[vv.SquaredDistance(a=GROUND, b=arm())], energy=lambda e: e[0])]),
+        "Potential.*of is RigidBody 'arm', which is not in the system",
+    ),
+    "probe": (lambda: study(probes={"p": vv.Position(of=arm())}), "Study: probes: p is RigidBody 'arm'"),
+    "probes": (lambda: study(probes=3), "Study: probes is a mapping from names to probes, not 3"),
+    "trails": (lambda: study(trails=("p",)), "Study: trails name 'p', which is no probe"),
+    "scheme": (lambda: study(scheme="Midpoint"), "Study: scheme is a scheme such as .*not 'Midpoint'"),
+    "adaptive": (lambda: study(adaptive=1e-6), "Study: adaptive is vv.Adaptive"),
+    "step": (lambda: study(step="0.1"), "Study: step = '0.1' is not a positive number"),
+    "until": (lambda: study(until=None), "Study: until = None is not a finite number"),
+    "march": (lambda: march(step="0.1"), "march: step = '0.1' is not a positive number"),
+    "march to a text": (lambda: march(until="1"), "march: until = '1' is not a number"),
+    "march by a text": (lambda: march(scheme="Midpoint"), "march: scheme is a scheme such as"),
+    "steps too small": (lambda: march(step=1e-300), r"step = 1e-300 is too small: 1e\+300 steps"),
+    "tolerance": (lambda: vv.Newton(tolerance="small"), "Newton: tolerance: .*valid number, not 'small'"),
+    "tolerance of none": (lambda: vv.Newton(tolerance=0.0), "Newton: tolerance = 0.0 is not a number from"),
+    "iterations": (lambda: vv.Newton(max_iterations=2.5), "Newton: max_iterations: .*integer"),
+    "Newton's solver": (lambda: vv.Newton(linear="direct"), "Newton: linear: .*LinearOptions"),
+    "Newton's words": (lambda: vv.Newton(tol=1e-9), "Newton: tol: there is no such argument.*'tolerance'"),
+    "rho": (lambda: vv.GeneralizedAlpha(rho="high"), "GeneralizedAlpha: rho: .*valid number, not 'high'"),
+    "rho by place": (lambda: vv.GeneralizedAlpha(None), "GeneralizedAlpha: rho: .*number"),
+    "too many": (lambda: vv.Midpoint(1), "Midpoint takes 0 arguments without a name, not 1"),
+    "statics": (lambda: vv.Static(tolerance=-1.0), "Static: tolerance = -1.0 is not a number from"),
+    "arc": (lambda: vv.ArcLength(most=0), "ArcLength: most = 0 is not a number from 1"),
+    "adaptive steps": (lambda: Adaptive(tolerance="fine"), "Adaptive: tolerance: .*valid number, not 'fine'"),
+    "library": (lambda: vv.Direct(library="mumps"), "Direct: library: .*'pardiso'"),
+    "threads": (lambda: vv.Direct(threads=0), "Direct: threads = 0 is not a number from 1"),
+    "Krylov": (lambda: vv.Iterative(tolerance=float("nan")), "Iterative: tolerance = nan is not a number"),
+    "automatic": (lambda: vv.Automatic(tolerance=float("nan")), "Automatic: tolerance = nan is not a number"),
+}  # fmt: skip
+
+
+def march(**changes: Any) -> None:
+    for _ in vv.march(vv.System([ball()]), **({"until": 1.0, "step": 0.1} | changes)):
+        pass
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_what_does_not_fit_a_system_or_run_is_refused(name: str) -> None:
+    make, message = ELSEWHERE[name]
+    with pytest.raises(vv.InputError, match=message):
+        make()
+
+
+def test_the_ground_need_not_be_in_the_system() -> None:
+    assert vv.System([body := arm(), vv.Revolute(a=GROUND, b=body, at=(0, 0, 0))]).n_constraints == 11
 
 
 # --- numbers that are none ----------------------------------------------------------------------------------

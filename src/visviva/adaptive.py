@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import Validated
 from visviva.errors import InputError
 from visviva.newton import StepFailure
 
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Adaptive:
+class Adaptive(metaclass=Validated):
     """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
 
     The increment of a step is compared with the explicit two-step formula of second order, which differs from

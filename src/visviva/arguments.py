@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABCMeta
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from inspect import Parameter, Signature, signature
@@ -11,11 +12,12 @@ from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from visviva.errors import InputError, nearest
 
 UNEXPECTED = "unexpected_keyword_argument"
+OBJECTS = ConfigDict(arbitrary_types_allowed=True)
 ABSENT = "missing_keyword_only_argument", "missing_argument", "missing"
 
 
@@ -51,9 +53,12 @@ class Validated(ABCMeta):
     """
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
-        for name, value in (*zip(cls.__signature__.parameters, args, strict=False), *kwargs.items()):
+        given = {**by_name(cls, args), **kwargs}
+        for name, value in given.items():
             if complaint := complaint_about(cls, name, value):
                 raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
+        if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
+            return super().__call__(**converted(cls, given))
         try:
             return super().__call__(*args, **kwargs)
         except ValidationError as error:
@@ -69,6 +74,47 @@ class Validated(ABCMeta):
     @__signature__.setter
     def __signature__(cls, value: Any) -> None:
         """Pydantic would set one that does not know the fields of a class which it completes late."""
+
+
+def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
+    """Arguments given by place."""
+    if not args or not is_dataclass(cls):
+        return {}
+    names = [p.name for p in signature(cls).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    if len(args) > len(names):
+        raise InputError(f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}")
+    return dict(zip(names, args, strict=False))
+
+
+def converted(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of a dataclass that is not one of Pydantic's, validated by their types."""
+    parameters, types = signature(cls).parameters, adapters(cls)
+    for name in given:
+        if name not in parameters:
+            raise ArgumentError(
+                cls.__name__, (name,), f"there is no such argument{nearest(name, parameters)}"
+            )
+    for name, p in parameters.items():
+        if p.default is p.empty and name not in given:
+            raise ArgumentError(cls.__name__, (name,), "this argument is needed")
+    found = {}
+    for name, value in given.items():
+        try:
+            found[name] = types[name].validate_python(value) if name in types else value
+        except ValidationError as error:
+            where, complaint = told(error)
+            raise ArgumentError(cls.__name__, (name, *where), complaint) from None
+    return found
+
+
+@cache
+def adapters(cls: type) -> dict[str, TypeAdapter[Any]]:
+    """What validates the arguments of a dataclass."""
+    try:
+        hints = get_type_hints(cls, include_extras=True)
+    except NameError:  # names that only a type checker imports
+        return {}
+    return {f.name: TypeAdapter(hints[f.name], config=OBJECTS) for f in fields(cls) if f.init}
 
 
 def called(cls: type, name: Any) -> str:
@@ -112,6 +158,29 @@ def complaint_about(cls: type, name: str, value: Any) -> str:
         if isinstance(item, wrong):
             return f"input should be a valid number, not {item!r}"
     return ""
+
+
+def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> None:
+    """Refuse an argument of another type."""
+    if not isinstance(value, kind) or isinstance(value, str | bytes):
+        raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
+
+
+def positive(whose: str, what: str, value: Any) -> float:
+    """An argument as a positive finite number."""
+    right = isinstance(value, float | int | np.number) and not isinstance(value, bool)
+    if not (right and 0 < value < math.inf):
+        raise InputError(f"{whose}: {what} = {value!r} is not a positive number")
+    return float(value)
+
+
+def bounded(thing: Any, **bounds: tuple[float, float]) -> None:
+    """Refuse arguments of an object that are not within their bounds."""
+    for name, (least, most) in bounds.items():
+        value = getattr(thing, name)
+        if not least <= value <= most:
+            kind = type(thing).__name__
+            raise InputError(f"{kind}: {name} = {value} is not a number from {least:g} to {most:g}")
 
 
 def refuse_unless(right: bool, whose: Any, what: str, wanted: str) -> None:

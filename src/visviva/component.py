@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +44,8 @@ class Component(metaclass=Validated):
     """
 
     name: str | None = None
+
+    is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 
     @property
     def label(self) -> str:
@@ -200,11 +203,12 @@ def name_components(components: Sequence[Component]) -> None:
     InputError
         If two have the same, or one is no component.
     """
-    seen: Counter[str] = Counter()
-    taken = {c.name for c in components if c.name}
     for c in components:
         if not isinstance(c, Component):
             raise InputError(f"a system is composed of components, not of {c!r}")
+    seen: Counter[str] = Counter()
+    taken = {c.name for c in components if c.name}
+    for c in components:
         if c.name is None:
             kind = type(c).__name__.lower()
             while c.name is None or c.name in taken:
@@ -214,6 +218,39 @@ def name_components(components: Sequence[Component]) -> None:
     doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
     if doubled:
         raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+
+def refuse_loose(components: Sequence[Component]) -> None:
+    """Refuse components that name others which are not among them."""
+    here = {id(c) for c in components}
+    for c in components:
+        refuse_absent(c.label, {f.name: getattr(c, f.name) for f in fields(c)}, here)
+
+
+def refuse_absent(whose: str, given: Mapping[str, Any], here: Set[int]) -> None:
+    """Refuse values, by their names, that name a component of which the `id` is not in a set."""
+    absent = ((name, c) for name, value in given.items() for c in mentioned(value))
+    for name, other in absent:
+        if not (other.is_fixed or id(other) in here):
+            raise InputError(
+                f"{whose}: {name} is {other.label}, which is not in the system: add it to the list of its components"
+            )
+
+
+def mentioned(value: Any) -> Iterator[Component]:
+    """Components that an argument is, attaches to, or measures."""
+    if isinstance(value, Component):
+        yield value
+    elif isinstance(value, list | tuple):
+        for item in value:
+            if isinstance(item, float | int | str):
+                return
+            yield from mentioned(item)
+    elif isinstance(value, dict):
+        yield from mentioned(list(value.values()))
+    elif is_dataclass(value) and not isinstance(value, type):  # points, frames, measures
+        for f in fields(value):
+            yield from mentioned(getattr(value, f.name))
 
 
 def characteristic_length(components: Sequence[Component]) -> float:

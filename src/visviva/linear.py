@@ -10,7 +10,7 @@ import importlib.metadata
 import importlib.util
 import os
 import sys
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -21,9 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.arguments import Validated, bounded
 from visviva.errors import InputError
 
 Array = NDArray[np.float64]
+
+BETWEEN = 1e-300, 1 - 1e-9
+"""Tolerances of iterative solvers."""
 
 SMALL = 3000
 """Up to so many equations the factors that are always there are as fast as any."""
@@ -196,7 +200,7 @@ class Choice:
     explanation: str
 
 
-class LinearOptions(ABC):
+class LinearOptions(metaclass=Validated):
     """Which linear solver to use; `Automatic`, `Direct` or `Iterative`."""
 
     @abstractmethod
@@ -230,9 +234,7 @@ class Direct(LinearOptions):
     memory_limit: float = 0.0
 
     def __post_init__(self) -> None:
-        _one_of(self.library, "library", ("auto", "pardiso", "eigen"))
-        if self.threads < 1:
-            raise InputError(f"threads = {self.threads}: at least one thread must work")
+        bounded(self, threads=(1, 1e6), memory_limit=(0.0, 1e300))
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
@@ -317,15 +319,7 @@ class Iterative(LinearOptions):
     restart: int = 50
 
     def __post_init__(self) -> None:
-        _one_of(self.method, "method", ("auto", "cg", "gmres", "bicgstab"))
-        known = (
-            "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented", "commutator"
-        )  # fmt: skip
-        _one_of(self.preconditioner, "preconditioner", known)
-        if not 0 < self.tolerance < 1:
-            raise InputError(f"tolerance = {self.tolerance} of a linear solver is not between 0 and 1")
-        if self.max_iterations < 1 or self.restart < 1:
-            raise InputError("max_iterations and restart must be at least 1")
+        bounded(self, tolerance=BETWEEN, max_iterations=(1, 2**31 - 1), restart=(1, 2**31 - 1))
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
@@ -378,6 +372,9 @@ class Automatic(LinearOptions):
 
     threads: int = 1
     tolerance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        bounded(self, threads=(1, 1e6), tolerance=BETWEEN)
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
@@ -443,11 +440,6 @@ def rigid_motions(positions: Array) -> Array:
     for k, (i, j) in enumerate(turns):
         motions[:, i, d + k], motions[:, j, d + k] = 0.0 - arm[:, j], arm[:, i]
     return motions.reshape(n * d, -1)
-
-
-def _one_of(value: str, name: str, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise InputError(f"{name} = {value!r} is none of {', '.join(known)}")
 
 
 @cache

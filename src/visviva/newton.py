@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from visviva.errors import InputError, RunError
+from visviva.arguments import Validated, bounded
+from visviva.errors import RunError
 from visviva.linear import LinearOptions
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Newton:
+class Newton(metaclass=Validated):
     """How a step's equations are solved.
 
     Parameters
@@ -47,16 +48,8 @@ class Newton:
     linear: LinearOptions | None = None
 
     def __post_init__(self) -> None:
-        for name, least, most in (
-            ("tolerance", 1e-300, 1.0),
-            ("max_iterations", 1, 1e9),
-            ("keep_factor", 0.0, 1.0),
-            ("tangents", 0, 1e9),
-            ("regularization", 0.0, 1.0),
-        ):
-            value = getattr(self, name)
-            if not least <= value <= most:
-                raise InputError(f"Newton: {name} = {value} is not a number from {least:g} to {most:g}")
+        bounded(self, tolerance=(1e-300, 1.0), max_iterations=(1, 1e9), keep_factor=(0.0, 1.0))
+        bounded(self, tangents=(0, 1e9), regularization=(0.0, 1.0))
 
 
 class StepFailure(RunError):

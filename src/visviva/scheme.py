@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.arguments import Validated, bounded
 from visviva.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ NONE = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Scheme:
+class Scheme(metaclass=Validated):
     """Base of all schemes.
 
     Attributes
@@ -246,6 +247,9 @@ class Static(Scheme):
     order: ClassVar[int] = 0
     has_inertia: ClassVar[bool] = False
 
+    def __post_init__(self) -> None:
+        bounded(self, tolerance=(1e-300, 1.0), max_iterations=(1, 1e9), halvings=(0, 60))
+
     def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
         from visviva.loading import load_steps
 
@@ -283,6 +287,10 @@ class ArcLength(Static):
     longest: float = 8.0
     most: int = 1000
     has_growing_time: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        bounded(self, load_weight=(0.0, 1e12), iterations=(1, 1e9), longest=(1.0, 1e12), most=(1, 1e9))
 
     def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
         from visviva.loading import follow_path

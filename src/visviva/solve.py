@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.adaptive import Adaptive, adaptive_steps
+from visviva.arguments import positive, refuse_other
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
@@ -21,6 +22,8 @@ from visviva.system import System
 
 Array = NDArray[np.float64]
 
+MOST = 1e10
+"""Steps that nobody waits for."""
 HALVINGS = 6
 """A step that fails is tried again with half its length this many times before the run gives up."""
 LAST_RESORT = 3
@@ -50,8 +53,9 @@ def march(
     >>> round(float(system.x[0]), 12)
     1.0
     """
-    if not (step > 0 and math.isfinite(step)):
-        raise InputError(f"step = {step} is not a positive number")
+    refuse_times(until, step)
+    refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
+    refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
     scheme = EnergyMomentum() if scheme is None else scheme
     own = scheme.march(system, until=until, step=step)
     if own is None and not (until > system.time and math.isfinite(until)):
@@ -63,6 +67,17 @@ def march(
         yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
     else:
         yield from counted_steps(system, until=until, step=step, scheme=scheme)
+
+
+def refuse_times(until: Any, step: Any) -> None:
+    """Refuse an end time and a length of steps that are no numbers or fit no run."""
+    step = positive("march", "step", step)
+    if not isinstance(until, float | int | np.number) or isinstance(until, bool):
+        raise InputError(f"march: until = {until!r} is not a number")
+    if MOST * step < abs(float(until)) < math.inf:
+        raise InputError(
+            f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"
+        )
 
 
 def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) -> Iterator[Any]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from visviva.adaptive import Adaptive
+from visviva.arguments import positive, refuse_other
+from visviva.component import refuse_absent
+from visviva.errors import InputError, nearest
 from visviva.form import Form, Strain, Vector
 from visviva.scheme import EnergyMomentum, Scheme
 from visviva.system import System
@@ -16,6 +20,18 @@ Probe = Form | Vector | Strain | Callable[[System], Any]
 
 FIELDS = ("von_mises", "pressure", "cauchy", "energy")
 """Fields of solids that trajectories hold unless others are chosen."""
+
+
+TYPES: tuple[tuple[str, Any, str], ...] = (
+    ("system", System, "a vv.System"),
+    ("scheme", Scheme, "a scheme such as vv.EnergyMomentum()"),
+    ("probes", Mapping, "a mapping from names to probes"),
+    ("trails", Iterable, "a list of names of probes"),
+    ("fields", Iterable, "a list of names of fields"),
+    ("moments", Iterable, "a list of times"),
+    ("adaptive", Adaptive | None, "vv.Adaptive(...)"),
+)
+"""What the arguments of a study are."""
 
 
 @dataclass
@@ -58,6 +74,19 @@ class Study:
     title: str = ""
     notes: str = ""
     adaptive: Adaptive | None = None
+
+    def __post_init__(self) -> None:
+        for what, kind, wanted in TYPES:
+            refuse_other("Study", what, getattr(self, what), kind, wanted)
+        positive("Study", "step", self.step)
+        if not (isinstance(self.until, float | int) and math.isfinite(self.until)):
+            raise InputError(f"Study: until = {self.until!r} is not a finite number")
+        refuse_absent("Study: probes", self.probes, {id(c) for c in self.system.components})
+        unknown = [name for name in self.trails if name not in self.probes]
+        if unknown:
+            raise InputError(
+                f"Study: trails name {unknown[0]!r}, which is no probe{nearest(unknown[0], self.probes)}"
+            )
 
 
 def measure(system: System, probe: Probe) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import refuse_other
 from visviva.build import build_core
 from visviva.clock import Clock
-from visviva.component import Attachable, Component, characteristic_length, name_components
+from visviva.component import Attachable, Component, characteristic_length, name_components, refuse_loose
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
@@ -62,6 +63,8 @@ class System:
     """
 
     def __init__(self, components: Sequence[Component], newton: Newton | None = None) -> None:
+        refuse_other("System", "components", components, Iterable, "a list of components")
+        refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
         self.components = list(components)
         self._newton = newton or Newton()
         self.clock = Clock()
@@ -75,6 +78,7 @@ class System:
             None
         )
         name_components(self.components)
+        refuse_loose(self.components)
         self.model = Model(self.components, length=characteristic_length(self.components))
         for c in self.components:
             owner = getattr(c, "_system", lambda: None)()

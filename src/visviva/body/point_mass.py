@@ -65,6 +65,8 @@ class Ground(Attachable):
 
     name: str | None = "ground"
 
+    is_fixed = True
+
     def place(self, X: Array) -> Vector:
         return Vector.constant(X)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from visviva.adaptive import Adaptive
 from visviva.arguments import ArgumentError, told
@@ -26,7 +26,6 @@ from visviva.system import System
 if TYPE_CHECKING:
     from visviva.study import Study
 
-OBJECTS = ConfigDict(arbitrary_types_allowed=True)
 WORDS = ("yes", "no", "on", "off", "y", "n", "t", "f", "true", "false")
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -249,16 +248,9 @@ class Reader:
         if missing:
             raise self.document.error(key, f"needs the key {missing[0]!r}")
         try:
-            if hasattr(cls, "__pydantic_validator__"):
-                return cls(**arguments, **more)
-            types = {n: TypeAdapter(hints[n], config=OBJECTS) for n in arguments}
-            checked = {n: types[n].validate_python(value) for n, value in arguments.items()}
-            return cls(**checked, **more)
+            return cls(**arguments, **more)
         except ArgumentError as error:
             raise self.document.error((*key, *error.where), error.complaint) from None
-        except ValidationError as error:
-            where, message = told(error)
-            raise self.document.error((*key, *where), message) from None
         except InputError as error:
             raise self.document.error(key, str(error)) from None
 

@@ -34,7 +34,14 @@ def scene_schema() -> Schema:
     {'type': 'number'}
     """
     components, values, probes = language.components(), language.values(), language.probes()
-    classes = {**components, **values, **probes, **language.schemes(), "Newton": Newton, "Adaptive": Adaptive}
+    classes: dict[str, type[Any]] = {
+        **components,
+        **values,
+        **probes,
+        **language.schemes(),
+        "Newton": Newton,
+        "Adaptive": Adaptive,
+    }
     definitions = {name: constructor(cls) for name, cls in classes.items()}
     definitions |= {
         "component": one_of(components),
