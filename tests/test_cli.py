@@ -178,6 +178,30 @@ BAD: list[tuple[list[Any], str]] = [
     (["run", "crane", "--step", "small"], "small"),
     (["run", "crane", "--scheme", "Midpont"], "did you mean 'Midpoint'"),
     (["run", "crane", "--scheme", "GeneralizedAlpha(roh=1)"], "did you mean 'rho'"),
+    *(
+        (["run", "crane", "--scheme", scheme], "write it as NAME or NAME(key=value)")
+        for scheme in (
+            "Midpoint(1)",
+            "Midpoint()()",
+            "Midpoint(",
+            "Midpoint;",
+            "GeneralizedAlpha(0.8)",
+            "[Midpoint]",
+            "",
+            "GeneralizedAlpha(rho)",
+            "Midpoint\0",
+            "Midpoint() or BDF2",
+            "vv.Midpoint",
+            "(" * 5000,
+        )
+    ),
+    (["run", "crane", "--scheme", "GeneralizedAlpha(rho=0.1, rho=0.2)"], "given twice"),
+    (["run", "crane", "--scheme", "Midpoint(**{})"], "unknown key"),
+    (
+        ["run", "crane", "--scheme", "GeneralizedAlpha(rho='high')"],
+        "rho: .*valid number".replace(".*", "input should be a "),
+    ),
+    (["run", "crane", "--step", "1e-300"], "step = 1e-300 is too small"),
     (["run", "crane", "--untill", "1"], "--untill"),
     (["run", "crane", "--resume"], "holds no run"),
     (["run", "none.yaml"], "no such file"),

@@ -25,7 +25,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
-from visviva.solve import advance, begin, keep
+from visviva.solve import advance, begin, keep, refuse_times
 from visviva.study import Study, measure
 
 Array = NDArray[np.float64]
@@ -149,8 +149,7 @@ def run(
 
 def refuse_bad_times(study: Study) -> None:
     """Refuse what cannot be a step or an end."""
-    if not (study.step > 0 and math.isfinite(study.step)):
-        raise InputError(f"step = {study.step} is not a positive number")
+    refuse_times(study.until, study.step)
     if not math.isfinite(study.until):
         raise InputError(f"end time until = {study.until} is not a finite number")
 

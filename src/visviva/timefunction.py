@@ -7,6 +7,7 @@ import bisect
 import cmath
 import math
 import operator
+import sys
 from collections.abc import Callable, Mapping, Sequence, Set
 from itertools import pairwise
 from typing import Annotated, Any
@@ -28,6 +29,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.UAdd: operator.pos,
 }
 NAMES = {"pi": math.pi}
+MAX_LENGTH, MAX_DEPTH = 10_000, 300
+CURE = "give a table, or in Python a function"
 
 
 def _power(a: complex, b: complex) -> complex:
@@ -257,10 +260,29 @@ def _compile(text: str) -> Evaluator:
 
 
 def _parsed(text: str) -> ast.expr:
+    if len(text) > MAX_LENGTH:
+        raise InputError(
+            f"the expression {text[:40]!r}... has {len(text)} characters, more than {MAX_LENGTH}: {CURE}"
+        )
     try:
-        return ast.parse(text.strip(), mode="eval").body
+        tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         raise InputError(f"{text!r} is not an expression: {error.msg}") from None
+    except (ValueError, RecursionError, MemoryError) as error:  # NUL, or too deep for Python's parser
+        raise InputError(
+            f"{text!r} is not an expression: {str(error) or 'it is nested too deeply'}"
+        ) from None
+    if _depth(tree) > MAX_DEPTH:
+        raise InputError(f"the expression {text[:40]!r}... is more than {MAX_DEPTH} operations deep: {CURE}")
+    return tree
+
+
+def _depth(tree: ast.AST) -> int:
+    """How many operations are in each other; a sum of n terms is n deep."""
+    level, depth = [tree], 0
+    while level:
+        level, depth = [child for node in level for child in ast.iter_child_nodes(node)], depth + 1
+    return depth
 
 
 def _build(node: ast.AST, text: str, names: Set[str] = frozenset()) -> Evaluator:
@@ -269,7 +291,9 @@ def _build(node: ast.AST, text: str, names: Set[str] = frozenset()) -> Evaluator
         case ast.Constant(value=bool()):
             pass
         case ast.Constant(value=int() | float() as constant):
-            number = float(constant)
+            number = float(constant) if abs(constant) <= sys.float_info.max else math.inf
+            if number == math.inf:
+                raise InputError(f"a number in {text!r} is too large")
             return lambda t: number
         case ast.Name(id=name) if name in names:
             return lambda values: values[name]

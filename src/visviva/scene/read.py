@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -114,12 +114,20 @@ def scheme_of_text(text: str) -> Scheme:
     >>> scheme_of_text("GeneralizedAlpha(rho=0.8)")
     GeneralizedAlpha(rho=0.8)
     """
-    match = re.fullmatch(r"\s*(\w+)\s*(?:\((.*)\))?\s*", text)
-    if match is None:
-        raise InputError(f"--scheme {text!r}: write it as NAME or NAME(key=value)")
-    name, arguments = match.groups()
-    given = dict(part.split("=", 1) for part in (arguments or "").split(",") if "=" in part)
-    plain = {key.strip(): plain_value(value.strip()) for key, value in given.items()}
+    try:
+        found = ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        found = None
+    match found:
+        case ast.Name(id=name):
+            keywords: list[ast.keyword] = []
+        case ast.Call(func=ast.Name(id=name), args=[], keywords=keywords):
+            pass
+        case _:
+            raise InputError(f"--scheme {text!r}: write it as NAME or NAME(key=value)")
+    plain = {k.arg or "**": plain_value(ast.unparse(k.value)) for k in keywords}
+    if len(plain) < len(keywords):
+        raise InputError(f"--scheme {text!r}: an argument is given twice")
     return Reader(Document(Path("--scheme"), {})).scheme((), {name: plain})
 
 
