@@ -229,10 +229,16 @@ class Recorder:
             origin.write(files)
         recorder.rows, recorder.saved_time = kept["rows"], now
         with recorder.closed_on_failure():
-            recorder.ledger = Table.reopen(files.ledger, books.ledger.names, now, recorder.rows)
-            recorder.probes = Table.reopen(files.probes, probe_columns(study), now, recorder.rows)
+            rows, sums = recorder.rows, kept["checksums"]
+            recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
+            recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
             if recorder.drawing.surfaces:
                 recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
+                if recorder.trajectory.n_steps != kept["frames"]:
+                    raise InputError(
+                        f"{files.trajectory}: is damaged ({recorder.trajectory.n_steps} frames up to t = {now:g}, "
+                        f"{kept['frames']} were written); put back a copy, or start anew"
+                    )
         return recorder
 
     @contextmanager
@@ -327,14 +333,22 @@ class Recorder:
     def save(self) -> None:
         """Save the state."""
         start = time.perf_counter()
-        study = self.study
-        notes = {**steps_of(study), "until": study.until}
-        restart.save(
-            self.files.state,
-            self.result,
-            self.books,
-            notes | {"cadence": asdict(self.cadence), "rows": self.rows, "study": self.notes},
-        )
+        study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
+        assert ledger is not None
+        assert probes is not None
+        ledger.sync()  # the state must not outlive what it goes with
+        probes.sync()
+        if trajectory is not None:
+            trajectory.sync()
+        notes = {
+            **steps_of(study),
+            "until": study.until,
+            "cadence": asdict(self.cadence),
+            "study": self.notes,
+        }
+        notes |= {"rows": self.rows, "frames": trajectory.n_steps if trajectory else 0}
+        notes |= {"checksums": {"ledger": ledger.checksum, "probes": probes.checksum}}
+        restart.save(self.files.state, self.result, self.books, notes)
         self.saved_time = study.system.time
         self._saved = time.perf_counter()
         self._cost = self._saved - start

@@ -1,5 +1,7 @@
 """Tables: every bit kept, torn lines dropped."""
 
+import zlib
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -31,16 +33,20 @@ def test_table_resumes_and_drops_a_torn_line(tmp_path):
     table = Table(path, ["time", "x"])
     for k in range(10):
         table.append([k / 10, k])
+        if k == 6:
+            checksum = table.checksum
     with path.open("ab") as file:
         file.write(b"1.0,0.33")
     assert read_table(path)["x"].tolist() == list(range(10))
-    with Table.reopen(path, ["time", "x"], keep_until=0.6) as resumed:
+    with Table.reopen(path, ["time", "x"], 7, checksum) as resumed:
         resumed.append(np.array([0.7, -1.0]))
     assert read_table(path)["x"].tolist() == [0, 1, 2, 3, 4, 5, 6, -1]
-    with Table.reopen(path, ["time", "x"], keep_until=-1.0):
+    with Table.reopen(path, ["time", "x"], 0, zlib.crc32(b"time,x\n")):
         assert read_table(path)["x"].tolist() == []
     with pytest.raises(InputError, match="other columns"):
-        Table.reopen(path, ["time", "y"], keep_until=1.0)
+        Table.reopen(path, ["time", "y"], 0, 0)
+    with pytest.raises(InputError, match=r"a.csv: is damaged \(its first 7 rows"):
+        Table.reopen(path, ["time", "x"], 7, checksum)
 
 
 def test_table_refuses(tmp_path):

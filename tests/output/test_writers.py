@@ -144,7 +144,7 @@ def test_a_full_disk_tells_the_time_that_can_be_resumed(which: str, tmp_path: Pa
 
     def fill(recorder: Recorder) -> None:
         if which == "state.h5":
-            monkeypatch.setattr(os, "fsync", full)
+            monkeypatch.setattr(os, "replace", full)
             return
         file = {"ledger.csv": recorder.ledger, "probes.csv": recorder.probes}.get(which, recorder.trajectory)
         assert file is not None

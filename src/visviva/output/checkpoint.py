@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,8 @@ from numpy.typing import NDArray
 from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
 
-FORMAT = "visviva state 2"
+FORMAT = "visviva state 3"
+HEAD = 512  # bytes before the HDF5 file, which HDF5 leaves to its user: layout and checksum
 
 
 def save_state(
@@ -64,39 +67,53 @@ def load_state(path: str | Path) -> tuple[dict[str, NDArray[Any]], dict[str, flo
     """
     import h5py
 
+    path = Path(path)
     try:
-        with h5py.File(path, "r") as file:
-            _check_format(path, file.attrs.get("format"))
-            arrays: dict[str, NDArray[Any]] = {}
-            file["arrays"].visititems(
-                lambda name, item: arrays.__setitem__(name, item[()]) if hasattr(item, "shape") else None
-            )
-            attributes = {name: _plain(value) for name, value in file["attributes"].attrs.items()}
-    except (OSError, KeyError) as error:
-        raise InputError(f"{path}: is not a readable state file ({error})") from error
+        image = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: is not a readable state file ({error.strerror})") from error
+    _check(path, image)
+    with h5py.File(io.BytesIO(image), "r") as file:
+        arrays: dict[str, NDArray[Any]] = {}
+        file["arrays"].visititems(
+            lambda name, item: arrays.__setitem__(name, item[()]) if hasattr(item, "shape") else None
+        )
+        attributes = {name: _plain(value) for name, value in file["attributes"].attrs.items()}
     return arrays, attributes
 
 
-def _image(arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, float | str]) -> bytes:
+def _image(arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, float | str]) -> memoryview:
     """Compose the file in memory: a full disk then shows as one failed write of plain bytes."""
     import h5py
 
     memory = io.BytesIO()
-    with h5py.File(memory, "w", track_order=True) as file:
-        file.attrs["format"] = FORMAT
+    with h5py.File(memory, "w", track_order=True, userblock_size=HEAD) as file:
         group = file.create_group("arrays")
         for name, array in arrays.items():
             group.create_dataset(name, data=np.asarray(array))
         file.create_group("attributes").attrs.update(attributes)
-    return memory.getvalue()
+    image = memory.getbuffer()
+    head = f"{FORMAT}\n{sha256(image[HEAD:]).hexdigest()}\n".encode()
+    image[: len(head)] = head
+    return image
 
 
-def _check_format(path: str | Path, found: object) -> None:
-    if found == FORMAT:
-        return
-    if found is None:
-        raise InputError(f"{path}: was not written by visviva as a state (no 'format' attribute)")
-    raise InputError(f"{path}: has layout {found!r}, this version reads {FORMAT!r}; start the run anew")
+def _check(path: Path, image: bytes) -> None:
+    """Refuse what is no state, one of another layout, or a damaged one."""
+    lines = image[:HEAD].split(b"\n")
+    if lines[0] == FORMAT.encode():
+        if lines[1] != sha256(memoryview(image)[HEAD:]).hexdigest().encode():
+            raise InputError(
+                f"{path}: is damaged (its checksum does not fit); put back a copy, or start the run anew"
+            )
+    elif other := re.search(rb"visviva state \d+", image):
+        raise InputError(
+            f"{path}: has layout {other[0].decode()!r}, this version reads {FORMAT!r}; start the run anew"
+        )
+    else:
+        raise InputError(
+            f"{path}: is not a readable state file (it was not written by visviva, or is damaged)"
+        )
 
 
 def _plain(value: Any) -> float | str:

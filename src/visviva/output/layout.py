@@ -7,6 +7,7 @@ import math
 import os
 import struct
 import sys
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,8 @@ from visviva.output.surface import Surface
 if TYPE_CHECKING:
     from typing_extensions import Buffer
 
-FORMAT = "visviva trajectory 1"
+FORMAT = "visviva trajectory 2"
+WITHOUT_CHECKSUMS = "visviva trajectory 1"  # of version 0.1, still read
 PAGE = 4096
 UNSET = 0x7E57_C0DE_5EED_1234  # stands where the number of steps will be, so that its place can be found
 
@@ -135,11 +137,28 @@ def _compose(
         for kind, sizes, count in (("Point", point_data, n_points), ("Cell", cell_data, n_cells)):
             for name, width in sizes.items():
                 streamed[f"{kind}/{name}"] = _stream(root, kind, name, (capacity * count, width), capacity)
+        own = file["visviva"]
+        own.attrs["static"] = checksum_of_mesh(root, own)
+        streamed["checksums"] = _reserve(own, "checksums", (capacity, len(streamed)), np.int64)
         counts[:] = n_points
         file.flush()
         image.head = len(image.getbuffer())  # all that follows is allocated and left as a hole
         streams = {name: _place(dataset, capacity) for name, dataset in streamed.items()}
         return streams, [h5py.h5o.get_info(dataset.id).addr for dataset in (values, counts)]
+
+
+def checksums(values: Mapping[str, NDArray[Any]], n_steps: int) -> NDArray[np.int64]:
+    """Checksums (n_steps, n_streams) of the values of some steps, in the alphabet's order of their names."""
+    rows = [np.ascontiguousarray(values[name]).reshape(n_steps, -1) for name in sorted(values)]
+    return np.array([[zlib.crc32(row[k].data) for row in rows] for k in range(n_steps)], dtype=np.int64)
+
+
+def checksum_of_mesh(root: Any, own: Any) -> int:
+    """Checksum of all that a file holds once."""
+    parts = [root[name][()] for name in ("Connectivity", "Offsets", "Types", "CellData/component")]
+    parts += [own[name][()] for name in ("point_counts", "reference_points")]
+    names = "\n".join(own["names"].asstr()[()])
+    return zlib.crc32(b"".join(part.tobytes() for part in parts) + names.encode())
 
 
 def _reserve(group: Any, name: str, shape: tuple[int, ...], dtype: type) -> Any:
@@ -233,7 +252,7 @@ def _verify(path: Path, n_steps: int) -> None:
     """Read the file back through HDF5, to be sure that the right bytes were found."""
     import h5py
 
-    with h5py.File(path, "r") as file:
+    with h5py.File(path, "r", locking=False) as file:
         steps, counts = file["VTKHDF/Steps"], file["VTKHDF/NumberOfPoints"]
         found = [steps.attrs["NSteps"], len(steps["Values"]), len(counts)]
         sizes = [data.id.get_storage_size() for data in (steps["Values"], counts)]

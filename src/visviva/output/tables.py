@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
@@ -19,7 +20,7 @@ class Table:
     """Rows of numbers written to a CSV file one by one, in full precision.
 
     Every row reaches the file as one whole, so a process killed at any moment leaves complete rows
-    and at most one torn last line, which `read_table` and `reopen` drop.
+    and at most one torn last line, which `read_table` and `reopen` leave out.
 
     Parameters
     ----------
@@ -32,6 +33,8 @@ class Table:
     ----------
     path : Path
     columns : tuple of str
+    checksum : int
+        Of all that the file holds.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class Table:
     _descriptor: int
     _end: int
     _last_time: float | None
+    checksum: int
 
     def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
         self.path = Path(path)
@@ -56,18 +60,17 @@ class Table:
         _check_columns(self.columns)
         with reporting(self.path), replacing(self.path) as temporary:
             temporary.write_text(_header(self.columns), encoding="utf-8")
-        self._open(rows_end=len(_header(self.columns).encode()), last_time=None)
+        header = _header(self.columns).encode()
+        self._open(rows_end=len(header), last_time=None, checksum=zlib.crc32(header))
 
     @classmethod
-    def reopen(
-        cls, path: str | Path, columns: Sequence[str], keep_until: float, rows: int | None = None
-    ) -> Self:
-        """Continue an existing table after dropping the rows with a time above `keep_until`, or all but `rows`.
+    def reopen(cls, path: str | Path, columns: Sequence[str], rows: int, checksum: int) -> Self:
+        """Continue an existing table after its first `rows` rows, which must be those that were written.
 
         Raises
         ------
         InputError
-            If the file is no table or holds other columns.
+            If the file is no table, holds other columns, or other rows.
         """
         table = cls.__new__(cls)
         table.path, table.columns = Path(path), tuple(columns)
@@ -75,12 +78,15 @@ class Table:
         if not text.startswith(_header(table.columns).encode()):
             raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
         lines = text.splitlines(keepends=True)
-        times = [float(line.split(b",", 1)[0]) for line in lines[1:]]
-        kept = [time for time in times if time <= keep_until] if rows is None else times[:rows]
-        rows_end = sum(map(len, lines[: len(kept) + 1]))
+        kept = b"".join(lines[: rows + 1])
+        if len(lines) < rows + 1 or zlib.crc32(kept) != checksum:
+            raise InputError(
+                f"{path}: is damaged (its first {rows} rows are not those of the run); put back a copy, or start anew"
+            )
         with reporting(table.path):
-            os.truncate(table.path, rows_end)
-        table._open(rows_end, kept[-1] if kept else None)
+            os.truncate(table.path, len(kept))
+        last = float(lines[rows].split(b",", 1)[0]) if rows else None
+        table._open(len(kept), last, checksum)
         return table
 
     def append(self, row: Sequence[float] | NDArray[np.float64]) -> None:
@@ -105,6 +111,12 @@ class Table:
                 raise
         self._end += len(line)
         self._last_time = values[0]
+        self.checksum = zlib.crc32(line, self.checksum)
+
+    def sync(self) -> None:
+        """Make sure that what is written outlives a loss of power."""
+        with reporting(self.path, self._last_time):
+            os.fsync(self._descriptor)
 
     def close(self) -> None:
         """Close the file; closing twice is harmless."""
@@ -118,8 +130,8 @@ class Table:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _open(self, rows_end: int, last_time: float | None) -> None:
-        self._end, self._last_time = rows_end, last_time
+    def _open(self, rows_end: int, last_time: float | None, checksum: int) -> None:
+        self._end, self._last_time, self.checksum = rows_end, last_time, checksum
         with reporting(self.path):
             self._descriptor = os.open(self.path, os.O_WRONLY)
 
@@ -137,7 +149,9 @@ def read_table(path: str | Path) -> dict[str, NDArray[np.float64]]:
         If the file is missing or is no such table.
     """
     text = _complete_lines(Path(path))
-    names = text.split(b"\n", 1)[0].decode().split(",")
+    names = text.split(b"\n", 1)[0].decode(errors="replace").split(",")
+    if names[0] != "time":
+        raise InputError(f"{path}: is no table of visviva, or damaged (its first column is not 'time')")
     try:
         rows = (
             np.loadtxt(io.BytesIO(text), delimiter=",", skiprows=1, ndmin=2)

@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError
-from visviva.output.layout import FORMAT
+from visviva.output.layout import FORMAT, WITHOUT_CHECKSUMS, checksum_of_mesh, checksums
 from visviva.output.surface import Surface
+
+UNREADABLE = (OSError, KeyError, ValueError, TypeError, RuntimeError, IndexError, AttributeError)
+"""What h5py raises on damaged files."""
 
 
 class Trajectory:
@@ -35,7 +38,7 @@ class Trajectory:
     Raises
     ------
     InputError
-        If the file is missing or was not written by visviva.
+        If the file is missing, damaged (also later, when damaged steps are read) or was not written by visviva.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -43,23 +46,57 @@ class Trajectory:
 
         self.path = Path(path)
         try:
-            self._file = h5py.File(path, "r")
+            self._file = h5py.File(path, "r", locking=False)  # who reads must not hinder who writes
         except OSError as error:
             raise InputError(f"{path}: cannot be read as a trajectory ({error})") from error
-        own = self._file.get("visviva")
-        if own is None or own.attrs.get("format") != FORMAT:
+        try:
+            self._look()
+        except UNREADABLE as error:
             self._file.close()
-            raise InputError(f"{path}: is no trajectory of this version of visviva")
-        self._root = self._file["VTKHDF"]
-        self.times: NDArray[np.float64] = self._root["Steps/Values"][()]
+            raise InputError(f"{path}: is damaged ({error})") from error
+        except InputError:
+            self._file.close()
+            raise
+
+    def _look(self) -> None:
+        """Read all but the values of the steps."""
+        own = self._file.get("visviva")
+        found = None if own is None else own.attrs.get("format")
+        if found not in (FORMAT, WITHOUT_CHECKSUMS):
+            raise InputError(f"{self.path}: is no trajectory of this version of visviva")
+        root = self._file["VTKHDF"]
+        self.times: NDArray[np.float64] = root["Steps/Values"][()]
         self._ends: NDArray[np.int64] = np.cumsum(own["point_counts"][()])
-        self.surfaces = _surfaces(own, self._root, self._ends)
+        self._n_cells = len(root["Types"])
+        self._streams = {"time": root["Steps/Values"], "points": root["Points"]}
+        for kind in ("Point", "Cell"):
+            data = root.get(f"{kind}Data", {})
+            self._streams |= {f"{kind}/{name}": data[name] for name in data if name != "component"}
+        self._checksums = own["checksums"] if found == FORMAT else None
+        if self._checksums is not None and checksum_of_mesh(root, own) != own.attrs["static"]:
+            raise InputError(f"{self.path}: is damaged (its mesh is not what was written)")
+        self.surfaces = _surfaces(own, root, self._ends)
+
+    def _read(self, stream: str, start: int, stop: int) -> NDArray[np.float64]:
+        """What is stored of a stream for the steps from `start` to `stop`, if it is what was written."""
+        n = self._rows_per_step(stream)
+        try:
+            values: NDArray[np.float64] = self._streams[stream][start * n : stop * n]
+            if self._checksums is None:
+                return values
+            stored = self._checksums[start:stop, sorted(self._streams).index(stream)]
+        except UNREADABLE as error:
+            raise InputError(
+                f"{self.path}: is damaged from t = {self.times[start]:g} on ({error})"
+            ) from error
+        for bad in np.flatnonzero(checksums({stream: values}, stop - start)[:, 0] != stored):
+            time = self.times[start + int(bad)]
+            raise InputError(f"{self.path}: is damaged: {stream} at t = {time:g} are not what was written")
+        return values
 
     def points(self, step: int) -> list[NDArray[np.float64]]:
         """Points of every surface at a step, (n, 3) each, in m."""
-        n_points = int(self._ends[-1])
-        together = self._root["Points"][step * n_points : (step + 1) * n_points]
-        return np.split(together, self._ends[:-1])
+        return np.split(self._read("points", step, step + 1), self._ends[:-1])
 
     def points_at(self, time: float) -> list[NDArray[np.float64]]:
         """Points of every surface at any time, linear between the steps and held beyond the ends."""
@@ -81,9 +118,7 @@ class Trajectory:
         if name not in self.fields:
             known = f"there are {', '.join(self.fields)}" if self.fields else "none is stored"
             raise InputError(f"{self.path}: no field is called {name!r}; {known}")
-        n_points = int(self._ends[-1])
-        together = self._root["PointData"][name][step * n_points : (step + 1) * n_points]
-        return np.split(together, self._ends[:-1])
+        return np.split(self._read(f"Point/{name}", step, step + 1), self._ends[:-1])
 
     def field_at(self, name: str, time: float) -> list[NDArray[np.float64]]:
         """Values of a quantity at any time, linear between the steps and held beyond the ends."""
@@ -126,16 +161,12 @@ class Trajectory:
 
     def widths(self, kind: str) -> dict[str, int]:
         """Numbers of components of the stored quantities per ``Point`` or per ``Cell``."""
-        group = self._root.get(f"{kind}Data", {})
-        return {name: (data.shape[1:] or (1,))[0] for name, data in group.items() if name != "component"}
+        data = {n.removeprefix(f"{kind}/"): d for n, d in self._streams.items() if n.startswith(f"{kind}/")}
+        return {name: (d.shape[1:] or (1,))[0] for name, d in data.items()}
 
     def values(self, start: int, stop: int) -> dict[str, NDArray[np.float64]]:
         """All that is stored for the steps from `start` to `stop`, row after row."""
-        streams = {"time": self._root["Steps/Values"], "points": self._root["Points"]}
-        for kind in ("Point", "Cell"):
-            streams |= {f"{kind}/{name}": self._root[f"{kind}Data"][name] for name in self.widths(kind)}
-        n_rows = {name: self._rows_per_step(name) for name in streams}
-        return {name: data[start * n_rows[name] : stop * n_rows[name]] for name, data in streams.items()}
+        return {name: self._read(name, start, stop) for name in self._streams}
 
     def close(self) -> None:
         """Close the file."""
@@ -150,7 +181,7 @@ class Trajectory:
     def _rows_per_step(self, stream: str) -> int:
         if stream == "time":
             return 1
-        return len(self._root["Types"]) if stream.startswith("Cell/") else int(self._ends[-1])
+        return self._n_cells if stream.startswith("Cell/") else int(self._ends[-1])
 
 
 def _surfaces(own: Any, root: Any, ends: NDArray[np.int64]) -> tuple[Surface, ...]:

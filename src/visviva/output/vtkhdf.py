@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,8 @@ class TrajectoryWriter:
 
     The mesh is stored once, the points of every step in double precision. A process that is killed at
     any moment leaves a file with all steps appended so far, which ParaView opens as it is, also while
-    the run goes on. Steps beyond the room reserved at first move the file into one with twice the room.
+    the run goes on: no locks are taken, and whoever reads sees the steps complete so far. Steps beyond
+    the room reserved at first move the file into one with twice the room.
 
     Parameters
     ----------
@@ -128,12 +129,18 @@ class TrajectoryWriter:
                 self._add(self._layout, values)
         self._last_time = float(time)
 
+    def sync(self) -> None:
+        """Make sure that what is written outlives a loss of power."""
+        if self._descriptor >= 0:
+            with reporting(self.path, self._last_time):
+                os.fsync(self._descriptor)
+
     def close(self) -> None:
         """Close the file, giving back the room that was not needed; closing twice is harmless."""
         if self._layout is None or self._descriptor < 0:
             return
         if self._layout.capacity > self.n_steps:
-            with suppress(OSError), Trajectory(self.path) as written:  # without it, the file is as good
+            with suppress(OSError, InputError), Trajectory(self.path) as written:  # without it, as good
                 self._rebuild(self.n_steps, _blocks(written, self.n_steps))
         os.close(self._descriptor)
         self._descriptor = -1
@@ -150,18 +157,22 @@ class TrajectoryWriter:
         points: Sequence[ArrayLike],
         point_data: Mapping[str, ArrayLike],
         cell_data: Mapping[str, ArrayLike],
-    ) -> dict[str, NDArray[np.float64]]:
+    ) -> dict[str, NDArray[Any]]:
         """Check and gather the values of a step under the names of their streams."""
         if self._last_time is not None and not time > self._last_time:
             raise InputError(f"{self.path}: time {time} does not follow {self._last_time}")
         current = [np.asarray(array, dtype=np.float64) for array in points]
         if [array.shape for array in current] != [surface.points.shape for surface in self.surfaces]:
             raise InputError(f"{self.path}: the points of a step must have the shapes of the surfaces")
-        values = {"time": np.array([time], dtype=np.float64), "points": np.concatenate(current)}
+        values: dict[str, NDArray[Any]] = {
+            "time": np.array([time], np.float64),
+            "points": np.concatenate(current),
+        }
         values |= {
             f"Point/{name}": np.array(data, np.float64, order="C") for name, data in point_data.items()
         }
         values |= {f"Cell/{name}": np.array(data, np.float64, order="C") for name, data in cell_data.items()}
+        values["checksums"] = _layout.checksums(values, 1)
         if self._layout is not None:
             expected = {name: stream.shape for name, stream in self._layout.streams.items()}
             found = {name: array.shape for name, array in values.items()}
@@ -184,7 +195,7 @@ class TrajectoryWriter:
         n_points = sum(len(surface.points) for surface in self.surfaces)
         return max(2 * n_steps, 16, ROOM_AT_FIRST // (24 * n_points))
 
-    def _add(self, layout: _layout.Layout, values: Mapping[str, NDArray[np.float64]]) -> None:
+    def _add(self, layout: _layout.Layout, values: Mapping[str, NDArray[Any]]) -> None:
         if self.n_steps == layout.capacity:
             with Trajectory(self.path) as earlier:
                 self._rebuild(self._capacity(self.n_steps), chain(_blocks(earlier, self.n_steps), [values]))
@@ -193,7 +204,7 @@ class TrajectoryWriter:
         layout.commit(self._descriptor, self.n_steps + 1)
         self.n_steps += 1
 
-    def _rebuild(self, capacity: int, blocks: Iterable[Mapping[str, NDArray[np.float64]]]) -> None:
+    def _rebuild(self, capacity: int, blocks: Iterable[Mapping[str, NDArray[Any]]]) -> None:
         """Put a file with room for `capacity` steps and the given ones in it in the place of the old one."""
         descriptor, n_steps = -1, 0
         try:
@@ -213,10 +224,12 @@ class TrajectoryWriter:
         self._layout, self._descriptor, self.n_steps = layout, descriptor, n_steps
 
 
-def _blocks(earlier: Trajectory, n_steps: int, at_once: int = 64) -> Iterator[dict[str, NDArray[np.float64]]]:
+def _blocks(earlier: Trajectory, n_steps: int, at_once: int = 64) -> Iterator[dict[str, NDArray[Any]]]:
     """Read the first `n_steps` steps in blocks of a bounded size."""
     for start in range(0, n_steps, at_once):
-        yield earlier.values(start, min(start + at_once, n_steps))
+        stop = min(start + at_once, n_steps)
+        values = earlier.values(start, stop)
+        yield values | {"checksums": _layout.checksums(values, stop - start)}
 
 
 def _widths(path: Path, data: Mapping[str, ArrayLike], n_rows: int) -> dict[str, int]:
