@@ -548,6 +548,11 @@ def test_other_bad_meshes() -> None:
     rows[3, 2] = rows[3, 1]
     with pytest.raises(vv.InputError, match="collapsed, with a node twice, the first is cell 3"):
         vv.Mesh(points, {"hex8": rows}).check()
+    again = np.vstack([mesh.cells["hex8"], np.roll(mesh.cells["hex8"][5], 4)])
+    with pytest.raises(
+        vv.InputError, match=r"there twice: cell 24 has the nodes of cell 5; delete the copies"
+    ):
+        vv.Mesh(mesh.points, {"hex8": again}).check()
     points[7] = np.nan
     with pytest.raises(vv.InputError, match="point 7 of a mesh is not finite"):
         vv.Mesh(points, mesh.cells).check()

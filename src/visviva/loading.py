@@ -17,6 +17,7 @@ from visviva.errors import InputError, RunError
 from visviva.result import Result
 from visviva.scheme import ArcLength, Static
 from visviva.solve import advance, begin, keep
+from visviva.stability import falling_directions, instability
 from visviva.system import Attempt, System
 
 Array = NDArray[np.float64]
@@ -36,6 +37,10 @@ EASY = 6
 
 class NoEquilibrium(RunError):
     """A load step whose iteration did not converge."""
+
+
+class Unstable(RunError):
+    """An equilibrium that a structure would leave at the slightest disturbance."""
 
 
 @dataclass
@@ -170,6 +175,13 @@ class Equilibrium:
         step = self.at(time)
         if reason := self._refused(time):
             raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
+        falling = falling_directions(self.system, step)
+        if falling and not self.options.unstable:
+            raise Unstable(
+                f"{instability(f'at the load parameter {time:.6g}', falling)}, follow it with vv.arc_length, or say "
+                "vv.Static(unstable=True) if it is meant"
+            )
+        self.system.stability.record(falling, time)
         self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())
 
 
@@ -210,6 +222,8 @@ def quasi_static(
         If a body can move rigidly without resistance.
     NoEquilibrium
         If the smallest load step fails; the system keeps the last equilibrium.
+    Unstable
+        If an equilibrium is unstable and the scheme does not say that this is meant; the system keeps the last one.
 
     Examples
     --------

@@ -228,6 +228,9 @@ class Static(Scheme):
         A load step that fails is tried again with half its length so many times.
     line_search : bool
         Shorten increments that overshoot along their own direction.
+    unstable : bool
+        Go on along equilibria that are unstable, as a column that stays straight beyond its critical load. They are
+        refused otherwise; the audit says so where this could not be checked.
 
     Examples
     --------
@@ -244,6 +247,7 @@ class Static(Scheme):
     max_iterations: int = 25
     halvings: int = 8
     line_search: bool = True
+    unstable: bool = False
     order: ClassVar[int] = 0
     has_inertia: ClassVar[bool] = False
 
@@ -282,6 +286,7 @@ class ArcLength(Static):
     """
 
     line_search: bool = False
+    unstable: bool = True
     load_weight: float = 0.0
     iterations: int = 5
     longest: float = 8.0

@@ -18,6 +18,7 @@ from visviva.ledger import Bookkeeper
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
+from visviva.stability import Stability
 from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -167,6 +168,7 @@ def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkee
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme)
     system.pace.clear()
+    system.stability = Stability()
     books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
     system.take_stock()

@@ -13,10 +13,12 @@ from visviva.errors import InputError, RunError
 from visviva.freedom import refuse_free
 from visviva.instant import Instant, instant
 from visviva.ledger import Bookkeeper
+from visviva.loading import Unstable
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import NONE, Static
 from visviva.solve import begin, keep, prepare, record
+from visviva.stability import count_falling, instability
 from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -49,11 +51,13 @@ class Relaxation(Static):
         return (NONE, (1 / self.duration**2, 0.0, 0.0, 0.0), NONE, NONE, NONE)
 
 
-def equilibrium(system: System, *, until: float | None = None, steps: int = 1, most: int = 400) -> Result:
+def equilibrium(
+    system: System, *, until: float | None = None, steps: int = 1, most: int = 400, unstable: bool = False
+) -> Result:
     """Bring a system to rest under its loads.
 
     Velocities are set to zero. Starting from its present configuration the system goes downhill in energy
-    until it rests; a system that starts in an unstable equilibrium stays there.
+    until it rests; a system that starts in an unstable equilibrium stays there, which is refused unless it is meant.
 
     Parameters
     ----------
@@ -64,6 +68,8 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
         `until` they keep their present values.
     most : int
         Give up after this many steps downhill under one load.
+    unstable : bool
+        Accept an equilibrium that is unstable.
 
     Returns
     -------
@@ -74,6 +80,8 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
     ------
     RunError
         If the system does not come to rest: something is free to move under its loads.
+    Unstable
+        If it rests where the slightest disturbance would make it leave.
 
     Examples
     --------
@@ -96,7 +104,9 @@ def equilibrium(system: System, *, until: float | None = None, steps: int = 1, m
     system.v[:] = 0.0
     result, books = begin(system, Relaxation())
     try:
-        follow(system, result, books, until, steps, most)
+        follow(system, result, books, until, steps, most, unstable)
+    except Unstable:
+        raise
     except RunError as error:
         raise RunError(f"{error}{free_motions(system)}") from error
     system.follow_prescribed()
@@ -115,7 +125,13 @@ def free_motions(system: System) -> str:
 
 
 def follow(
-    system: System, result: Result, books: Bookkeeper, until: float | None, steps: int, most: int
+    system: System,
+    result: Result,
+    books: Bookkeeper,
+    until: float | None,
+    steps: int,
+    most: int,
+    unstable: bool,
 ) -> None:
     """Relax under the present loads, or under those of every load step to `until`."""
     start = system.time
@@ -124,7 +140,18 @@ def follow(
             system.time = start + k * (until - start) / steps
         h = 0.0 if until is None else start + (k + 1) * (until - start) / steps - system.time
         relax(system, result, books, h, most)
+        confirm(system, unstable)
         keep(result)
+
+
+def confirm(system: System, unstable: bool) -> None:
+    """Refuse an unstable equilibrium unless it is meant."""
+    falling = count_falling(system, Static().step(system.time, 0.0))
+    if falling and not unstable:
+        raise Unstable(
+            f"{instability('found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
+        )
+    system.stability.record(falling, system.time)
 
 
 def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int) -> None:

@@ -24,6 +24,7 @@ from visviva.model import Model
 from visviva.newton import Newton, StepFailure
 from visviva.problem import problem_of, rigid_modes, uses_null_space
 from visviva.scheme import EnergyMomentum, Scheme, Static
+from visviva.stability import Stability
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -71,6 +72,7 @@ class System:
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
+        self.stability = Stability()  # of the equilibria that statics has found
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
         self.report: CheckReport | None = None  # of the check before the first step

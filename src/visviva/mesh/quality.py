@@ -79,6 +79,7 @@ def _check_numbers(mesh: Mesh) -> None:
                 f"{_cell(mesh, name, int(twice[0]))}, nodes {nodes[twice[0]].tolist()}: mesh the place "
                 "without collapsed cells"
             )
+        _check_copies(mesh, name, ordered)
     used = np.zeros(mesh.n_nodes, dtype=bool)
     for nodes in mesh.cells.values():
         used[nodes] = True
@@ -87,6 +88,18 @@ def _check_numbers(mesh: Mesh) -> None:
         raise InputError(
             f"{_several(int((~used).sum()), 'node', 'of the mesh')} in no cell, the first is node {first} at "
             f"{_place(mesh.points[first])}: delete them with mesh.without_orphans()"
+        )
+
+
+def _check_copies(mesh: Mesh, name: str, ordered: Ints) -> None:
+    """Refuse cells of the same nodes: they would have stiffness and mass twice."""
+    place = np.lexsort(ordered.T)
+    same = np.flatnonzero((ordered[place[1:]] == ordered[place[:-1]]).all(axis=1))
+    if len(same):
+        a, b = sorted(place[same[0] : same[0] + 2].tolist())
+        raise InputError(
+            f"{_several(len(same), 'cell', f'of type {name}')} there twice: {_cell(mesh, name, b)} has the nodes of "
+            f"{_cell(mesh, name, a)}; delete the copies, which would have their stiffness and mass twice"
         )
 
 

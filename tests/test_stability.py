@@ -1,0 +1,97 @@
+"""Unstable equilibria are refused, at the loads that theory tells; those who mean them say so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.loading import Unstable
+
+LENGTH, WIDTH, YOUNG = 10.0, 0.5, 1000.0
+EULER = np.pi**2 * YOUNG * WIDTH**4 / 12 / (4 * LENGTH**2)
+
+
+def column(factor: float, *more: Any, **options: Any) -> vv.System:
+    """A square cantilever under its own axis, loaded up to so many times Euler's load; it stays straight."""
+    mesh = vv.BoxMesh(size=(WIDTH, WIDTH, LENGTH), counts=(1, 1, 8), cell="hex20")
+    material = options.pop("material", vv.SaintVenantKirchhoff(young=YOUNG, poisson=0.0))
+    solid = vv.Solid(mesh=mesh, material=material, density=1.0, **options)
+    push = vv.Traction(solid=solid, faces="z1", traction=(0, 0, -factor * EULER / WIDTH**2), times="t")
+    return vv.System([solid, vv.Fixed(solid=solid, nodes="z0"), push, *more])
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"formulation": "mixed", "material": vv.NeoHooke(young=YOUNG, poisson=0.3)}]
+)
+def test_straight_columns_beyond_eulers_load(options: dict[str, Any]) -> None:
+    assert "equilibria: stable" in vv.quasi_static(column(0.9, **options), until=1.0, step=0.5).audit()
+    system = column(3.0, **options)
+    with pytest.raises(Unstable, match=r"load parameter 0.4 is unstable: energy falls in 2 directions"):
+        vv.quasi_static(system, until=1.0, step=0.2)
+    assert system.time == pytest.approx(0.2)  # the last stable one stays
+
+
+def test_those_who_mean_it() -> None:
+    result = vv.quasi_static(column(1.5), until=1.0, step=0.5, scheme=vv.Static(unstable=True))
+    assert "equilibria: unstable from the load parameter 1 on, in 1 load steps" in result.audit()
+
+
+def upright(load: float) -> vv.System:
+    """A rigid body on a hinge, held upright by a spring across at its top: stable up to the load 50 * 2."""
+    ground, arm = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(0, 0, 2))
+    hinge = vv.Revolute(a=ground, b=arm, at=(0, 0, 0), axis=(0, 1, 0))
+    hold = vv.Bushing(a=ground, b=arm, at=(0, 0, 2), stiffness=(50, 0, 0), rotational_stiffness=(0, 0, 0))
+    push = vv.Force(on=arm, force=(0, 0, -load), times="t")
+    return vv.System([ground, arm, hinge, hold, push])
+
+
+def test_constraints_are_not_counted() -> None:
+    """Multipliers bring negative eigenvalues of their own."""
+    assert "equilibria: stable" in vv.quasi_static(upright(99.0), until=1.0, step=0.5).audit()
+    with pytest.raises(Unstable, match="energy falls in one direction"):
+        vv.quasi_static(upright(101.0), until=1.0, step=0.5)
+
+
+def test_equilibrium_on_a_summit() -> None:
+    """A ball on a rod straight above its hinge rests there, until somebody breathes."""
+
+    def system() -> vv.System:
+        ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, 2))
+        rod = vv.Distance(a=ground.point(), b=ball.point())
+        return vv.System([ground, ball, rod, vv.Gravity(acceleration=(0, 0, -10))])
+
+    with pytest.raises(Unstable, match=r"energy falls in 2 directions.*equilibrium\(\.\.\., unstable=True\)"):
+        vv.equilibrium(system())
+    assert "unstable" in vv.equilibrium(system(), unstable=True).audit()
+
+
+def test_arcs_go_through_unstable_equilibria() -> None:
+    """A shallow arch of two bars loses its stability at the limit point, and has it again below."""
+    ground, tip = vv.Ground(), vv.PointMass(mass=1.0, position=(0.0, 0.0, 0.3))
+    bars = [
+        vv.Spring(a=ground.point((x, 0, 0)), b=tip.point(), stiffness=20.0, free_length=np.hypot(1.0, 0.3))
+        for x in (-1.0, 1.0)
+    ]
+    slide = vv.PointOnLine(a=ground, b=tip.point(), at=(0, 0, 0.3), axis=(0, 0, 1))
+    push = vv.Force(on=tip, force=(0.0, 0.0, -1.0), times="t")
+    result = vv.arc_length(vv.System([ground, tip, *bars, slide, push]), step=0.02, until=0.6, steps=400)
+    falling = int(np.sum(np.diff(result.times) < 0))
+    assert falling > 5
+    assert abs(result.system.stability.unstable - falling) <= 1
+    assert "equilibria: unstable from" in result.audit()
+
+
+def test_what_cannot_be_told() -> None:
+    """Friction makes tangents unsymmetric: their signs tell nothing, and the audit says so."""
+    brick = {"material": vv.LinearElastic(young=100.0, poisson=0.0), "density": 1.0}
+    low = vv.Solid(mesh=vv.BoxMesh(size=(2, 1, 1), counts=(1, 1, 1)), **brick)
+    high = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0.5, 0, 1)), **brick)
+    contact = vv.Contact(first=high, first_faces="z0", second=low, second_faces="z1", friction=0.1)
+    motion = (lambda t: 0.4 * t, lambda t: 0.0 * t, lambda t: -0.02 - 0.0 * t)
+    push = vv.Prescribed(solid=high, nodes="z1", motion=motion)
+    parts = [low, high, contact, push, vv.Fixed(solid=low, nodes="z0")]
+    result = vv.quasi_static(vv.System(parts), until=1.0, step=0.25)
+    assert "equilibria: stability not checked" in result.audit()
