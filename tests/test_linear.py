@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import visviva as vv
 from visviva import _core, linear, multigrid
 from visviva.linear import Automatic, Choice, Direct, Iterative, Problem
+from visviva.problem import problem_of
 from visviva.solve import prepare
 
 Array = NDArray[np.float64]
@@ -489,3 +490,15 @@ def test_a_step_fails_with_the_solvers_message() -> None:
     system.core.use_linear(list(choice.in_order))
     with pytest.raises(vv.StepFailure, match="no convergence after 1 iterations"):
         list(vv.march(system, until=0.5, step=0.5))
+
+
+def test_pressures_of_solids_are_none_of_contact() -> None:
+    """Solvers for contact do not suit them: they were tried first, in vain."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="tet10")
+    solid = vv.Solid(
+        mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.4), density=1.0, formulation="mixed"
+    )
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="z0")])
+    problem = problem_of(system)
+    assert (problem.n_pressures, problem.is_contact, problem.symmetric) == (0, False, True)
+    assert "GMRES" not in Automatic().choose(problem).explanation

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import visviva as vv
 from visviva import stencil
+from visviva.component import Component
+from visviva.form import product
+from visviva.law import quadratic
 
 
 def bodies(n: int) -> list[vv.RigidBody]:
@@ -49,3 +54,20 @@ def test_nothing_free_is_refused() -> None:
     )
     with pytest.raises(vv.InputError, match="leave something free"):
         vv.System([solid, vv.Fixed(solid=solid, nodes="all")])
+
+
+def test_potentials_of_transport_are_refused() -> None:
+    """What is transported has no forces: its equation, rates alone, was left singular or its value wrong."""
+
+    class Heat(Component):
+        def declare(self, model: Any) -> None:
+            self.temperature = model.field(self, "temperature", [1.0, 2.0], order=1)
+
+        def contribute(self, model: Any) -> None:
+            e = self.temperature.form(1) * 3.0
+            model.potential(self, "heat", [product(e, e)], quadratic(2.0))
+
+    with pytest.raises(
+        vv.InputError, match=r"'oven' has a potential of temperature\[1\].*of order 1.*vv.Term"
+    ):
+        vv.System([Heat(name="oven"), vv.PointMass(mass=1.0)])

@@ -156,6 +156,12 @@ class Strain:
         products = (c * (a.rate(v) * b.value(x) + a.value(x) * b.rate(v)) for c, a, b in self.products)
         return self.linear.rate(v) + sum(products)
 
+    @property
+    def unknowns(self) -> set[int]:
+        """Unknowns that it sees."""
+        forms = [self.linear, *(f for _, a, b in self.products for f in (a, b))]
+        return {u for f in forms for u, _ in f.weights}
+
     def gradient(self, x: Array) -> dict[int, float]:
         """Nonzero derivatives by unknown at `x`."""
         g: dict[int, float] = dict(self.linear.weights)

@@ -67,6 +67,7 @@ class Model:
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
+    _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
     _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
@@ -133,6 +134,8 @@ class Model:
             local,
         )
         self.fields.append(new)
+        if order == 1:
+            self._transport.append(new)
         self._remember(new)
         return new
 
@@ -255,8 +258,27 @@ class Model:
         self.masses.append((key, index, values, account, self.index(component)))
 
     def potential(self, component: Component, kind: str, strains: Any, law: Law) -> None:
-        """Potential energy ``W(e)`` of one strain (or several, for a law that takes several)."""
+        """Potential energy ``W(e)`` of one strain (or several, for a law that takes several).
+
+        Raises
+        ------
+        InputError
+            If one sees an unknown of order 1, whose equation is no balance of forces.
+        """
+        self._refuse_transport(component, strains)
         self._element(component, strains, law, (), (), self.account(component, kind, "potential"))
+
+    def _refuse_transport(self, component: Component, strains: Any) -> None:
+        if not self._transport:
+            return
+        seen = {u for e in strains_of(strains) for u in e.unknowns}
+        for f in self._transport:
+            if found := sorted(seen.intersection(f.unknowns)):
+                raise InputError(
+                    f"{component.label} has a potential of {f.name}[{found[0] - f.start}] of {f.component.label}, an "
+                    "unknown of order 1, whose equation balances rates and no forces; give a vv.Term its residual, or "
+                    "make the field of order 0, where the energy is least, or 2, for motion"
+                )
 
     def dissipate(self, component: Component, kind: str, strains: Any, law: Law) -> None:
         """A law of strain rates."""
@@ -358,7 +380,13 @@ class Model:
         account: int,
         shift: int = 0,
     ) -> None:
-        listed = strains if isinstance(strains, list | tuple) else [strains]
-        exact = listed if all(isinstance(s, Strain) for s in listed) else [strain(s) for s in listed]
         number = self.index(component)
-        self.elements.append(Element(exact, law, multipliers, signals or [-1], account, number, shift))
+        self.elements.append(
+            Element(strains_of(strains), law, multipliers, signals or [-1], account, number, shift)
+        )
+
+
+def strains_of(strains: Any) -> Sequence[Strain]:
+    """Strains of one or several, which may be forms."""
+    listed = strains if isinstance(strains, list | tuple) else [strains]
+    return listed if all(isinstance(s, Strain) for s in listed) else [strain(s) for s in listed]

@@ -50,27 +50,30 @@ def problem_of(system: System) -> Problem:
         definite=all(f.order != 1 and f.definite for f in fields),
         n_multipliers=system.n_constraints - core.n_eliminated,
         has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
-        n_pressures=sum(f.size for f in fields if is_pressure(f)) - condensed,
+        n_pressures=sum(f.size for f in pressures_of_contact(model) if not f.is_local) - condensed,
         n_condensed=condensed,
         has_inertia=system.has_inertia,
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
-        has_diagonal=bool(condensed or not symmetric) and has_diagonal(fields, core.n_eliminated, condensed),
+        has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
         has_flow=has_flow,
         is_flow=has_flow and all(f.order < 2 for f in fields),
     )
 
 
-def has_diagonal(fields: list[Field], eliminated: int, condensed: int) -> bool:
+def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:
     """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
+    fields, contact = [f for f in model.fields if not f.is_local], pressures_of_contact(model)
     free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
-    pressures = sum(f.size for f in fields if is_pressure(f) and f.symmetric)
-    others = all(f.order > 0 or not f.symmetric or is_pressure(f) for f in fields if not f.multiplier)
+    pressures = sum(f.size for f in contact if f.symmetric)
+    others = all(f.order > 0 or not f.symmetric or f in contact for f in fields if not f.multiplier)
     return others and (free, pressures) == (eliminated, condensed)
 
 
-def is_pressure(field: Field) -> bool:
-    """Whether unknowns are pressures of contact."""
-    return field.order == 0 and not field.multiplier and not field.definite
+def pressures_of_contact(model: Model) -> list[Field]:
+    """Fields of pressures and tractions of contact; the pressures of mixed solids are none."""
+    contacts = {a.component for a in model.accounts if a.kind == "contact"}
+    algebraic = [f for f in model.fields if f.order == 0 and not f.multiplier and not f.definite]
+    return [f for f in algebraic if model.index(f.component) in contacts]
 
 
 def rigid_modes(model: Model) -> Array:
