@@ -11,7 +11,7 @@ namespace visviva {
 inline constexpr int solid_lanes = 8;
 inline constexpr int solid_max_nodes = 27;
 inline constexpr int solid_max_points = 27;
-inline constexpr int solid_max_pressures = 4;
+inline constexpr int solid_max_pressures = 6;
 
 struct SolidView {
     int n = 0, n_blocks = 0;        // elements, blocks

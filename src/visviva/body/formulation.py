@@ -23,13 +23,14 @@ Ints = NDArray[np.int64]
 
 Formulation = Literal["displacement", "F-bar", "enhanced", "mixed"]
 
-CONSTANT = ("quad4", "hex8", "wedge6")
+CONSTANT = ("quad4", "hex8")
 """Cells with one pressure, which may alternate between neighbours in the incompressible limit."""
 LINEAR = ("quad9", "hex20", "hex27")
 """Cells with a linear pressure of their own."""
-CONTINUOUS = ("tri3", "tri6", "tet4", "tet10")
-"""Cells with a continuous pressure, linear between the corners."""
-STABILISED = ("tri3", "tet4")
+CONTINUOUS = ("tri3", "tri6", "tet4", "tet10", "wedge6")
+"""Cells with a continuous pressure, linear between the corners. One constant in each wedge6 would lock: its triangles
+keep their area one by one then."""
+STABILISED = ("tri3", "tet4", "wedge6")
 """Cells whose pressure is kept from oscillating."""
 STIFFEST = 1e6
 """Pressures of materials whose bulk modulus exceeds this multiple of the shear modulus stay among the equations:
@@ -146,7 +147,7 @@ def without_mass(mass: Array, k: int, more: int) -> Array:
 def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
     """Numbers (m, p) of the pressures of each cell type's elements, and the element (n,) that alone has it or -1."""
     d, numbers, n, own = grid.dimension, {}, 0, [np.zeros(0, dtype=np.int64)]
-    corners = [nodes[:, : d + 1] for cell, nodes in grid.cells.items() if cell in CONTINUOUS]
+    corners = [nodes[:, : CELLS[cell].n_corners] for cell, nodes in grid.cells.items() if cell in CONTINUOUS]
     place = np.full(grid.n_nodes, -1)
     if corners:
         used = np.unique(np.concatenate([c.ravel() for c in corners]))
@@ -155,7 +156,7 @@ def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
         own.append(np.full(n, -1))
     for cell, nodes in grid.cells.items():
         if cell in CONTINUOUS:
-            numbers[cell] = place[nodes[:, : d + 1]]
+            numbers[cell] = place[nodes[:, : CELLS[cell].n_corners]]
         else:
             p = 1 if cell in CONSTANT else d + 1
             numbers[cell] = n + np.arange(len(nodes) * p).reshape(-1, p)

@@ -57,8 +57,8 @@ class Solid(Attachable, Meshed):
     formulation : {'displacement', 'F-bar', 'enhanced', 'mixed'}
         Against locking, see :doc:`/theory/solids`. 'F-bar' (quad4, hex8) scales the change of volume to that of the
         element's centre; 'enhanced' (quad4, hex8) adds strains, for bending too; 'mixed' has pressures: linear in each
-        quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4, for incompressible materials too;
-        constant in each quad4, hex8, wedge6 (the mean dilatation), for nearly incompressible ones.
+        quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4, wedge6, for incompressible
+        materials too; constant in each quad4, hex8 (the mean dilatation), for nearly incompressible ones.
     thickness : float
         Of a plane solid.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
