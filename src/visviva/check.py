@@ -49,7 +49,7 @@ class Redundancy:
     def __str__(self) -> str:
         others = [label for label in self.loop if label != self.component]
         listed = ", ".join(others[:8]) + (f" and {len(others) - 8} more" if len(others) > 8 else "")
-        return f"{self.constraint} of {self.component} follows from {listed or 'its others'}"
+        return f"{self.constraint} of {self.component} follows from {listed or 'its others, or from what is held'}"
 
 
 @dataclass

@@ -13,6 +13,7 @@ leaves nothing to fill in, however large they are.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -264,9 +265,12 @@ class Instant:
         soft = sp.diags_array(np.r_[np.zeros(n), np.full(m, -compliance)])
         K = (S @ K @ S + soft).tocsc()
         if self.metric is not self.M and K[:n, :n].nnz == n:  # meshes alone
-            self._solve = by_complement(K, n)
-        else:
-            self._solve = spl.splu(K, options={"Equil": False}).solve
+            with suppress(
+                RuntimeError
+            ):  # the compliance of redundant constraints was lost in their complement
+                self._solve = by_complement(K, n)
+                return
+        self._solve = spl.splu(K, options={"Equil": False}).solve
 
     def soft(self, f: Array, g: Array) -> Array:
         """Solution (n + m,) of the factored equations."""
