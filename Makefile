@@ -1,6 +1,7 @@
 # Everyday commands of a developer; users need none of them.
 PYTHON ?= python
 BUILD ?= build/dev
+HTML ?= docs/_build/html
 # one instruction set (AVX2) compiles in a third of the time; ON makes those that wheels have
 PORTABLE ?= OFF
 
@@ -14,5 +15,5 @@ test: core
 lint:
 	ruff check . && ruff format --check . && mypy
 	clang-format --dry-run --Werror $$(git ls-files 'cpp/*.cpp' 'cpp/*.hpp')
-docs:
-	PYTHONPATH=src sphinx-build -W -b html docs docs/_build/html
+docs:  ## of the package that is installed, or of what `make core` has built in place
+	PYTHONPATH=$(if $(wildcard src/visviva/_core.*.so),src) sphinx-build -W -b html docs $(HTML)

@@ -243,6 +243,24 @@ def test_directory_that_holds_a_run_is_refused(cli: Run) -> None:
     assert Path("runs/crane/ledger.csv").read_bytes() == before
 
 
+def test_an_earlier_run_is_overwritten_on_request(cli: Run) -> None:
+    assert cli("run", "pendulum", "--until", 0.05)[0] in (0, 1)
+    Path("runs/pendulum/notes.txt").write_text("mine")
+    code, _, err = cli("run", "pendulum", "--overwrite", "--scheme", "Midpont")
+    assert (code, Path("runs/pendulum/state.h5").exists()) == (2, True)  # what cannot be run deletes nothing
+    assert cli("run", "pendulum", "--until", 0.1, "--overwrite")[0] in (0, 1)
+    assert read_table("runs/pendulum/ledger.csv")["time"][-1] == pytest.approx(0.1)
+    assert Path("runs/pendulum/notes.txt").read_text() == "mine"
+    code, _, err = cli("run", "pendulum", "--overwrite", "--resume")
+    assert (code, "exclude each other" in err) == (2, True)
+
+
+def test_scenes_and_examples_of_one_name_have_their_own_directories(cli: Run) -> None:
+    assert cli("run", "four_bar", "--until", 0.05)[0] in (0, 1)
+    assert cli("run", SCENE, "--until", 0.05)[0] == 0
+    assert RunDirectory.open("runs/four_bar.yaml").read_summary()["study"] == "four_bar.yaml"
+
+
 def test_directory_that_cannot_be_written(cli: Run) -> None:
     Path("file").write_text("")
     code, _, err = cli("run", "crane", "--out", "file/crane")

@@ -77,6 +77,9 @@ def run(
         Parameter(help="Write tables and trajectory every so many steps; by default as fine as is useful."),
     ] = None,
     save_every: Annotated[float, Parameter(help="Seconds between saves of the state.")] = 5.0,
+    overwrite: Annotated[
+        bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
+    ] = False,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
@@ -84,16 +87,24 @@ def run(
     from visviva.gallery import assignments
     from visviva.run import run as run_study
 
-    directory = out or Path("runs") / Path(model).stem
+    directory = (
+        out or Path("runs") / Path(model).name
+    )  # an example and a scene of one name differ by the ending
     changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive}
     given = {key: value for key, value in changes.items() if value is not None}
     parameters = assignments(settings)
+    if resume and overwrite:
+        raise InputError(
+            "--resume and --overwrite exclude each other: continue the earlier run, or delete it"
+        )
     if resume:
         given, parameters = as_before(directory, given, parameters, force)
-    else:
+    elif not overwrite:
         refuse_earlier_run(directory)
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source)
+    if overwrite:
+        clear(directory)
     notes = {"study": source.name, "parameters": parameters, "given": given}
     try:
         result = run_study(
@@ -297,8 +308,16 @@ def refuse_earlier_run(directory: Path) -> None:
     if earlier:
         raise InputError(
             f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
-            "or choose another directory with --out DIR"
+            "choose another directory with --out DIR, or delete it with --overwrite"
         )
+
+
+def clear(directory: Path) -> None:
+    """Delete the files of an earlier run, and nothing else, unless somebody writes there."""
+    from visviva.output.directory import RunDirectory
+
+    with RunDirectory(directory).writing():
+        RunDirectory.create(directory, overwrite=True)
 
 
 def introduce(source: Source) -> None:
