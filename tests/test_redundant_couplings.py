@@ -1,4 +1,4 @@
-"""Frames on faces that are held twice: constraints that follow from others are found by name, and nothing else changes."""
+"""Frames on faces that are held twice: constraints that follow from others are found by name, nothing else changes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def brick(counts: tuple[int, int, int] = (1, 1, 1)) -> vv.Solid:
 
 
 def pulled(*, overlaps: bool) -> vv.System:
-    """A brick that stands on z0, with a frame on x1 whose lower edge stands there as well; a force pulls at the frame."""
+    """A brick that stands on z0, and a frame on x1, whose lower edge stands there as well, that a force pulls at."""
     solid = brick()
     end = vv.RigidCoupling(solid=solid, faces="x1", name="end")
     parts = [solid, end, vv.Fixed(solid=solid, nodes="z0" if overlaps else "x0")]
