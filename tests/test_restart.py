@@ -86,7 +86,7 @@ STUDIES: dict[str, Compose] = {
 
 def assert_same(one: Path, other: Path) -> None:
     """Both directories hold the same run, bit for bit."""
-    for table in ("ledger.csv", "probes.csv"):
+    for table in ("ledger.csv", "probes.csv", "states.npy"):
         assert (one / table).read_bytes() == (other / table).read_bytes(), table
     a, b = load_state(one / "state.h5")[0], load_state(other / "state.h5")[0]
     assert a.keys() == b.keys()

@@ -22,7 +22,7 @@ def audit(result: Result) -> str:
     """What was conserved, in ten lines."""
     system, s, ledger = result.system, result.statistics, result.ledger
     f = result.conservation()
-    works = ", ".join(f"{k} {ledger[f'work_{k}'][-1]:.6g}" for k in ledger.works) or "none"
+    works = ", ".join(f"{k} {ledger.last(f'work_{k}'):.6g}" for k in ledger.works) or "none"
     seconds = max(s.seconds, 1e-12)
     return "\n".join(
         [
@@ -31,7 +31,7 @@ def audit(result: Result) -> str:
             f"  linear solver for {system.linear_explanation}",
             f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
             f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
-            f"  total energy {ledger['total'][0]:.12g} -> {ledger['total'][-1]:.12g}",
+            f"  total energy {ledger.first('total'):.12g} -> {ledger.last('total'):.12g}",
             f"  work done on the system: {works}",
             f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}: {energy_verdict(result)}",
             *momentum_lines(result),
@@ -47,8 +47,10 @@ def energy_verdict(result: Result) -> str:
 
     Conserved, dissipated by the scheme, not meant to be conserved by it, or wrong.
     """
-    closing = result.ledger["imbalance"] / result.ledger.energy_scale
-    scheme, gained, lost = result.scheme, float(closing.max()), float(-closing.min())
+    ledger, scheme = result.ledger, result.scheme
+    gained, lost = (
+        x / ledger.energy_scale for x in (ledger.greatest("imbalance"), -ledger.least("imbalance"))
+    )
     if max(gained, lost) <= CONSERVED:
         return "conserved"
     if scheme.conserves_energy and max(gained, lost) <= LOOSE:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.instant import Instant, instant
+from visviva.output.tables import read_table
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -39,6 +42,9 @@ class Ledger:
         Of the whole system: what momenta and rates are compared with.
     pull : float
         Work of the forces at the start if everything moved along by its own size.
+    file : path or None
+        Table that holds the rows; without it they are kept in memory. Figures of the whole run need neither: they
+        follow from the first and the last row and the least and greatest values of all.
     """
 
     potentials: list[str]
@@ -47,6 +53,43 @@ class Ledger:
     length: float = 1.0
     pull: float = 0.0
     rows: list[Array] = field(default_factory=list)
+    file: Path | None = None
+    span: Array = field(default_factory=lambda: np.empty((4, 0)))
+    """First row, last row, least values, greatest values."""
+
+    def add(self, row: Array) -> None:
+        """Take in the row of a step."""
+        if not self.span.size:
+            self.span = np.array([row] * 4)
+        self.span[1] = row
+        np.minimum(self.span[2], row, out=self.span[2])
+        np.maximum(self.span[3], row, out=self.span[3])
+        if self.file is None:
+            self.rows.append(row)
+
+    @cached_property
+    def _column(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.names)}
+
+    def first(self, name: str) -> float:
+        """Value at the start."""
+        return float(self.span[0, self._column[name]])
+
+    def last(self, name: str) -> float:
+        """Value of the last step."""
+        return float(self.span[1, self._column[name]])
+
+    def least(self, name: str) -> float:
+        """Least value of all steps."""
+        return float(self.span[2, self._column[name]])
+
+    def greatest(self, name: str) -> float:
+        """Greatest value of all steps."""
+        return float(self.span[3, self._column[name]])
+
+    def size(self, name: str) -> float:
+        """Greatest absolute value of all steps."""
+        return float(np.abs(self.span[2:, self._column[name]]).max())
 
     @property
     def names(self) -> list[str]:
@@ -57,8 +100,12 @@ class Ledger:
 
     @property
     def table(self) -> Array:
-        """All rows (n, columns)."""
-        return np.array(self.rows)
+        """All rows (n, columns); of a run in a directory those in its table."""
+        return (
+            np.array(self.rows)
+            if self.file is None
+            else np.column_stack(list(read_table(self.file).values()))
+        )
 
     def __getitem__(self, name: str) -> Array:
         return self.table[:, self.names.index(name)]
@@ -69,17 +116,23 @@ class Ledger:
 
         Where hardly anything moves a millionth of the potentials or of `pull`, which are exact to rounding only.
         """
-        potentials = [self[f"potential_{k}"] for k in self.potentials]
-        swings = [max(np.ptp(p), STILL * np.abs(p).max()) for p in potentials]
-        works = [np.abs(self[f"work_{k}"]).max() for k in self.works]
-        return float(max([self["kinetic"].max(), *swings, *works, STILL * self.pull, np.finfo(float).tiny]))
+        potentials = [f"potential_{k}" for k in self.potentials]
+        swings = [max(self.greatest(p) - self.least(p), STILL * self.size(p)) for p in potentials]
+        works = [self.size(f"work_{k}") for k in self.works]
+        return float(
+            max([self.greatest("kinetic"), *swings, *works, STILL * self.pull, np.finfo(float).tiny])
+        )
+
+    @property
+    def duration(self) -> float:
+        """Time between the ends of the run."""
+        return self.greatest("time") - self.least("time")
 
     @property
     def speed(self) -> float:
         """Greatest root mean square of the velocity of the mass; at least a millionth of the length per run."""
-        rms = float(np.sqrt(2 * self["kinetic"].max() / self.mass)) if self.mass > 0 else 0.0
-        duration = float(np.ptp(self["time"]))
-        return max(rms, STILL * self.length / duration if duration > 0 else 0.0)
+        rms = float(np.sqrt(2 * self.greatest("kinetic") / self.mass)) if self.mass > 0 else 0.0
+        return max(rms, STILL * self.length / self.duration if self.duration > 0 else 0.0)
 
     def momentum_scale(self, kind: str) -> float:
         """What changes of momentum ('momentum' or 'angular') are relative to.
@@ -88,23 +141,23 @@ class Ledger:
         T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
         """
         most = self.mass * self.speed * (self.length if kind == "angular" else 1.0)
-        parts = np.array([self[f"{kind}_{c}"] for c in "xyz"])
-        return float(max(most, np.abs(parts).max(), np.finfo(float).tiny))
+        parts = [self.size(f"{kind}_{c}") for c in "xyz"]
+        return float(max(most, *parts, np.finfo(float).tiny))
 
     @property
     def rate_scale(self) -> float:
         """How often per unit of time the system moves by its length; once in the run at least."""
-        duration = float(np.ptp(self["time"]))
-        return max(self.speed / self.length, 1 / duration if duration > 0 else 1.0)
+        return max(self.speed / self.length, 1 / self.duration if self.duration > 0 else 1.0)
 
     def imbalance(self) -> float:
         """Largest closing error of the energy balance relative to the energy scale."""
-        return float(np.abs(self["imbalance"]).max() / self.energy_scale)
+        return self.size("imbalance") / self.energy_scale
 
     def drift(self, name: str) -> float:
         """Largest change of a momentum column relative to the momentum scale."""
-        column = self[name]
-        return float(np.abs(column - column[0]).max() / self.momentum_scale(name.split("_")[0]))
+        first = self.first(name)
+        change = max(self.greatest(name) - first, first - self.least(name))
+        return change / self.momentum_scale(name.split("_")[0])
 
 
 class Bookkeeper:
@@ -157,7 +210,7 @@ class Bookkeeper:
         defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
         row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
-        self.ledger.rows.append(row)
+        self.ledger.add(row)
         return row
 
 

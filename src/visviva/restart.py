@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
 from visviva.output.checkpoint import load_state, save_state
-from visviva.output.tables import read_table
 from visviva.result import Result
 from visviva.system import System
 
@@ -45,10 +44,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     system = result.system
     arrays: dict[str, NDArray[Any]] = {name: getattr(system.core, name) for name in STATE}
     arrays |= {"memory": system.core.memory(), "books/done": books.done}
-    arrays |= {"kept/times": np.array(result.times), "kept/x": np.array(result.states)}
-    arrays["kept/v"] = np.array(result.rates)
-    for k, records in enumerate(zip(*result.records, strict=True)):
-        arrays[f"kept/record{k}"] = np.array(records)
+    arrays["books/span"] = books.ledger.span
     arrays |= {f"pace/{name}": value for name, value in system.pace.items()}
     for k, (term, _) in enumerate(system.model.terms):
         for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
@@ -74,15 +70,13 @@ def notes_of(path: Path) -> dict[str, Any]:
     return notes
 
 
-def load(path: Path, ledger: Path, result: Result, books: Bookkeeper, changed: bool = False) -> None:
+def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -> None:
     """Put a system, its result and its books into the state that `save` wrote.
 
     Parameters
     ----------
     path
         State file.
-    ledger
-        The run's table of books, read up to the time of the state.
     result, books
         Fresh ones of a system that was composed as for the run that was saved.
     changed : bool
@@ -113,14 +107,7 @@ def load(path: Path, ledger: Path, result: Result, books: Bookkeeper, changed: b
     for statistic in fields(result.statistics):
         setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])
     books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
-    rows = rows_until(
-        ledger, books.ledger.names, system.time, json.loads(str(attributes["notes"])).get("rows")
-    )
-    books.ledger.rows[:] = rows
-    result.times[:] = arrays["kept/times"].tolist()
-    result.states[:], result.rates[:] = list(arrays["kept/x"]), list(arrays["kept/v"])
-    records = [arrays[f"kept/record{k}"] for k in range(len(result.records[0]))]
-    result.records[:] = [[record[t] for record in records] for t in range(len(result.times))]
+    books.ledger.span = arrays["books/span"]
 
 
 def _load_memory(system: System, arrays: Arrays, changed: bool) -> None:
@@ -134,17 +121,6 @@ def _load_memory(system: System, arrays: Arrays, changed: bool) -> None:
             term.history.update({name: value.copy() for name, value in found.items()})
         if restore and not changed:
             system.core.remember(np.ascontiguousarray(arrays["memory"]))
-
-
-def rows_until(
-    ledger: Path, names: list[str], time: float, n: int | None = None
-) -> list[NDArray[np.float64]]:
-    """Rows of a table of books up to a time, or the first `n`."""
-    columns = read_table(ledger)
-    if list(columns) != names:
-        raise InputError(f"{ledger}: holds other columns than {names}; resume with the same system")
-    rows = np.column_stack([columns[name] for name in names])
-    return list(rows[rows[:, 0] <= time] if n is None else rows[:n])
 
 
 def signature(system: System) -> str:

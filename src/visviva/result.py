@@ -17,6 +17,7 @@ from visviva.ledger import MOMENTA, Ledger
 from visviva.measure import Measure
 
 if TYPE_CHECKING:
+    from visviva.output.states import StateFile
     from visviva.scheme import Scheme
     from visviva.system import System
 
@@ -35,16 +36,33 @@ class Statistics:
 
 
 @dataclass
+class Kept:
+    """States that are kept in memory."""
+
+    times: list[float] = field(default_factory=list)
+    states: list[Array] = field(default_factory=list)
+    rates: list[Array] = field(default_factory=list)
+    records: list[list[Array]] = field(default_factory=list)
+
+    def append(self, time: float, x: Array, v: Array, records: list[Array]) -> None:
+        """Keep a state."""
+        self.times.append(time)
+        self.states.append(x.copy())
+        self.rates.append(v.copy())
+        self.records.append(records)
+
+
+@dataclass
 class Result:
     """A run's states, ledger and statistics.
 
     Attributes
     ----------
-    times : list of float
+    times : sequence of float
         Times of the kept states.
-    states, rates : list of arrays
-        Unknowns and rates at these times.
-    records : list of lists of arrays
+    states, rates : sequences of arrays
+        Unknowns and rates at these times; those of a run in a directory are read from its file.
+    records : sequence of lists of arrays
         What contacts showed at these times.
     ledger : Ledger
         One row per accepted step.
@@ -53,11 +71,24 @@ class Result:
     system: System
     scheme: Scheme
     ledger: Ledger
-    times: list[float] = field(default_factory=list)
-    states: list[Array] = field(default_factory=list)
-    rates: list[Array] = field(default_factory=list)
-    records: list[list[Array]] = field(default_factory=list)
+    kept: Kept | StateFile = field(default_factory=Kept)
     statistics: Statistics = field(default_factory=Statistics)
+
+    @property
+    def times(self) -> Sequence[float]:
+        return self.kept.times
+
+    @property
+    def states(self) -> Sequence[Array]:
+        return self.kept.states
+
+    @property
+    def rates(self) -> Sequence[Array]:
+        return self.kept.rates
+
+    @property
+    def records(self) -> Sequence[list[Array]]:
+        return self.kept.records
 
     def history(self, what: Form | Vector | Strain | Measure) -> Array:
         """Values of a form, vector, strain or measure at the kept times, (n,) or (n, k)."""
@@ -111,8 +142,8 @@ class Result:
         ledger = self.ledger
         figures = {"energy": ledger.imbalance()}
         figures |= {name: ledger.drift(name) for name in MOMENTA}
-        figures["constraints"] = float(ledger["defect_position"].max())
-        figures["constraint rates"] = float(ledger["defect_velocity"].max()) / ledger.rate_scale
+        figures["constraints"] = ledger.greatest("defect_position")
+        figures["constraint rates"] = ledger.greatest("defect_velocity") / ledger.rate_scale
         return figures
 
     def audit(self) -> str:

@@ -21,6 +21,7 @@ from visviva.interrupt import deferred_interrupt
 from visviva.ledger import Bookkeeper
 from visviva.origin import Origin
 from visviva.output.directory import RunDirectory
+from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
@@ -31,7 +32,7 @@ from visviva.study import Study, measure
 Array = NDArray[np.float64]
 
 MOST_ROWS = 20_000
-MOST_KEPT = 64e6  # bytes of states kept in memory and in the restart file
+MOST_KEPT = 64e6  # bytes of states kept in their file
 
 
 @dataclass(frozen=True)
@@ -204,7 +205,11 @@ class Recorder:
             if recorder.drawing.surfaces:
                 n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
                 recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
-            recorder.write_row(books.ledger.rows[-1])
+            first = result.records[0]
+            result.kept = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            keep(result)
+            recorder.write_row(books.ledger.rows.pop())
+            books.ledger.file = files.ledger
             recorder.write_frame()
             recorder.save()
         return recorder
@@ -215,7 +220,7 @@ class Recorder:
         kept = restart.notes_of(files.state)
         origin, changed = Origin.read(files).resumed(files, study, force)
         result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
-        restart.load(files.state, files.ledger, result, books, bool(changed))
+        restart.load(files.state, result, books, bool(changed))
         now = study.system.time
         if study.scheme.has_growing_time and study.until < now - 1e-6 * study.step:
             raise InputError(
@@ -232,6 +237,11 @@ class Recorder:
             rows, sums = recorder.rows, kept["checksums"]
             recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
             recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
+            books.ledger.file, shapes = files.ledger, [r.shape for r in result.records[0]]
+            result.kept = StateFile.reopen(
+                files.states, len(study.system.x), shapes, kept["states"], sums["states"]
+            )
+            books.ledger.rows.clear()
             if recorder.drawing.surfaces:
                 recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
                 if recorder.trajectory.n_steps != kept["frames"]:
@@ -334,10 +344,13 @@ class Recorder:
         """Save the state."""
         start = time.perf_counter()
         study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
+        kept = self.result.kept
         assert ledger is not None
         assert probes is not None
+        assert isinstance(kept, StateFile)
         ledger.sync()  # the state must not outlive what it goes with
         probes.sync()
+        kept.sync()
         if trajectory is not None:
             trajectory.sync()
         notes = {
@@ -347,7 +360,8 @@ class Recorder:
             "study": self.notes,
         }
         notes |= {"rows": self.rows, "frames": trajectory.n_steps if trajectory else 0}
-        notes |= {"checksums": {"ledger": ledger.checksum, "probes": probes.checksum}}
+        notes["states"] = kept.count
+        notes["checksums"] = {"ledger": ledger.checksum, "probes": probes.checksum, "states": kept.checksum}
         restart.save(self.files.state, self.result, self.books, notes)
         self.saved_time = study.system.time
         self._saved = time.perf_counter()

@@ -202,8 +202,6 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
 
 def keep(result: Result) -> None:
     """Keep the present state."""
-    result.times.append(result.system.time)
-    result.states.append(result.system.x.copy())
-    result.rates.append(result.system.v.copy())
-    records = [component.record(result.system.x) for component in result.system.components]
-    result.records.append([r for r in records if r is not None])
+    system = result.system
+    records = [component.record(system.x) for component in system.components]
+    result.kept.append(system.time, system.x, system.v, [r for r in records if r is not None])

@@ -20,7 +20,7 @@ from visviva.examples import pendulum
 from visviva.output import Trajectory, TrajectoryWriter, load_state, read_table
 from visviva.run import run
 
-FILES = ["state.h5", "ledger.csv", "probes.csv", "trajectory.vtkhdf", "arguments.json"]
+FILES = ["state.h5", "ledger.csv", "probes.csv", "trajectory.vtkhdf", "states.npy", "arguments.json"]
 
 
 def study(until: float) -> vv.Study:
@@ -73,7 +73,7 @@ def test_a_damaged_file_is_named(name: str, damage: Any, whole: tuple[Path, Path
         if refusal:
             assert name in refusal or "was run with something else" in refusal
             continue
-        assert name in ("trajectory.vtkhdf", "arguments.json", "state.h5")
+        assert name in ("trajectory.vtkhdf", "states.npy", "arguments.json", "state.h5")
         assert damage is not replaced
         for table in ("ledger.csv", "probes.csv"):
             assert (directory / table).read_bytes() == (full / table).read_bytes()

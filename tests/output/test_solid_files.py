@@ -12,6 +12,7 @@ from output.scenes import read_by_vtk
 from visviva.drawing import Drawing
 from visviva.output import Surface, Trajectory, TrajectoryWriter
 from visviva.output.skin import skin
+from visviva.result import Kept
 from visviva.run import run
 
 STEEL = vv.LinearElastic(young=200.0, poisson=0.25)
@@ -69,7 +70,7 @@ def test_linear_stress_in_the_file_is_exact(tmp_path):
     H = np.array([[0.02, 0.01, 0.0], [0.0, -0.01, 0.03], [0.01, 0.0, 0.0]])
     x = stretched(solid, system, np.eye(3) + H)
     result = vv.simulate(system, until=0.1, step=0.1)
-    result.times, result.states, result.rates = [0.0], [x], [0.5 * system.v]
+    result.kept = Kept([0.0], [x], [0.5 * system.v], [[]])
     result.write(tmp_path / "t.vtkhdf")
     _, (grid,) = read_by_vtk(tmp_path / "t.vtkhdf")
     e, mu, lam = (H + H.T) / 2, 80.0, 80.0

@@ -57,6 +57,11 @@ class RunDirectory:
         return self.path / "state.h5"
 
     @property
+    def states(self) -> Path:
+        """States that were kept, one row each."""
+        return self.path / "states.npy"
+
+    @property
     def arguments(self) -> Path:
         """What the study was made of, compared when the run is resumed."""
         return self.path / "arguments.json"
@@ -95,7 +100,15 @@ class RunDirectory:
     @property
     def files(self) -> tuple[Path, ...]:
         """All files that a run may write."""
-        series = (self.trajectory, self.ledger, self.probes, self.summary, self.state, self.arguments)
+        series = (
+            self.trajectory,
+            self.ledger,
+            self.probes,
+            self.summary,
+            self.state,
+            self.states,
+            self.arguments,
+        )
         return (*series, self.energy_plot, self.picture, self.movie)
 
     @classmethod
