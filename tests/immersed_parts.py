@@ -73,6 +73,14 @@ def carried(
     ]
 
 
+def thin(cell: str = "quad4", n: int = 6) -> Components:
+    """A flap a tenth of a cell thick and askew, which swirls in a closed box."""
+    fluid, rubber = box(cell, n), vv.NeoHooke(young=500.0, poisson=0.3)
+    strip = vv.RectangleMesh(size=(0.4, 0.02), counts=(8, 1), origin=(0.4, 0.5)).build().rotated(0.4)
+    solid = vv.Solid(mesh=strip, material=rubber, density=1.5)
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]
+
+
 def large(cell: str, **options: Any) -> Components:
     """So large that random displacements turn no element inside out."""
     return carried(cell, 3, 10.0, **{"counts": (2, 1, 1), **options})

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from immersed_parts import body, box, carried, flap, immersed, part, patch
+from immersed_parts import body, box, carried, flap, immersed, part, patch, thin
 
 import visviva as vv
 from visviva.errors import InputError, RunError
 from visviva.run import run
 
 
-@pytest.mark.parametrize("build", [carried, body, flap])
+@pytest.mark.parametrize("build", [*(partial(b, sealing=100.0) for b in (carried, body, flap)), thin])
 def test_energy_balances_with_less_stabilisation_around(build: Any) -> None:
-    result = vv.simulate(vv.System(build(sealing=100.0)), until=0.4, step=0.02)
+    result = vv.simulate(vv.System(build()), until=0.4, step=0.02)
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
     assert np.abs(result.ledger["work_stabilisation"]).max() > 1e-6 * result.ledger["total"][0]
 
@@ -29,7 +29,7 @@ def test_energy_of_a_closed_cube_balances(build: Any, n: int) -> None:
     assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * result.ledger["total"][0]
 
 
-@pytest.mark.parametrize("build", [carried, flap, partial(carried, sealing=100.0)])
+@pytest.mark.parametrize("build", [carried, flap, thin, partial(carried, sealing=100.0)])
 def test_resumed_bit_by_bit(build: Any, tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(vv.System(build()), until, 0.02)
@@ -43,6 +43,64 @@ def test_resumed_bit_by_bit(build: Any, tmp_path: Path) -> None:
 
 def twice(parts: list[Any], kind: type[Any]) -> vv.System:
     return vv.System([*parts, immersed(part(parts, kind), part(parts, vv.Fluid))])
+
+
+def pillar() -> vv.Fluid:
+    """A fluid around a square hole in the middle, narrower than marks and cells are apart."""
+    whole = vv.RectangleMesh(size=(1, 1), counts=(10, 10)).build()
+    away = np.abs(whole.points[whole.cells["quad4"]].mean(axis=1) - 0.45).max(axis=1) > 0.01
+    mesh = vv.Mesh(whole.points, {"quad4": whole.cells["quad4"][away]}).without_orphans()
+    return vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+
+
+def over(allowed: bool, rigid: bool) -> vv.System:
+    """A body over that hole."""
+    fluid = pillar()
+    soft: Any = {"material": vv.NeoHooke(young=1.0, poisson=0.3), "density": 1.0}
+    patches = vv.RectangleMesh(size=(0.35, 0.35), counts=(3, 3), origin=(0.28, 0.28))
+    solid = vv.Solid(mesh=patches, **soft)
+    block = vv.RigidBody(shape=vv.Box(size=(0.36, 0.36, 1.0)), density=1.0, position=(0.45, 0.45, 0.0))
+    more: Any = {"fluid": fluid, "over_walls": allowed}
+    wet = vv.ImmersedBody(body=block, spacing=4.0, **more) if rigid else vv.Immersed(solid=solid, **more)
+    return vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), block if rigid else solid, wet])
+
+
+def dry(kind: str, allowed: bool) -> vv.System:
+    """A body in a fluid that does not know of it."""
+    parts = carried() if kind == "solid" else body()
+    parts[0].dry = allowed
+    return vv.System([c for c in parts if not isinstance(c, vv.Immersed | vv.ImmersedBody)])
+
+
+def massless(allowed: bool) -> vv.System:
+    fluid, solid = box(), patch(density=0.0)
+    wet = vv.Immersed(solid=solid, fluid=fluid, massless=allowed)
+    return vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, wet])
+
+
+MEANT: dict[str, Callable[[bool], Any]] = {
+    "a solid that is not immersed": partial(dry, "solid"),
+    "a rigid body that is not immersed": partial(dry, "body"),
+    "a solid over a wall": partial(over, rigid=False),
+    "a rigid body over a wall": partial(over, rigid=True),
+    "a solid without density": massless,
+}
+
+
+@pytest.mark.parametrize("what", MEANT)
+def test_what_is_hardly_meant_is_refused_but_can_be_asked_for(what: str) -> None:
+    with pytest.raises(InputError, match=r"allow (it|that) by .*=True"):
+        MEANT[what](False)
+    MEANT[what](True)
+
+
+def test_bodies_beside_a_fluid_are_no_matter() -> None:
+    """A wall of solid cells along the mesh of the fluid shares its border and lies outside."""
+    fluid = box()
+    mesh = vv.RectangleMesh(size=(1.0, 0.2), counts=(6, 1), origin=(0.0, -0.2))
+    wall = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
+    block = vv.RigidBody(shape=vv.Box(size=(0.2, 0.2, 1.0)), density=1.0, position=(-0.1, 0.5, 0.0))
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), wall, block])
 
 
 BAD: dict[str, tuple[Callable[[], Any], str]] = {

@@ -48,6 +48,7 @@ void bind_flow(nb::module_& m) {
         .def("set_force",
              [](FlowTerm& t, nb::object f, std::size_t size) { t.set_force(load_of(std::move(f), size)); })
         .def("scale_metric", [](FlowTerm& t, const Doubles& factor) { t.scale_metric(factor.data()); })
+        .def("blind", [](FlowTerm& t, const Doubles& directions) { t.blind(directions.data()); })
         .def("book_flow", [](FlowTerm& t, int owner, int kinetic, int viscosity, int stabilisation, int force,
                              int continuation) {
             t.owner = owner, t.kinetic_account = kinetic;

@@ -56,12 +56,13 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
     };
 }
 
-// Takes unknowns; None where nobody asks.
-Reach reach_of(nb::object function) {
+// Takes unknowns and places (n, dim); None where nobody asks.
+Reach reach_of(nb::object function, std::size_t n, std::size_t dim) {
     if (function.is_none()) return {};
-    return [f = nb::weakref(function)](const std::vector<int>& unknowns) {
+    return [f = nb::weakref(function), n, dim](const std::vector<int>& unknowns, const double* places) {
         nb::gil_scoped_acquire gil;
-        alive(f)(nb::cast(nb::ndarray<nb::numpy, const int>(unknowns.data(), {unknowns.size()}, nb::none())));
+        alive(f)(nb::cast(nb::ndarray<nb::numpy, const int>(unknowns.data(), {unknowns.size()}, nb::none())),
+                 rows(places, n, dim));
     };
 }
 
@@ -79,7 +80,7 @@ void bind_immersed(nb::module_& m) {
                 new (t) ImmersedTerm(
                     {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
                     interpolation_of(std::move(interpolate), n, dim, width),
-                    coupling_of(std::move(couple), n, dim), reach_of(std::move(reach)));
+                    coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
             },
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("vector"), nb::arg("weight"),
             nb::arg("multiplier"), nb::arg("interpolate"), nb::arg("couple"), nb::arg("reach").none())

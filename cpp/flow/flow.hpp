@@ -22,6 +22,8 @@ struct FlowView {
     // Of elements of equal order, that are stabilised: the metric of the reference element, packed upper
     // triangle, and its square, [point][dim (dim + 1) / 2 + 1]
     const double* metric = nullptr;
+    // Of these, directions [dim] along which their residual is left out, or null
+    const double* blind = nullptr;
     // See Slots
     const std::int64_t *row = nullptr, *length = nullptr;
     const std::uint16_t* offset = nullptr;

@@ -20,6 +20,7 @@ struct FlowPoint {
     // Stabilised elements: residual of the momentum balance, Tezduyar's tau and its derivative by v, the same
     // of what penalises the divergence
     V R[D], tau, dtau[D], lsic, dlsic[D];
+    V blind[D];  // direction along which R is left out, or zero
 };
 
 template <int D, int N, int P>
@@ -93,9 +94,18 @@ struct FlowElement {
             for (int i = 0; i < D; ++i) {
                 at.R[i] = f.rho * (at.rate[i] + at.conv[i]) - force(q, i);
                 for (int b = 0; b < P; ++b) at.R[i] += p[b] * G[b][i];
+                at.blind[i] = f.blind ? vload(f.blind + (block * D + i) * L8 + lane) : V{};
             }
+            leave_out(at.blind, at.R);
             scales(q, at);
         }
+    }
+
+    // Takes off what a vector has along a direction.
+    VISVIVA_INLINE static void leave_out(const V* blind, V* a) {
+        V along = V{};
+        for (int i = 0; i < D; ++i) along += blind[i] * a[i];
+        for (int i = 0; i < D; ++i) a[i] -= along * blind[i];
     }
 
     // Tezduyar (1991): 1/tau^2 = (2/h)^2 + (2|v|/l)^2 + (4 nu/l^2)^2 with the length l along v from the

@@ -60,6 +60,11 @@ void FlowTerm::scale_metric(const double* factor) {
     }
 }
 
+void FlowTerm::blind(const double* directions) {
+    in_lanes(blind_, directions, view_.dim, view_.n);
+    view_.blind = blind_.data();
+}
+
 void FlowTerm::update_force(double t) {
     if (!load_ || t == force_time_) return;
     const std::int64_t rows = view_.n_points * view_.dim;

@@ -33,6 +33,10 @@ class FlowTerm : public Term {
     // stabilised.
     void scale_metric(const double* factor);
 
+    // Stabilised elements: directions [element][dim] along which their residual is left out, unit vectors or
+    // zero.
+    void blind(const double* directions);
+
     // Body force per volume; evaluated once per time.
     void set_force(FlowLoad f) { load_ = std::move(f); }
 
@@ -67,7 +71,7 @@ class FlowTerm : public Term {
     FlowLoad load_;
     double force_time_ = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> N_, M_, given_;
-    Aligned<double> G_, w_, X_, metric_, given_metric_, force_, out_;
+    Aligned<double> G_, w_, X_, metric_, given_metric_, blind_, force_, out_;
 };
 
 }  // namespace visviva

@@ -16,7 +16,7 @@ ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Cou
     const std::size_t n = static_cast<std::size_t>(points_.n());
     now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
     at_tangent_ = now_;
-    start_.assign(n * points_.dim, 0.0), places_ = start_;
+    start_.assign(n * points_.dim, 0.0), places_ = start_, reached_ = start_;
 }
 
 template <class F>
@@ -76,6 +76,7 @@ void ImmersedTerm::write_memory(std::vector<double>& m) const {
     }
     m.insert(m.end(), at_tangent_.unknown.begin(), at_tangent_.unknown.end());
     m.insert(m.end(), at_tangent_.weight.begin(), at_tangent_.weight.end());
+    m.insert(m.end(), reached_.begin(), reached_.end());
 }
 
 bool ImmersedTerm::read_memory(const double*& m) {
@@ -87,6 +88,7 @@ bool ImmersedTerm::read_memory(const double*& m) {
     }
     for (int& u : at_tangent_.unknown) u = static_cast<int>(*m++);
     for (double& w : at_tangent_.weight) w = *m++;
+    for (double& p : reached_) p = *m++;
     now_ = at_tangent_;
     std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
     tell_reach();
@@ -110,6 +112,7 @@ void ImmersedTerm::couple(const double* x0, const double* x1) {
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());
     }
+    reached_ = places_;
     tell_reach();
 }
 
@@ -118,7 +121,7 @@ void ImmersedTerm::tell_reach() const {
     if (!reach_) return;
     std::vector<int> unknowns;
     for (const auto& all : coupled_) unknowns.insert(unknowns.end(), all.begin(), all.end());
-    reach_(unknowns);
+    reach_(unknowns, reached_.data());
 }
 
 // f(row, column) of every entry, two by two those of a constraint and its transpose.

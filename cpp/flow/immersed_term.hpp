@@ -17,8 +17,9 @@ using Interpolation = std::function<void(const double* places, int* unknown, dou
 /// step: for each, without order.
 using Coupling = std::function<std::vector<std::vector<int>>(const double* places, const double* moves)>;
 
-/// Told of the first unknowns of all velocities that points follow or may come to follow.
-using Reach = std::function<void(const std::vector<int>& unknowns)>;
+/// Told of the first unknowns of all velocities that points follow or may come to follow, and where these are
+/// [n][dim].
+using Reach = std::function<void(const std::vector<int>& unknowns, const double* places)>;
 
 /// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
 /// multiplier and follows `width` velocities.
@@ -76,9 +77,9 @@ class ImmersedTerm : public Term {
         std::vector<double> weight;
     };
     Weights now_, at_tangent_;
-    std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
-    std::vector<double> start_, places_;
-    double theta_ = 0.5;  // of the last step: schemes do not change
+    std::vector<std::vector<int>> coupled_;         // per point: all velocities in the pattern, sorted
+    std::vector<double> start_, places_, reached_;  // the last: places when the pattern was made
+    double theta_ = 0.5;                            // of the last step: schemes do not change
     double location_ = 0;
     bool ahead_ = false;  // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;

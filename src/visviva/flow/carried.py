@@ -42,12 +42,14 @@ cells around."""
 class Carried(Component):
     """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity.
 
-    The fluid's elements around are stabilised less, by a metric that is larger by the factor `sealing`.
+    The fluid's elements around are stabilised less, by a metric that is larger by the factor `sealing`. What covers
+    a part of the fluid's boundary is refused unless `over_walls`.
     """
 
     fluid: Fluid
     damping: float = 0.0
     sealing: float = 1.0
+    over_walls: bool = False
 
     def __post_init__(self) -> None:
         if not 1.0 <= self.sealing < np.inf:
@@ -75,7 +77,7 @@ class Carried(Component):
     def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
         """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
         transfer = Transfer(self.fluid)
-        reach = self._reached if self.sealing > 1 else None
+        reach = self._reached if self.fluid.is_stabilised else None
         n = len(multipliers)
         self._points = vectors.reshape(n, -1), weights.reshape(n, -1), multipliers
         self._calls = (
@@ -174,8 +176,10 @@ class Carried(Component):
 
         return couple
 
-    def _reached(self, unknowns: Ints) -> None:
-        self.fluid.seal(self, self.sealing, unknowns)
+    def _reached(self, unknowns: Ints, places: Array) -> None:
+        if self.sealing > 1:
+            self.fluid.seal(self, self.sealing, unknowns)
+        self.fluid.blind(self, unknowns, places)
 
     def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
         if np.all(cells >= 0):

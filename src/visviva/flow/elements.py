@@ -135,6 +135,16 @@ class Batch:
         return np.asarray(np.einsum("qk,mkd->mqd", self.N, self.points[self.nodes]))
 
     @cached_property
+    def middles(self) -> Array:
+        """Middles (m, d) of the elements."""
+        return np.asarray(self.points[self.nodes].mean(axis=1))
+
+    @cached_property
+    def edges(self) -> Array:
+        """Edges (m,) of squares or cubes as large."""
+        return np.asarray(self.geometry()[1].sum(axis=1) ** (1 / self.points.shape[1]))
+
+    @cached_property
     def inverse(self) -> Array:
         """Derivatives (m, d, d) of the reference coordinates by the positions, in the middle of the elements."""
         cell = CELLS[self.cell]

@@ -18,6 +18,7 @@ from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
 from visviva.flow.periodic import numbering
+from visviva.flow.sheet import normals
 from visviva.load.force import guarded
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_faces
@@ -57,6 +58,8 @@ class Fluid(Meshed):
         Force per volume, or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
     periodic : pairs of str
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
+    dry : bool
+        Allow solids and rigid bodies that lie within the mesh and take no part in the flow; else they are refused.
     convection : bool
         Without it the flow is that of Stokes: so slow that fluid carries no momentum along. The equations are linear
         then, and one factorisation serves all steps of a length.
@@ -87,6 +90,7 @@ class Fluid(Meshed):
     body_force: VectorOrFunction = (0.0, 0.0, 0.0)
     periodic: Pairs = ()
     convection: bool = True
+    dry: bool = False
 
     def __post_init__(self) -> None:
         for name in ("density", "viscosity"):
@@ -153,6 +157,10 @@ class Fluid(Meshed):
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
+        from visviva.flow.overlap import refuse_dry
+
+        if not self.dry:
+            refuse_dry(self, model)
         self._gravity = np.zeros(3)
         self.conditions = Conditions(self, model)
         v = np.zeros((self._n_numbers, self.dimension))
@@ -185,6 +193,7 @@ class Fluid(Meshed):
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
         self._terms = [self._term(model, batch) for batch in self.batches]
         self._sealed: dict[Any, tuple[float, Array]] = {}
+        self._thin: dict[Any, tuple[Array, Array]] = {}
         for term in self._terms:
             model.batch(term)
 
@@ -199,6 +208,23 @@ class Fluid(Meshed):
         for batch, term in zip(self.batches, self._terms, strict=True):
             factors = [np.where(at[batch.nodes].all(axis=1), f, 1.0) for f, at in self._sealed.values()]
             term.scale_metric(np.max(factors, axis=0))
+
+    def blind(self, owner: object, unknowns: Any, places: Array) -> None:
+        """Stabilise elements, all of whose velocities are among `unknowns`, along a thin body at places (n, d) alone.
+
+        Across it the pressure jumps, and what carries the jump, the force of the body, is not in their residual.
+        """
+        known = np.zeros(self._n_numbers, dtype=bool)
+        known[(unknowns - self.flow.start) // self.dimension] = True
+        self._thin[owner] = known[self._number], places.copy()
+        for batch, term in zip(self.batches, self._terms, strict=True):
+            directions = np.zeros((len(batch.nodes), self.dimension))
+            for at, points in self._thin.values():
+                mine = np.flatnonzero(at[batch.nodes].all(axis=1))
+                edge = float(np.median(batch.edges[mine])) if len(mine) else 0.0
+                found = normals(points, batch.middles[mine], edge) if len(mine) else directions[mine]
+                directions[mine] = np.where(found.any(axis=1)[:, None], found, directions[mine])
+            term.blind(np.ascontiguousarray(directions))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of the velocity of each node."""

@@ -18,6 +18,7 @@ from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.flow.carried import Carried, Cells
 from visviva.flow.location import Place
+from visviva.flow.overlap import covered_by_solid, refuse_covering
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -47,11 +48,16 @@ class Immersed(Carried):
         From 1, for fluids with stabilised elements: their metric around the solid is multiplied by it, so that
         stabilisation lets less of the fluid through thin solids, at the cost of pressures that swing from node to node
         there (Kamensky et al. 2015).
+    over_walls : bool
+        Allow the solid to cover a part of the fluid's boundary, where the fluid cannot move with it.
+    massless : bool
+        Allow a solid without density; it then takes the inertia of the fluid away that it displaces.
 
     Raises
     ------
     InputError
-        If a node of the solid lies outside of the fluid, or the dimensions differ.
+        If a node of the solid lies outside of the fluid, the solid covers its boundary or has no density, or the
+        dimensions differ.
     RunError
         If a node leaves the fluid later.
 
@@ -83,9 +89,15 @@ class Immersed(Carried):
     """
 
     solid: Solid
+    massless: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.solid.density == 0 and not self.massless:
+            raise InputError(
+                f"{self.label}: {self.solid.label} has no density and would take the inertia of {self.fluid.label} "
+                "away where it is; give it one, or allow that by massless=True"
+            )
         if self.solid.dimension != self.fluid.dimension:
             raise InputError(
                 f"{self.label}: {self.solid.label} is of dimension {self.solid.dimension} and {self.fluid.label} of "
@@ -113,6 +125,9 @@ class Immersed(Carried):
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion
         places, follows = self._located(self.solid.grid.points), ~motion.fixed
+        if not self.over_walls:
+            covered = covered_by_solid(self.fluid, self.solid)
+            refuse_covering(self.label, self.solid, self.fluid, covered)
         motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)
         model.hold(self.force, np.flatnonzero(~follows))

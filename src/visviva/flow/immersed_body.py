@@ -17,6 +17,7 @@ from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.flow.carried import Carried
 from visviva.flow.marks import marks
+from visviva.flow.overlap import covered_by_body, refuse_covering
 from visviva.form import Vector
 
 if TYPE_CHECKING:
@@ -42,14 +43,14 @@ class ImmersedBody(Carried):
     spacing : float
         Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it (half
         edges of quadratic ones).
-    damping, sealing : float
+    damping, sealing, over_walls
         See `Immersed`.
 
     Raises
     ------
     InputError
-        If the body has no shape, lies partly outside of the fluid, or does not fit into a plane fluid; or for marks too
-        close.
+        If the body has no shape, lies partly outside of the fluid, covers its boundary, or does not fit into a plane
+        fluid; or for marks too close.
     RunError
         If it leaves the fluid later.
 
@@ -131,6 +132,9 @@ class ImmersedBody(Carried):
         where = self.body.position[:d], self.body.rotation[:d]
         outline = where[0] + self._shape.surface()[0] @ where[1].T
         cells = self._located(outline).cells
+        if not self.over_walls:
+            covered = covered_by_body(self.fluid, self.body, *self._shape.surface())
+            refuse_covering(self.label, self.body, self.fluid, covered)
         edge = float(np.min(self.fluid.grid.volumes[cells]) ** (1 / d)) / (
             1 if self.fluid.is_stabilised else 2
         )

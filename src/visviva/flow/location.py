@@ -28,15 +28,17 @@ NEAREST = 12
 
 def inverse(cell: Cell, corners: Array, x: Array) -> Array:
     """Reference coordinates (n, d) of places (n, d) in cells with nodes (n, k, d); NaN where Newton fails."""
-    xi = np.tile(cell.centre, (len(x), 1))
+    xi, on_way = np.tile(cell.centre, (len(x), 1)), np.ones(len(x), dtype=bool)
     for _ in range(30):
-        gap = x - np.einsum("nk,nkd->nd", cell.N(xi), corners)
-        J = np.einsum("nkd,nkj->ndj", corners, cell.dN(xi))
-        bad = ~(np.abs(np.linalg.det(J)) > 0) | (np.abs(xi).max(axis=1) > 10)
-        J[bad] = np.eye(x.shape[1])
+        here, nodes = xi[on_way], corners[on_way]
+        gap = x[on_way] - np.einsum("nk,nkd->nd", cell.N(here), nodes)
+        J = np.einsum("nkd,nkj->ndj", nodes, cell.dN(here))
+        lost = ~(np.abs(np.linalg.det(J)) > 0) | (np.abs(here).max(axis=1) > 10)
+        J[lost] = np.eye(x.shape[1])
         step = np.linalg.solve(J, gap[:, :, None])[:, :, 0]
-        xi = np.where(bad[:, None], np.nan, xi + step)
-        if not np.any(np.abs(step[~bad]) > 1e-13):
+        xi[on_way] = np.where(lost[:, None], np.nan, here + step)
+        on_way[on_way] = ~lost  # what is lost stays out: its numbers are none
+        if not np.any(np.abs(step[~lost]) > 1e-13):
             break
     return xi
 

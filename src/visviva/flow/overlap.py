@@ -1,0 +1,102 @@
+"""What lies within a fluid without taking part in it, and what covers its boundary: both are refused unless meant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.rigid import RigidBody
+from visviva.body.solid import Solid
+from visviva.component import Component
+from visviva.errors import InputError
+from visviva.flow.location import Location, outside
+from visviva.flow.marks import winding
+from visviva.mesh.cells import CELLS
+
+if TYPE_CHECKING:
+    from visviva.flow.fluid import Fluid
+    from visviva.model import Model
+
+Array = NDArray[np.float64]
+
+WITHIN = 0.9
+"""Points of a rigid body's surface are looked for in a fluid after they were drawn to its middle by this factor."""
+INTERIOR = 1e-4
+"""A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
+
+
+def places_within(body: Component, dimension: int) -> Array:
+    """Places (n, d) that lie inside of a body at the start; none of what has no volume."""
+    if isinstance(body, Solid) and body.dimension == dimension == body.grid.points.shape[1]:
+        return np.asarray(body.grid.centres)
+    if isinstance(body, RigidBody) and body.shape is not None:
+        X = body.shape.surface()[0]
+        X = X.mean(axis=0) + WITHIN * (X - X.mean(axis=0))
+        return np.asarray((body.position + X @ body.rotation.T)[:, :dimension])
+    return np.zeros((0, dimension))
+
+
+def refuse_dry(fluid: Fluid, model: Model) -> None:
+    """Refuse solids and rigid bodies that lie within a fluid and feel nothing of it.
+
+    Raises
+    ------
+    InputError
+        With the component, the place, and what to take instead.
+    """
+    from visviva.flow.carried import Carried
+
+    wet = [c.carried for c in model.components if isinstance(c, Carried)]
+    for body in model.components:
+        if any(body is other for other in wet):
+            continue
+        places = places_within(body, fluid.dimension)
+        cells = fluid.location.find(places)[0] if len(places) else np.zeros(0, dtype=int)
+        if np.any(cells >= 0):
+            kind = "Immersed(solid=...)" if isinstance(body, Solid) else "ImmersedBody(body=...)"
+            raise InputError(
+                f"{body.label} lies within {fluid.label}, at {places[np.argmax(cells >= 0)].round(6).tolist()} for "
+                f"instance, and neither feels the other: add vv.{kind}, move it, or allow it by Fluid(dry=True)"
+            )
+
+
+def covered_by_solid(fluid: Fluid, solid: Solid) -> Array:
+    """Places (n, d) of the fluid's boundary that lie inside of a solid at the start."""
+    places = fluid.grid.points[fluid.grid.boundary().nodes]
+    search = Location(solid.grid)
+    cells, xi = search.find(places)
+    within = np.zeros(len(places), dtype=bool)
+    for name, mine, _ in search.parts(cells):
+        within[mine] = outside(CELLS[name], xi[mine]) < -INTERIOR
+    return np.asarray(places[within])
+
+
+def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDArray[np.int64]) -> Array:
+    """The same of a rigid body with a surface of triangles in its own coordinates; of prisms in a plane fluid too."""
+    places = fluid.grid.points[fluid.grid.boundary().nodes]
+    flat = fluid.dimension == 2
+    X = (np.pad(places, ((0, 0), (0, 1))) - body.position * [1, 1, 0]) if flat else places - body.position
+    X = X @ body.rotation
+    if flat:
+        X[:, 2] = points[:, 2].mean()
+    near = np.all((points.min(axis=0) < X) & (points.max(axis=0) > X), axis=1)
+    middle = points.mean(axis=0)
+    drawn = middle + (X[near] - middle) * (1 + 1e-6)  # what only touches is not covered
+    return np.asarray(places[near][winding(points[triangles], drawn) > 0.5])
+
+
+def refuse_covering(label: str, body: Component, fluid: Fluid, places: Array) -> None:
+    """Refuse a body that covers a wall.
+
+    Raises
+    ------
+    InputError
+        With one of the places of the fluid's boundary that it covers.
+    """
+    if len(places):
+        raise InputError(
+            f"{label}: {body.label} covers the boundary of {fluid.label}, at {places[0].round(6).tolist()} for "
+            "instance, where the fluid cannot move with it; move it into the fluid, or allow it by over_walls=True"
+        )
