@@ -193,7 +193,7 @@ class Fluid(Meshed):
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
         self._terms = [self._term(model, batch) for batch in self.batches]
         self._sealed: dict[Any, tuple[float, Array]] = {}
-        self._thin: dict[Any, tuple[Array, Array]] = {}
+        self._thin: dict[Any, tuple[NDArray[np.bool_], Array]] = {}
         for term in self._terms:
             model.batch(term)
 
@@ -219,11 +219,12 @@ class Fluid(Meshed):
         self._thin[owner] = known[self._number], places.copy()
         for batch, term in zip(self.batches, self._terms, strict=True):
             directions = np.zeros((len(batch.nodes), self.dimension))
-            for at, points in self._thin.values():
-                mine = np.flatnonzero(at[batch.nodes].all(axis=1))
-                edge = float(np.median(batch.edges[mine])) if len(mine) else 0.0
-                found = normals(points, batch.middles[mine], edge) if len(mine) else directions[mine]
-                directions[mine] = np.where(found.any(axis=1)[:, None], found, directions[mine])
+            for around, points in self._thin.values():
+                mine = np.flatnonzero(around[batch.nodes].all(axis=1))
+                if len(mine):
+                    found = normals(points, batch.middles[mine], float(np.median(batch.edges[mine])))
+                    is_thin = np.abs(found).max(axis=1) > 0
+                    directions[mine[is_thin]] = found[is_thin]
             term.blind(np.ascontiguousarray(directions))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
