@@ -213,5 +213,7 @@ def test_a_step_in_which_bodies_would_pass_each_other_is_halved(name: str) -> No
 
 
 def test_the_message_says_where_they_pass() -> None:
-    with pytest.raises(StepFailure, match=r"Contact '.*': the surfaces pass through each other near \("):
+    with pytest.raises(
+        StepFailure, match=r"Contact '.*': the surfaces pass through each other within the step, near \("
+    ):
         vv.System(bullet()).step(0.01, vv.EnergyMomentum())

@@ -183,9 +183,9 @@ void bind_contact(nb::module_& m) {
             [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
                const Doubles& stiffness, const Doubles& area, bool conserving, bool presses_out,
                double friction, const Ints& tangential, const Doubles& tangential_stiffness,
-               const Doubles& damping) {
+               const Doubles& inertia, const Doubles& damping) {
                 FrictionOptions rubbing{friction, vector_of<int>(tangential),
-                                        vector_of<double>(tangential_stiffness)};
+                                        vector_of<double>(tangential_stiffness), vector_of<double>(inertia)};
                 new (t) ContactTerm(
                     std::move(gaps),
                     {vector_of<int>(multiplier), vector_of<double>(stiffness), vector_of<double>(area),
@@ -194,7 +194,7 @@ void bind_contact(nb::module_& m) {
             },
             nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("area"),
             nb::arg("conserving"), nb::arg("presses_out"), nb::arg("friction"), nb::arg("tangential"),
-            nb::arg("tangential_stiffness"), nb::arg("damping"))
+            nb::arg("tangential_stiffness"), nb::arg("inertia"), nb::arg("damping"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,
@@ -209,6 +209,7 @@ void bind_contact(nb::module_& m) {
         .def_prop_ro(
             "slips",
             [](const ContactTerm& t) { return std::vector<int>(t.slips().begin(), t.slips().end()); })
+        .def_prop_ro("unsettled", &ContactTerm::unsettled)
         .def_prop_ro(
             "pressures", [](const ContactTerm& t) { return copy_of(t.pressures()); },
             nb::rv_policy::automatic)

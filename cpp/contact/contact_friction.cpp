@@ -16,10 +16,19 @@ void ContactTerm::rub(int A, const Context& c) {
     if (!active_[A]) return;
     slid_[A] = sliding(A).displacement();
     const double limit = o.coefficient * std::max(S_[A], 0.0);  // negative while the active set settles
-    const Eigen::Vector2d change = c.backwards ? Eigen::Vector2d::Zero() : (o.stiffness[A] * slid_[A]).eval();
+    const Eigen::Vector2d change =
+        c.backwards ? Eigen::Vector2d::Zero() : (tangential(A, c) * slid_[A]).eval();
     traction_[A] = coulomb(base_[A] + change, limit);
     slips_[A] = traction_[A].slips;
     if (S_[A] < 0) traction_[A].by_limit.setZero();
+}
+
+// Of multipliers any stiffness leads to the same, but within a step masses answer to a traction by their
+// inertia: where that of the step is not counted, slips of short steps do not tell in the trial traction
+// beside the multiplier, and nothing tells their direction.
+double ContactTerm::tangential(int A, const Context& c) const {
+    const FrictionOptions& o = options_.friction;
+    return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
 }
 
 Sliding ContactTerm::sliding(int A) const {
@@ -41,17 +50,18 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
     const Sliding sliding = this->sliding(A);
     const double turn = theta(c.step);
     const Eigen::MatrixXd directions = sliding.directions();
-    const Eigen::MatrixXd dt = o.stiffness[A] * t.by_trial * sliding.displacement_gradient(turn) +
+    const double stiffness = tangential(A, c);
+    const Eigen::MatrixXd dt = stiffness * t.by_trial * sliding.displacement_gradient(turn) +
                                o.coefficient * dS_gap_[A] * t.by_limit * g1.transpose();
     K -= sliding.force_gradient(t.value, turn) + directions * dt;
     const Eigen::Vector2d by_pressure = o.coefficient * t.by_limit;
     const int normal = has_multipliers() ? 1 : 0, rest = n_multipliers() - normal;
     if (normal) b.column.col(0) += directions * by_pressure;
     if (rest == 0) return;
-    b.row.bottomRows(rest) = dt.topRows(rest) / o.stiffness[A];
+    b.row.bottomRows(rest) = dt.topRows(rest) / stiffness;
     b.column.rightCols(rest) = directions * t.by_trial.leftCols(rest);
-    b.square.bottomRightCorner(rest, rest) += t.by_trial.topLeftCorner(rest, rest) / o.stiffness[A];
-    if (normal) b.square.bottomLeftCorner(rest, 1) = by_pressure.head(rest) / o.stiffness[A];
+    b.square.bottomRightCorner(rest, rest) += t.by_trial.topLeftCorner(rest, rest) / stiffness;
+    if (normal) b.square.bottomLeftCorner(rest, 1) = by_pressure.head(rest) / stiffness;
 }
 
 // --- elastic slip from step to step

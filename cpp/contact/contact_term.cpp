@@ -79,11 +79,13 @@ std::vector<int> ContactTerm::multipliers(int A) const {
 
 // --- which gaps there are
 // -----------------------------------------------------------------------------------
-bool ContactTerm::beyond(const double* X, double margin) const {
+// A vertex that has left what the search has swept by more than a margin; -1: none.
+int ContactTerm::beyond(const double* X, double margin) const {
+    if (from_.empty()) return 0;
     for (std::size_t i = 0; i < from_.size(); ++i)
         if (X[i] < std::min(from_[i], to_[i]) - margin || X[i] > std::max(from_[i], to_[i]) + margin)
-            return true;
-    return from_.empty();
+            return static_cast<int>(i / 3);
+    return -1;
 }
 
 // Looks a few steps ahead, so that the tangent's pattern lasts.
@@ -92,7 +94,7 @@ bool ContactTerm::search(const double* x0, const double* x1) {
     const Stopwatch watch(costs_.search);
     changes_ = -1;
     gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
-    if (!beyond(X0_.data(), again * reach_) && !beyond(X1_.data(), again * reach_)) {
+    if (beyond(X0_.data(), again * reach_) < 0 && beyond(X1_.data(), again * reach_) < 0) {
         narrow();
         return false;
     }
@@ -116,18 +118,20 @@ void ContactTerm::narrow() {
 Refusal ContactTerm::refuse(const Context& c) {
     const Stopwatch watch(costs_.search);
     gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
-    if (beyond(X1_.data(), too_far * reach_))
-        return {n_multipliers() > 0 ? multipliers(0)[0] : -1,
-                name + " moved farther in the step than its search had reached"};
+    if (const int v = beyond(X1_.data(), too_far * reach_); v >= 0)
+        return refused(v, "the surfaces moved farther in the step than their search had reached,");
     const int A = passes();
     if (A < 0) return {};
-    char where[128];
-    std::snprintf(where, sizeof where, " near (%.4g, %.4g, %.4g) within the step", X1_[3 * A], X1_[3 * A + 1],
-                  X1_[3 * A + 2]);
+    return refused(A, "the surfaces pass through each other within the step,");
+}
+
+Refusal ContactTerm::refused(int vertex, const std::string& why) const {
     const Skin& skin = gaps_->skin();
-    const int form = skin.first[A];
-    return {form < skin.first[A + 1] ? skin.unknown[form] : -1,
-            name + ": the surfaces pass through each other" + where};
+    const double* x = &X1_[3 * vertex];
+    char near[96];
+    std::snprintf(near, sizeof near, " near (%.4g, %.4g, %.4g)", x[0], x[1], x[2]);
+    const int form = skin.first[vertex];
+    return {form < skin.first[vertex + 1] ? skin.unknown[form] : -1, name + ": " + why + near};
 }
 
 double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const {
@@ -434,13 +438,17 @@ void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
 void ContactTerm::residual(const Context& c, double* r) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, true);
+    unsettled_gaps_.clear();
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (active_[A] != active_at_tangent_[A] || slips_[A] != slips_at_tangent_[A])
+            unsettled_gaps_.push_back(A);
     find_gradients();
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
         for (int i = 0; has_tangential() && i + 1 < gaps_->skin().dim; ++i)
             r[options_.friction.multiplier[A] + i] +=
-                (traction_[A].value[i] - base_[A][i]) / options_.friction.stiffness[A];
+                (traction_[A].value[i] - base_[A][i]) / tangential(A, c);
         if (!active_[A]) continue;
         force(A, c, f);
         const auto& stencil = gaps_->stencil(A);
@@ -502,7 +510,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
             if (at_theta) g1 *= theta(c.step);
             force(A, c, f);
         }
-        borders[A] = border(A, g1, f);
+        borders[A] = border(A, c, g1, f);
         if (!active_[A]) return;
         Eigen::Map<Matrix> K = stiffness(A, c, g1, f);
         if (has_friction()) add_friction(A, c, g1, K, borders[A]);
@@ -524,18 +532,19 @@ bool ContactTerm::amend(const Context& c, double* values) {
     Eigen::VectorXd g1, f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (active_[A]) g1 = vector_of(at_end_[A].gradient), force(A, c, f);
-        scatter(A, border(A, g1, f), values);
+        scatter(A, border(A, c, g1, f), values);
     }
     return true;
 }
 
 // Without friction; where there is no contact multipliers vanish.
-ContactTerm::Border ContactTerm::border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const {
+ContactTerm::Border ContactTerm::border(int A, const Context& c, const Eigen::VectorXd& g1,
+                                        const Eigen::VectorXd& f) const {
     const int m = n_multipliers(), normal = has_multipliers() ? 1 : 0;
     Border b;
     b.square.setZero(m, m);
     if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
-    for (int i = normal; i < m; ++i) b.square(i, i) = -1 / options_.friction.stiffness[A];
+    for (int i = normal; i < m; ++i) b.square(i, i) = -1 / tangential(A, c);
     if (!active_[A]) return b;
     b.row.setZero(m, g1.size()), b.column.setZero(g1.size(), m);
     if (normal) b.row.row(0) = -g1.transpose(), b.column.col(0) = -f;

@@ -19,6 +19,7 @@ struct FrictionOptions {
     double coefficient = 0;
     std::vector<int> multiplier;    // first unknown of each gap's one or two; empty: elastic slip
     std::vector<double> stiffness;  // of each gap: traction per weighted displacement
+    std::vector<double> inertia;    // and per weighted acceleration, of multipliers
 };
 
 struct ContactOptions {
@@ -66,6 +67,8 @@ class ContactTerm : public Term {
     /// Tractions on the first surface, three numbers each, and whether what is in contact slips.
     std::vector<double> tractions() const;
     const std::vector<char>& slips() const { return slips_; }
+    /// Gaps that the last iteration opened or closed, or made slip or stick.
+    const std::vector<int>& unsettled() const { return unsettled_gaps_; }
     int n() const { return gaps_->n(); }
     /// Forces on all vertices in the last step, three numbers each: of the pressures, and of friction.
     const std::vector<double>& forces() const { return forces_; }
@@ -99,7 +102,8 @@ class ContactTerm : public Term {
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     bool read_search(const double*& memory);
-    bool beyond(const double* X, double margin) const;
+    int beyond(const double* X, double margin) const;
+    Refusal refused(int vertex, const std::string& why) const;
     int passes();
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
@@ -127,7 +131,8 @@ class ContactTerm : public Term {
     Eigen::Map<Matrix> stiffness(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f);
     const Places& places(int A);
     void scatter_stiffness(int A, double* values);
-    Border border(int A, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
+    Border border(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
+    double tangential(int A, const Context&) const;
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void scatter(int A, const Border&, double* values);
     void narrow();
@@ -155,6 +160,7 @@ class ContactTerm : public Term {
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
     bool unsettled_ = false;
+    std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_theta_, at_end_;
     std::vector<Grip> grips_;
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers

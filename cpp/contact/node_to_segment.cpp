@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "closest.hpp"
+#include "core/parallel.hpp"
 #include "point_gaps.hpp"
 #include "search.hpp"
 
@@ -40,6 +41,7 @@ class NodeToSegment : public PointGaps {
   public:
     NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
     bool search(const double* from, const double* to) override;
+    bool settle(const double* X) override;
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
 
   protected:
@@ -65,6 +67,12 @@ class NodeToSegment : public PointGaps {
                         Eigen::MatrixXd* H) const;
     Vector3 at_vertex(const double* X, int vertex) const;
 
+    // The simplex that a vertex was above where the step began.
+    struct Kept {
+        int facet = -1, simplex = 0;
+        bool operator==(const Kept&) const = default;
+    };
+    std::vector<Kept> kept_;
     std::vector<double> rest_;  // places, if the surface may touch itself
     NormalField normals_;
     BoxTree tree_;
@@ -79,6 +87,7 @@ NodeToSegment::NodeToSegment(Skin skin, PointOptions options, std::vector<double
     : PointGaps(std::move(skin), std::move(options)), rest_(std::move(rest)), candidates_(n_) {
     normals_.build(skin_);
     make_topology();
+    kept_.resize(n_);
 }
 
 // --- which facets there are
@@ -210,6 +219,16 @@ double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     return (x - y).dot((middle - y).normalized());
 }
 
+// How far a point lies beside a simplex, by the length of its first edge.
+double beside(const Found& found, const Vector3& x) {
+    const FacetShape& facet = found.facet;
+    const Vector3 &a = facet.corner[facet.vertex(found.foot.simplex, 0)],
+                  &b = facet.corner[facet.vertex(found.foot.simplex, 1)];
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    return (w - found.normal.dot(x - a) * found.normal).norm() / (b - a).norm();
+}
+
 // The closest simplex of all, or of those that face the vertex; where several meet at the closest point, the
 // one on whose side of it the vertex lies.
 Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
@@ -217,6 +236,9 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
     constexpr double same = 1e-12;  // relative
+    const Kept& before = kept_[A];
+    Found kept;
+    double kept_aside = 0;  // beside the simplex, by its size
     double least = options_.reach + options_.radius, aside = -HUGE_VAL;
     for (const Candidate& c : candidates_[A]) {
         const FacetShape facet = shape(X, c.facet);
@@ -225,6 +247,10 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
             const bool faces = own.isZero() || own.dot(n) < facing;
             if (n.isZero() || (only_facing && !faces)) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
+            if (before == Kept{c.facet, s}) {
+                kept = {&c, facet, foot, {}, n, 0, faces};
+                kept_aside = beside(kept, At(X + 3 * A));
+            }
             if (foot.distance > (1 + same) * least) continue;
             const double side = towards(facet, foot, At(X + 3 * A));
             if (foot.distance >= (1 - same) * least && side <= aside) continue;
@@ -232,7 +258,21 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
             found = {&c, facet, foot, {}, n, 0, faces};
         }
     }
-    return found;
+    return kept.candidate && kept_aside <= same_place ? kept : found;
+}
+
+// Facets that meet above an edge or a vertex have normals of their own, and which of them is closest changes
+// with rounding there: within a step a vertex stays above the one that it was above as long as it hardly
+// leaves that.
+bool NodeToSegment::settle(const double* X) {
+    std::vector<Kept> last(n_), fresh(n_);
+    kept_.swap(last);
+    parallel_for(n_, [&](int A) {
+        Found found;
+        if (locate(X, A, found) == Reach::near) fresh[A] = {found.candidate->facet, found.foot.simplex};
+    });
+    kept_.swap(fresh);
+    return kept_ != last;
 }
 
 // Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
@@ -291,8 +331,7 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     if (!found.candidate) return Reach::far;
     const At x(X + 3 * A);
     const FacetShape& facet = found.facet;
-    const Vector3 a = facet.corner[facet.vertex(found.foot.simplex, 0)],
-                  b = facet.corner[facet.vertex(found.foot.simplex, 1)];
+    const Vector3& a = facet.corner[facet.vertex(found.foot.simplex, 0)];
     const double above = found.normal.dot(x - a), d = found.foot.distance;
     found.value = above;
     if (found.foot.n == facet.dim) return Reach::near;
@@ -300,10 +339,10 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     const Vector3 out = outwards(X, found, border);
     Vector3 w = x;
     for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
-    const double aside = (w - above * found.normal).norm(), size = (b - a).norm();
+    const double aside = beside(found, x);
     const bool rolls = options_.radius > 0;  // off an edge, as balls are round themselves
-    if ((border && !rolls) || aside <= same_place * size) {
-        if (border && !rolls && aside > on_border * size) {
+    if ((border && !rolls) || aside <= same_place) {
+        if (border && !rolls && aside > on_border) {
             found.rim = found.foot;
             const Jet gap = beyond_border(facet, found.rim, roundness, x);
             found.value = gap.value, found.normal = gap.gradient.head<3>();

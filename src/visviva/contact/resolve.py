@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body.coupling import RigidCoupling
 from visviva.body.solid import Solid
-from visviva.contact.surface import Surface, vertices_of
+from visviva.contact.surface import Surface, positions, vertices_of
 from visviva.errors import InputError
 from visviva.load.support import Support
 
@@ -39,15 +39,6 @@ class Side:
     solid: Solid | None
     nodes: Ints
     weights: sp.csr_array  # of the nodes in the vertices
-
-    def positions(self, x: Array) -> Array:
-        """Positions (n, 3) of the vertices at the unknowns `x`."""
-        d = self.surface.dimension
-        places = self.surface.constant.copy()
-        for place, form in zip(places, self.surface.forms, strict=True):
-            for unknown, weight in form:
-                place[:d] += weight * x[unknown : unknown + d]
-        return places
 
     def ease(self, model: Model) -> Array:
         """How easily the nodes, or other vertices, (n, 3) move: the inverse of their mass, nothing for what is held."""
@@ -114,7 +105,7 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     import scipy.sparse as sp
 
     (x, _), sides = model.initial, list(sides_of(contact))
-    X = np.concatenate([side.positions(x) for side in sides])
+    X = np.concatenate([positions(side.surface, x) for side in sides])
     ease = np.concatenate([side.ease(model) for side in sides]).ravel()
     to_vertices = sp.block_diag([side.weights for side in sides], format="csr")
     by_nodes = sp.kron(to_vertices, sp.eye_array(3), format="csr")

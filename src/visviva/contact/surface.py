@@ -221,6 +221,15 @@ def of_vectors(vectors: list[Vector], facets: Ints, places: Array) -> Surface:
     return Surface(forms, False, constant, facets, places, 3)
 
 
+def positions(surface: Surface, x: Array) -> Array:
+    """Positions (n, 3) of the vertices at the unknowns `x`."""
+    places = surface.constant.copy()
+    for place, form in zip(places, surface.forms, strict=True):
+        for unknown, weight in form:
+            place[: surface.dimension] += weight * x[unknown : unknown + surface.dimension]
+    return places
+
+
 def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Surface, float]:
     """Where a component touches exact shapes and facets, and the radius of balls about these points."""
     if isinstance(component, Solid):
