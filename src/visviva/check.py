@@ -84,6 +84,8 @@ class CheckReport:
         How the initial state was made consistent.
     tangent : TangentError or None
         Worst entry of the tangent; None if it was not compared.
+    remarks : list of str
+        What components say about their accuracy.
     """
 
     n_components: int
@@ -94,6 +96,7 @@ class CheckReport:
     positions: Correction
     velocities: Correction
     tangent: TangentError | None = None
+    remarks: list[str] = field(default_factory=list)
     null_vectors: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
     @property
@@ -114,6 +117,7 @@ class CheckReport:
         ]
         if self.tangent is not None:
             lines.append(f"  tangents {self.tangent}")
+        lines += [f"  {remark}" for remark in self.remarks]
         return "\n".join(lines)
 
 
@@ -168,6 +172,7 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
         redundant=redundancies(system, at, null),
         positions=positions,
         velocities=velocities,
+        remarks=[remark for component in system.components for remark in component.remarks()],
         null_vectors=null,
     )
     if tangents:

@@ -77,6 +77,10 @@ class Component(metaclass=Validated):
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
+    def remarks(self) -> list[str]:
+        """What a user should know about its accuracy before the first step, in sentences that the check prints."""
+        return []
+
     def gauges(self, system: System) -> dict[str, float]:
         """Numbers about the last step that are shown while a run goes on, by name."""
         return {}

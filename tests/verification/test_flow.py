@@ -241,6 +241,23 @@ def test_taylor_green_converges_in_time(scheme: vv.Scheme, order: int, steps: in
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
 
 
+@pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.BDF2()], ids=str)
+def test_stabilised_elements_are_of_first_order_in_time_and_the_check_says_so(scheme: vv.Scheme) -> None:
+    """Their stabilisation depends on the step; that of quadratic velocities has none, and nothing to say."""
+
+    def end(steps: int) -> Array:
+        system, fluid = decaying("quad4", 6, 0.4)
+        vv.simulate(system, until=1.0, step=1.0 / steps, scheme=scheme)
+        assert system.report is not None
+        assert "first order in the step" in str(system.report)
+        return fluid.velocities(system.x)
+
+    ends = [end(n) for n in (20, 40, 80)]
+    order = np.log2(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max())
+    assert 0.6 < order < 1.4
+    assert decaying("quad9", 4, 0.4)[0].check(repair=False).remarks == []
+
+
 @pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.EnergyMomentum(), vv.GeneralizedAlpha(0.8)], ids=str)
 def test_pressures_belong_to_the_end_of_the_step(scheme: vv.Scheme) -> None:
     """Fields, probes and kept states converge with h^2 on those of BDF2, also where steps change their length."""

@@ -15,7 +15,7 @@ from visviva.component import settings
 from visviva.errors import InputError, RunError
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
-from visviva.flow.elements import STABILISED, Batch, adapted, pressure_numbers
+from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
 from visviva.flow.periodic import numbering
 from visviva.flow.sheet import normals
@@ -266,6 +266,15 @@ class Fluid(Meshed):
             model.account(self, "continuation", "work"),
         )
         return term
+
+    def remarks(self) -> list[str]:
+        if not self.is_stabilised:
+            return []
+        pair = "Q2Q1" if next(iter(self.grid.cells)) in PAIRS["Q1Q1"] else "P2P1"
+        return [
+            f"{self.label}: its stabilisation depends on the step, so that on a fixed mesh the flow converges with the "
+            f"first order in the step under every scheme; elements={pair!r} keep the order of the scheme"
+        ]
 
     def rate_constraints(self, system: System) -> RateConstraints | None:
         """Accelerations without divergence; pressures that are multipliers see to that by themselves."""
