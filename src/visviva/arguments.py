@@ -9,7 +9,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from inspect import Parameter, Signature, signature
 from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
@@ -55,7 +55,10 @@ class Validated(ABCMeta):
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         given = {**by_name(cls, args), **kwargs}
         for name, value in given.items():
-            if complaint := complaint_about(cls, name, value):
+            complaint = mistaken(plain_types(cls).get(name, frozenset()), value)
+            if name in references(cls) and not is_reference(value):
+                complaint = f"expected a component, a point or frame of it, or a measure, not {value!r}"
+            if complaint:
                 raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
         if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
             return super().__call__(**converted(cls, given))
@@ -123,19 +126,26 @@ def called(cls: type, name: Any) -> str:
 
 
 @cache
-def atoms(cls: type) -> dict[str, frozenset[type]]:
-    """The arguments that take Booleans or numbers alone, with the types they are made of."""
+def plain_types(cls: type) -> dict[str, frozenset[type]]:
+    """The arguments of a class that take Booleans or numbers alone, with the types they are made of."""
     try:
         hints = get_type_hints(cls)
     except NameError:  # names that only a type checker imports
         return {}
-    found = {name: frozenset(leaves(hint)) - {NoneType} for name, hint in hints.items()}
-    return {name: types for name, types in found.items() if types and types <= {bool, int, float}}
+    return {name: types for name, hint in hints.items() if (types := plain_leaves(hint))}
+
+
+def plain_leaves(hint: Any) -> frozenset[type]:
+    """The types that a hint is made of, if it is made of Booleans and numbers alone; none otherwise."""
+    types = frozenset(leaves(hint)) - {NoneType}
+    return types if types <= {bool, int, float} else frozenset()
 
 
 def leaves(hint: Any) -> Iterator[Any]:
     """The types that a union, list or tuple is made of."""
-    if get_origin(hint) in (Union, UnionType, list, tuple):
+    if get_origin(hint) is Annotated:
+        yield from leaves(get_args(hint)[0])
+    elif get_origin(hint) in (Union, UnionType, list, tuple):
         for part in get_args(hint):
             if part is not ...:
                 yield from leaves(part)
@@ -143,13 +153,31 @@ def leaves(hint: Any) -> Iterator[Any]:
         yield hint
 
 
-def complaint_about(cls: type, name: str, value: Any) -> str:
+@cache
+def references(cls: type) -> frozenset[str]:
+    """The arguments of a class of the package by which it names others: those of any type."""
+    if not cls.__module__.startswith("visviva."):
+        return frozenset()
+    try:
+        hints = get_type_hints(cls, include_extras=True)
+    except NameError:
+        return frozenset()
+    return frozenset(name for name, hint in hints.items() if hint is Any)
+
+
+def is_reference(value: Any) -> bool:
+    """Whether a value can stand for others: components, points and measures are dataclasses, or functions give them."""
+    if isinstance(value, list | tuple):
+        return all(map(is_reference, value))
+    return value is None or ((is_dataclass(value) or callable(value)) and not isinstance(value, type))
+
+
+def mistaken(types: frozenset[type], value: Any) -> str:
     """What is wrong with a value that would be turned into a Boolean or number though it is none; else nothing.
 
     Pydantic takes the text 'yes' for True, '2' for 2 and True for 1.
     """
-    types = atoms(cls).get(name)
-    if types is None or value is None:
+    if not types or value is None:
         return ""
     if types == {bool} and not isinstance(value, bool | np.bool_ | list | tuple):
         return f"write true or false, not {value!r}"

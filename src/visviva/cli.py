@@ -31,6 +31,12 @@ app = App(
     help_format="plaintext",
 )
 
+
+def whole(_: Any, tokens: Sequence[Any]) -> int:
+    """A whole number; Cyclopts rounds others."""
+    return int(tokens[0].value)
+
+
 Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
 Trust = Annotated[
     bool,
@@ -74,7 +80,10 @@ def run(
     ] = False,
     every: Annotated[
         int | None,
-        Parameter(help="Write tables and trajectory every so many steps; by default as fine as is useful."),
+        Parameter(
+            converter=whole,
+            help="Write tables and trajectory every so many steps; by default as fine as is useful.",
+        ),
     ] = None,
     save_every: Annotated[float, Parameter(help="Seconds between saves of the state.")] = 5.0,
     overwrite: Annotated[
@@ -176,7 +185,7 @@ def movie(
     out: Annotated[
         Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")
     ] = None,
-    fps: Annotated[int, Parameter(help="Frames per second.")] = 25,
+    fps: Annotated[int, Parameter(converter=whole, help="Frames per second.")] = 25,
     speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
     field: Field = None,
     outline: Outline = False,
@@ -398,6 +407,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except VisvivaError as error:
         say(str(error))
         return FAILED
+    except OSError as error:  # names that no file can have, no permission
+        say(one_line(error))
+        return BAD_INPUT
     except MemoryError:
         say("there is not enough memory: take a coarser mesh, fewer steps, or a larger machine")
         return FAILED

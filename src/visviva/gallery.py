@@ -63,6 +63,10 @@ def converted(what: str, value: Any, kind: Any) -> Any:
     """A value as the annotated type of a parameter."""
     from pydantic import TypeAdapter, ValidationError
 
+    from visviva.arguments import mistaken, plain_leaves
+
+    if complaint := mistaken(plain_leaves(kind), value):
+        raise InputError(f"{what} = {value!r}: {complaint}")
     try:
         return TypeAdapter(kind).validate_python(value)
     except ValidationError as error:

@@ -192,7 +192,7 @@ def forward_rate(f: Callable[[float], Any], t: float) -> Any:
 
 def _plain(source: Any) -> Source:
     """A source checked and turned into plain data."""
-    if callable(source):
+    if callable(source) and not isinstance(source, type):
         return source  # type: ignore[no-any-return]
     if isinstance(source, str):
         return source

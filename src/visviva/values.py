@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -18,7 +19,9 @@ NUMBER = {"type": "number"}
 def _array(value: Any) -> Array:
     try:
         given = np.asarray(value)
-        if given.dtype.kind not in "iuf":  # texts and Booleans would become numbers
+        # texts and Booleans would become numbers, and among numbers they do not show in the type of the array
+        mixed = isinstance(value, list | tuple) and any(isinstance(item, bool) for item in flat(value))
+        if given.dtype.kind not in "iuf" or mixed:
             raise TypeError
         a = given.astype(float)
     except (TypeError, ValueError):
@@ -26,6 +29,15 @@ def _array(value: Any) -> Array:
     if not np.isfinite(a).all():
         raise ValueError(f"expected finite numbers, not {np.asarray(value).tolist()}")
     return a
+
+
+def flat(value: Any) -> Iterator[Any]:
+    """What lists in lists hold."""
+    for item in value:
+        if isinstance(item, list | tuple):
+            yield from flat(item)
+        else:
+            yield item
 
 
 def _vector(value: Any) -> Array:

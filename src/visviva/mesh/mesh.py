@@ -56,7 +56,8 @@ class Mesh:
     cell_sets: Mapping[str, Ints] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        points = np.array(self.points, dtype=np.float64, order="C")
+        _check_types(self)
+        points = _array("points of a mesh", self.points).astype(np.float64, order="C")
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             raise InputError(f"points of a mesh are an array (n, 3) or (n, 2), not {points.shape}")
         if not np.isfinite(points).all():
@@ -290,9 +291,31 @@ def _fixed(array: Any) -> Any:
     return array
 
 
+def _check_types(mesh: Mesh) -> None:
+    """Refuse what is no mapping from names, and sets of faces that are none."""
+    for what in ("cells", "node_sets", "face_sets", "cell_sets"):
+        given = getattr(mesh, what)
+        if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
+            raise InputError(f"Mesh: {what} is a mapping from names, not {given!r}")
+    for name, found in mesh.face_sets.items():
+        if not isinstance(found, Faces):
+            raise InputError(f"Mesh: face set {name!r} is Faces(cells, numbers), not {found!r}")
+
+
+def _array(what: str, given: Any) -> Any:
+    """An array of numbers."""
+    try:
+        found = np.array(given, order="C")
+    except ValueError:  # rows of several lengths
+        found = np.array(None)
+    if found.dtype.kind not in "iuf":
+        raise InputError(f"{what} are not an array of numbers: {given!r}")
+    return found
+
+
 def _numbers(what: str, given: ArrayLike, n: int) -> Ints:
     """Numbers of nodes or cells: integers from 0 to n - 1."""
-    found = np.array(given, order="C")
+    found = _array(what, given)
     if found.size == 0:
         found = found.astype(np.int64)
     if not np.issubdtype(found.dtype, np.integer):

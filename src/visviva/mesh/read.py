@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import tempfile
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -134,8 +136,10 @@ def _meshed(script: Path, target: Path) -> Path:
 def _meshio_read(path: Path) -> Any:
     meshio = load_meshio()
     named = {".msh": "gmsh"}  # else meshio tries Ansys first, and prints what fails
+    said = io.StringIO()  # it prints what it raises as well
     try:
-        return meshio.read(path, file_format=named.get(path.suffix.lower()))
+        with redirect_stdout(said), redirect_stderr(said):
+            return meshio.read(path, file_format=named.get(path.suffix.lower()))
     except (Exception, SystemExit) as error:  # its readers raise whatever the bytes lead them to, or exit
         raise InputError(f"meshio cannot read it ({type(error).__name__}: {error})") from error
 

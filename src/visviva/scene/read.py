@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from visviva.adaptive import Adaptive
-from visviva.arguments import ArgumentError, told
+from visviva.arguments import ArgumentError, mistaken, plain_leaves, told
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, nearest
 from visviva.gallery import Source, plain_value
@@ -197,7 +197,7 @@ class Reader:
         if not isinstance(self._described, dict) or not self._described:
             raise self.document.error(("system",), "is missing: give components by name")
         parts = [self.component(name, ("system", name)) for name in self._described]
-        newton = self.construct(("newton",), Newton, data.get("newton") or {})
+        newton = self.construct(("newton",), Newton, {} if data.get("newton") is None else data["newton"])
         try:
             return System(parts, newton)
         except InputError as error:
@@ -205,7 +205,11 @@ class Reader:
 
     def probes(self) -> dict[str, Any]:
         """What is recorded."""
-        data = self.document.data.get("probes") or {}
+        data = self.document.data.get("probes")
+        if data is None:
+            return {}
+        if not isinstance(data, dict):
+            raise self.document.error(("probes",), f"expected probes by name, not {data!r}")
         return {
             name: self.instance(("probes", name), given, language.probes()) for name, given in data.items()
         }
@@ -264,6 +268,8 @@ class Reader:
 
     def value(self, key: Key, given: Any, kind: Any) -> Any:
         """A plain value of a given type."""
+        if complaint := mistaken(plain_leaves(kind), given):
+            raise self.document.error(key, complaint)
         try:
             return TypeAdapter(kind).validate_python(given)
         except ValidationError as error:
