@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -52,9 +53,13 @@ class Formula(Reading):
     formula: str
     of: dict[str, AnyReading]
 
+    @cached_property
+    def _expression(self) -> Expression:
+        return Expression(self.formula)
+
     def __post_init__(self) -> None:
         known = ["t", *self.of]
-        for name in Expression(self.formula).names:
+        for name in self._expression.names:
             if name not in known and name.rpartition("_")[0] not in known:
                 told = nearest(name, known) or f"; there are {', '.join(known)}"
                 raise InputError(f"Formula: {name!r} in {self.formula!r} is no probe{told}")
@@ -67,4 +72,4 @@ class Formula(Reading):
                 [""] if len(numbers) == 1 else [f"_{k}" for k in ("xyz" if len(numbers) == 3 else range(99))]
             )
             values |= {name + end: complex(number) for end, number in zip(ends, numbers, strict=False)}
-        return Expression(self.formula)(values)
+        return self._expression(values)
