@@ -140,9 +140,9 @@ def test_faces_of_a_box_lie_where_their_names_say(axis: int, end: int) -> None:
 
 @pytest.mark.parametrize("shape", [vv.Cylinder(radius=1, length=2), vv.Cone(radius=1, height=2)], ids=str)
 def test_faces_of_round_shapes_make_up_their_surface(shape: Any) -> None:
-    _, triangles = shape.surface()
+    _, facets = shape.facets()
     named = np.sort(np.concatenate(list(shape.faces.values())))
-    assert named.tolist() == list(range(len(triangles)))
+    assert named.tolist() == list(range(len(facets)))
     body = vv.RigidBody(shape=shape, density=1.0)
     assert np.ptp(surface(body, "z1").places[:, 2]) == pytest.approx(0.0)
 
@@ -169,6 +169,25 @@ def test_unknown_faces_of_a_shape_are_refused_with_those_it_has() -> None:
     a, b = box((1, 1, 1), 2.0), box((1, 1, 1), 0.0)
     with pytest.raises(InputError, match=r"no face 'top', but 'z0', 'z1', 'y0'"):
         vv.System([a, b, vv.Contact(first=a, second=b, second_faces="top", stiffness=1.0)])
+
+
+@pytest.mark.parametrize("impact", ["conserving", "dissipative"])
+def test_a_ball_lands_in_the_middle_of_a_box(impact: str) -> None:
+    """Its mesh is symmetric about the middle and the diagonals of the box, whose faces are whole facets."""
+    mesh = vv.SphereMesh(radius=0.1, counts=(1, 2)).build().moved((0, 0, 0.16))
+    ball = solid(mesh, velocity=(0, 0, -3))
+    table = box((1, 1, 0.1), 0.0)
+    contact = vv.Contact(first=ball, first_faces="outer", second=table, impact=impact)
+    pressed = []
+    result = vv.simulate(
+        vv.System([ball, table, contact]),
+        until=0.02,
+        step=0.005,
+        observe=lambda _: pressed.append(contact.pressures.max()),
+    )
+    assert max(pressed) > 0
+    result.assert_conserved("momentum_z", tolerance=1e-10)
+    assert np.diff(result.ledger["total"]).max() < 1e-10
 
 
 # --- what passes within a step ------------------------------------------------------------------------------

@@ -78,9 +78,14 @@ class Shape(metaclass=Validated):
         """Where the shape touches others: points (n, 3), and the radius of balls about them."""
         return self.surface()[0], 0.0
 
+    def facets(self) -> Surface:
+        """The surface for contact: points (n, 3) and facets (m, 4), -1 where they have three corners."""
+        points, triangles = self.surface()
+        return points, np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
+
     @property
     def faces(self) -> dict[str, Triangles]:
-        """Triangles of the surface, by the name of the face that they are part of; those alone that have names."""
+        """Facets of the surface, by the name of the face that they are part of; those alone that have names."""
         return {}
 
     @property
@@ -152,14 +157,18 @@ class Box(Shape):
         return Core(1, (a / 2, b / 2, c / 2), 0.0)
 
     def surface(self, resolution: int = 32) -> Surface:
+        corners, faces = self.facets()
+        return corners, halve(faces)
+
+    def facets(self) -> Surface:
         corners = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
         faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-        return corners * self.size, halve(np.array(faces))
+        return corners * self.size, np.array(faces)
 
     @property
     def faces(self) -> dict[str, Triangles]:
-        names = ("z0", "z1", "y0", "y1", "x0", "x1")  # in the order of the surface's
-        return {name: np.array([k, k + len(names)]) for k, name in enumerate(names)}
+        names = ("z0", "z1", "y0", "y1", "x0", "x1")  # in the order of the facets
+        return {name: np.array([k]) for k, name in enumerate(names)}
 
 
 @dataclass(frozen=True, config=CONFIG)

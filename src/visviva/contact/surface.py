@@ -191,19 +191,24 @@ def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -
 
 
 def _of_shape(component: Attachable, faces: str | Faces, label: str) -> Surface:
+    shape = component.shape if isinstance(component, RigidBody) else None
     surface = component.surface()
     if surface is None:
         raise InputError(f"{label}: {component.label} has no surface; give it a shape, or take a solid")
-    points, triangles = (np.asarray(part) for part in surface)
+    if shape is not None:
+        points, facets = shape.facets()
+    else:
+        points, facets = surface[0], np.pad(surface[1], ((0, 0), (0, 1)), constant_values=-1)
     if faces != "all":
-        used, triangles = np.unique(triangles[_named(component, faces, label)], return_inverse=True)
-        points, triangles = points[used], triangles.reshape(-1, 3)
-    facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1)
+        facets = facets[_named(component, faces, label)]
+        used = np.unique(facets[facets >= 0])
+        number = np.append(np.cumsum(np.isin(np.arange(len(points)), used)) - 1, -1)
+        points, facets = points[used], number[facets]
     return of_vectors([component.place(X) for X in points], facets, points)
 
 
 def _named(component: Attachable, faces: str | Faces, label: str) -> Ints:
-    """Triangles of a face of a rigid body's shape."""
+    """Facets of a face of a rigid body's shape."""
     shape = component.shape if isinstance(component, RigidBody) else None
     named = {} if shape is None else shape.faces
     if not isinstance(faces, str) or faces not in named:
