@@ -77,6 +77,11 @@ class Component(metaclass=Validated):
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
+    @property
+    def least_tangents(self) -> int:
+        """So many iterations of a step should make tangents of their own where `Newton` does not say."""
+        return 0
+
     def remarks(self) -> list[str]:
         """What a user should know about its accuracy before the first step, in sentences that the check prints."""
         return []

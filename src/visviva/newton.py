@@ -27,9 +27,10 @@ class Newton(metaclass=Validated):
     keep_factor : float
         A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a
         new tangent in every iteration.
-    tangents : int
+    tangents : int, optional
         So many iterations at the start of every step make tangents of their own, whatever the contraction: where
-        steps are predicted badly, the first tangent is not worth keeping.
+        steps are predicted badly, the first tangent is not worth keeping. By default 2 where immersed solids are
+        thinner than the cells around them, else 0.
     null_space : bool or None
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     regularization : float
@@ -42,14 +43,16 @@ class Newton(metaclass=Validated):
     tolerance: float = 1e-13
     max_iterations: int = 25
     keep_factor: float = 0.3
-    tangents: int = 0
+    tangents: int | None = None
     null_space: bool | None = None
     regularization: float = 1e-13
     linear: LinearOptions | None = None
 
     def __post_init__(self) -> None:
         bounded(self, tolerance=(1e-300, 1.0), max_iterations=(1, 1e9), keep_factor=(0.0, 1.0))
-        bounded(self, tangents=(0, 1e9), regularization=(0.0, 1.0))
+        bounded(self, regularization=(0.0, 1.0))
+        if self.tangents is not None:
+            bounded(self, tangents=(0, 1e9))
 
 
 class StepFailure(RunError):

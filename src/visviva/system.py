@@ -290,7 +290,7 @@ class System:
         newton = self.newton
         try:
             self.prescribe(step)
-            options = newton.tolerance, newton.max_iterations, self._keep_factor, newton.tangents
+            options = newton.tolerance, newton.max_iterations, self._keep_factor, self._tangents
             report = solve(step, signals, *options)
         except BaseException:  # a user's function has raised
             self.core.discard()
@@ -315,6 +315,16 @@ class System:
         for p in self.model.prescribed:
             self.v[p.unknowns] = p.rates(self.time)
         self.touch()
+
+    @property
+    def _tangents(self) -> int:
+        """So many iterations of a step make tangents of their own; unless given what the components ask for."""
+        given = self.newton.tangents
+        return self._asked_tangents if given is None else given
+
+    @cached_property
+    def _asked_tangents(self) -> int:
+        return max(c.least_tangents for c in self.components)
 
     @property
     def _keep_factor(self) -> float:

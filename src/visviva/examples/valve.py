@@ -77,7 +77,7 @@ def study(
     lower_young: float = 5.6e6,
     until: float = 2.1,
     step: float = 0.01,
-    damping: float = 0.05,
+    damping: float | None = None,
     sealing: float = 1.0,
     cell: Literal["quad4", "quad9"] = "quad4",
 ) -> vv.Study:
@@ -100,7 +100,7 @@ def study(
         probes[f"{side}_tip"] = lambda s, b=solid, n=node, X=start: b.positions(s.x)[n] - X
         probes[f"{side}_area"] = vv.Volume(solid=solid)
     probes["gap_flow"] = lambda s: through(blood, *flaps, s.x)
-    newton = vv.Newton(tolerance=1e-9, keep_factor=0.5, tangents=2)
+    newton = vv.Newton(tolerance=1e-9, keep_factor=0.5)
     system = vv.System(parts, newton)
     return vv.Study(
         system,

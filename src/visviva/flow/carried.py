@@ -31,6 +31,8 @@ Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
 
 
+THIN_DAMPING, THIN_TANGENTS = 0.05, 2
+"""What bodies thinner than a cell take by default, see `Immersed` and `Newton`."""
 NEARBY = 1e-5
 """Part of a cell's edge over which changes of the velocity along the way of a point are measured."""
 AHEAD, MARGIN = 3, 0.45
@@ -47,7 +49,7 @@ class Carried(Component):
     """
 
     fluid: Fluid
-    damping: float = 0.0
+    damping: float | None = None
     sealing: float = 1.0
     over_walls: bool = False
 
@@ -59,13 +61,27 @@ class Carried(Component):
                 f"{self.label}: sealing = {self.sealing:g} is for stabilised elements; leave it out, "
                 f"those of {self.fluid.label} are not"
             )
-        if not 0.0 <= self.damping <= 0.5:
+        if self.damping is not None and not 0.0 <= self.damping <= 0.5:
             raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
 
     @property
     def carried(self) -> Component:
         """The body."""
         raise NotImplementedError
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether it is thinner than the cells of the fluid around it."""
+        return False
+
+    @property
+    def used_damping(self) -> float:
+        """What it was given, or what thin bodies have by default."""
+        return (THIN_DAMPING if self.is_thin else 0.0) if self.damping is None else self.damping
+
+    @property
+    def least_tangents(self) -> int:
+        return THIN_TANGENTS if self.is_thin else 0
 
     def declare(self, model: Model) -> None:
         model.index(self.carried), model.index(self.fluid)
@@ -88,7 +104,7 @@ class Carried(Component):
         term = _core.ImmersedTerm(
             self.fluid.dimension,
             transfer.width,
-            self.damping,
+            self.used_damping,
             np.ascontiguousarray(vectors, dtype=np.int32),
             np.ascontiguousarray(weights, dtype=float),
             np.ascontiguousarray(multipliers, dtype=np.int32),
