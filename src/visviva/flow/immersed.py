@@ -165,7 +165,8 @@ class Immersed(Carried):
             return []
         return [
             f"{self.label}: {self.solid.label} is thinner than a cell, so that its nodes go ahead by "
-            f"{self.used_damping:g} of a step's change of velocity, an error of that part of a step in time; damping=0 leaves that out"
+            f"{self.used_damping:g} of a step's change of velocity, an error of that part of a step in time; damping=0 "
+            "leaves that out"
         ]
 
     def _start(self, places: Place, flow: Array) -> Array:
