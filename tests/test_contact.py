@@ -424,3 +424,10 @@ def test_edges_along_each_other_do_not_amplify_rounding() -> None:
         linearised(gaps, X + s * shift)[1].toarray() for s in (-1e-9, -1e-10, -1e-12, 0, 1e-12, 1e-10, 1e-9)
     ]
     assert max(np.abs(b - a).max() for a, b in pairwise(found)) < 1e-8 * np.abs(found[0]).max()
+
+
+def test_statics_that_stops_in_contact_says_how_to_go_on() -> None:
+    """One iteration is not enough to find which vertices touch."""
+    system, _ = pushed(2)
+    with pytest.raises(vv.NoEquilibrium, match=r"If it snaps here, .* vv.arc_length, .* vv.simulate"):
+        vv.quasi_static(system, until=1.0, step=0.5, scheme=vv.Static(max_iterations=1, halvings=0))

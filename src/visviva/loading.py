@@ -263,7 +263,8 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
             if clock.halvings == scheme.halvings:
                 raise NoEquilibrium(
                     f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {scheme.halvings} "
-                    "times"
+                    "times. If it snaps here, to an equilibrium far away, follow the path with vv.arc_length, or "
+                    "take the snap in steps of dynamics with vv.simulate"
                 ) from failure
             clock.halve()
             continue
