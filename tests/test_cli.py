@@ -297,8 +297,8 @@ def test_failed_step_keeps_state_and_files(cli: Run, monkeypatch: pytest.MonkeyP
     assert code == 1
     assert "failed" in err
     assert "smaller step" in err
-    assert load_state("runs/crane/state.h5")[1]["time"] == 0.0
-    assert len(read_table("runs/crane/ledger.csv")["time"]) == 1
+    assert load_state("runs/crane.yaml/state.h5")[1]["time"] == 0.0
+    assert len(read_table("runs/crane.yaml/ledger.csv")["time"]) == 1
 
 
 def test_failed_check_exits_with_1(cli: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
-"""All campaigns, one after the other: ``python -m campaign`` in ``tests``; what follows is how much longer it may take.
+"""All campaigns, one after the other: ``python -m campaign`` in ``tests``.
 
-``python -m campaign --scale 0.01`` takes a hundredth of the steps of long runs and kills each example twice.
+``python -m campaign --scale 0.01`` takes a hundredth of the steps of long runs, kills each example twice, and makes 150
+bad inputs.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from campaign import kill, long, schemes
+from campaign import generated, kill, long, schemes
 
 
 def main() -> int:
@@ -19,6 +20,7 @@ def main() -> int:
     wrong = kill.main(["--kills", str(max(2, round(6 * scale)))])
     wrong += long.main(["--scale", str(scale)])
     wrong += schemes.main()
+    wrong += generated.main([str(max(150, round(1000 * scale)))])
     return min(wrong, 1)
 
 
