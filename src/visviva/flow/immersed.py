@@ -245,5 +245,8 @@ class Immersed(Carried):
         return {"area change" if self.solid.dimension == 2 else "volume change": change}
 
     def forces(self, x: Array) -> Array:
-        """Forces (n, 3) of the fluid on the nodes of the solid at the unknowns `x` of the system."""
+        """Forces (n, 3) of the fluid on the nodes of the solid at the unknowns `x` of the system.
+
+        Of the midpoint schemes they are those of the middle of the last step.
+        """
         return self._forces(self.force, x)

@@ -193,7 +193,10 @@ class ImmersedBody(Carried):
 
     # --- results ----------------------------------------------------------------------------------------------
     def forces(self, x: Array) -> Array:
-        """Forces (n, 3) of the fluid on the marks at the unknowns `x` of the system."""
+        """Forces (n, 3) of the fluid on the marks at the unknowns `x` of the system.
+
+        Of the midpoint schemes they are those of the middle of the last step.
+        """
         return self._forces(self.force, x)
 
     def places(self, x: Array) -> Array:
