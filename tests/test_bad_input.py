@@ -193,7 +193,33 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "threads": (lambda: vv.Direct(threads=0), "Direct: threads = 0 is not a number from 1"),
     "Krylov": (lambda: vv.Iterative(tolerance=float("nan")), "Iterative: tolerance = nan is not a number"),
     "automatic": (lambda: vv.Automatic(tolerance=float("nan")), "Automatic: tolerance = nan is not a number"),
+    "simulate": (lambda: vv.simulate(3, until=1.0, step=0.1), "march: system is a vv.System, not 3"),
+    "every": (lambda: simulate(every=0), "simulate: every = 0 is not a whole number that is at least 1"),
+    "part of a step": (lambda: simulate(every=1.5), "simulate: every = 1.5 is not a whole number"),
+    "observe": (lambda: simulate(observe=3), "simulate: observe is a function"),
+    "load steps": (lambda: vv.quasi_static(3, until=1.0, step=0.1), "system is a vv.System"),
+    "equilibrium": (lambda: vv.equilibrium(vv.System([ball()]), steps="x"), "equilibrium: steps = 'x'"),
+    "rest": (lambda: vv.equilibrium(vv.System([ball()]), most=0), "equilibrium: most = 0"),
+    "modes": (lambda: vv.modes(vv.System([ball()]), 1.5), "modes: n = 1.5 is not a whole number"),
+    "modes of": (lambda: vv.modes(3), "modes: system is a vv.System"),
+    "reaction": (lambda: vv.reaction(vv.System([ball()]), hinge()), "reaction: Revolute is not in the system"),
+    "place": (lambda: arm().point((1, 2)), "RigidBody 'arm': X is 3 finite numbers"),
+    "place in space": (lambda: arm().point_at((1, 2, np.nan)), "RigidBody 'arm': x is 3 finite numbers"),
+    "axes": (lambda: arm().frame(axes="x"), "RigidBody 'arm': axes is 3 rows of 3 finite numbers"),
+    "axis": (lambda: arm().frame_at((0, 0, 0), axis="z"), "a direction is 3 numbers, not 'z'"),
+    "mesh moved": (lambda: CUBE.moved((1, 2)), "Mesh: by is 3 finite numbers"),
+    "mesh turned": (lambda: CUBE.rotated(1.0, axis=(0, 0, 0)), "give an angle and a direction"),
+    "mesh scaled": (lambda: CUBE.scaled("x"), "not an array of numbers: 'x'"),
+    "mesh merged": (lambda: CUBE.merged(3), "Mesh: other is a mesh, not 3"),
+    "faces of a mesh": (lambda: CUBE.with_faces("a", 3.5), "faces are given as Faces or by a function"),
+    "faces": (lambda: vv.Faces({"quad4": [[0, 1, 2]]}, {"quad4": [0]}), "Faces: faces 'quad4' of shape"),
+    "folder": (lambda: CUBE.write("/no/folder/x.inp"), "there is no folder /no/folder"),
 }  # fmt: skip
+CUBE = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+
+
+def simulate(**changes: Any) -> None:
+    vv.simulate(vv.System([ball()]), **({"until": 1.0, "step": 0.1} | changes))
 
 
 def march(**changes: Any) -> None:

@@ -12,6 +12,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from visviva.errors import InputError, nearest
@@ -200,6 +201,25 @@ def positive(whose: str, what: str, value: Any) -> float:
     if not (right and 0 < value < math.inf):
         raise InputError(f"{whose}: {what} = {value!r} is not a positive number")
     return float(value)
+
+
+def whole(whose: str, what: str, value: Any) -> int:
+    """An argument as a whole number, at least 1."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise InputError(f"{whose}: {what} = {value!r} is not a whole number that is at least 1")
+    return int(value)
+
+
+def place(whose: str, what: str, value: Any, shape: tuple[int, ...] = (3,)) -> NDArray[np.float64]:
+    """An argument as an array of finite numbers of a shape."""
+    try:
+        found = np.array(value, dtype=float)
+    except (TypeError, ValueError):  # texts, rows of several lengths
+        found = np.array(math.nan)
+    if found.shape != shape or not np.isfinite(found).all():
+        wanted = "3 finite numbers" if shape == (3,) else "3 rows of 3 finite numbers"
+        raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
+    return found
 
 
 def bounded(thing: Any, **bounds: tuple[float, float]) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import Validated
+from visviva.arguments import Validated, place
 from visviva.errors import InputError
 from visviva.form import Vector
 
@@ -184,24 +184,24 @@ class Attachable(Component):
         """The material point with own coordinates `X` (3,)."""
         from visviva.point import Point
 
-        return Point(self, np.asarray(X, dtype=float))
+        return Point(self, place(self.label, "X", X))
 
     def point_at(self, x: Any) -> Any:
         """The material point that is at `x` (3,) in the initial configuration."""
-        return self.point(self.local(np.asarray(x, dtype=float)))
+        return self.point(self.local(place(self.label, "x", x)))
 
     def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Any:
         """Point and three orthonormal directions, given by rows in own coordinates."""
         from visviva.point import Frame
 
-        return Frame(self, np.asarray(X, dtype=float), np.asarray(axes, dtype=float))
+        return Frame(self, place(self.label, "X", X), place(self.label, "axes", axes, (3, 3)))
 
     def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Any:
         """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
         from visviva.point import triad
 
         axes = np.array([self.local_direction(d) for d in triad(axis, first)])
-        return self.frame(self.local(np.asarray(x, dtype=float)), axes)
+        return self.frame(self.local(place(self.label, "x", x)), axes)
 
 
 def name_components(components: Sequence[Component]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.arguments import positive, refuse_other, whole
 from visviva.consistency import accelerations
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, REDUNDANT, Instant, equilibration, instant, typical
@@ -115,8 +116,11 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     >>> vv.modes(system).angular.round(9).tolist()
     [2.0, 2.0]
     """
-    if n < 1:
-        raise InputError(f"n = {n} modes asked for; ask for at least one")
+    from visviva.system import System
+
+    refuse_other("modes", "system", system, System, "a vv.System")
+    whole("modes", "n", n)
+    positive("modes", "tolerance", tolerance)
     at = Instant(system)
     at.factor()
     balance(system, at, tolerance)

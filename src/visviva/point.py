@@ -95,8 +95,14 @@ Three = Sequence[float]
 
 def vector(value: Any) -> list[float]:
     """Whatever is given, as a list of numbers."""
-    numbers: list[float] = np.asarray(value, dtype=float).tolist()
-    return numbers
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.shape != (3,):
+        raise InputError(f"a direction is 3 numbers, not {value!r}")
+    listed: list[float] = numbers.tolist()
+    return listed
 
 
 def dot(a: Three, b: Three) -> float:

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.arguments import refuse_other
 from visviva.component import settings
+from visviva.errors import InputError
 from visviva.joint.base import Joint
 from visviva.joint.servo import Servo
 from visviva.measure import Reading
@@ -34,6 +36,9 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
     >>> vv.reaction(system, rope)[0].round(9).tolist()
     [0.0, 0.0, 20.0]
     """
+    refuse_other("reaction", "joint", joint, Joint, "a joint of the system")
+    if not any(joint is c for c in system.components):
+        raise InputError(f"reaction: {joint.label} is not in the system")
     a, b = joint.partners
     about = joint.sides[1].p.value(system.x)
     force = joint.generalised_reaction(system.x)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.adaptive import Adaptive, adaptive_steps
-from visviva.arguments import positive, refuse_other
+from visviva.arguments import positive, refuse_other, whole
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
@@ -109,6 +109,7 @@ def prepare(system: System, scheme: Scheme) -> None:
     The check is made once in a system's life; what it found stays in ``system.report``. Without inertia bodies must
     be held, and other linear solvers are due; so they are with tangents that are symmetric or not.
     """
+    refuse_other("march", "system", system, System, "a vv.System")
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     if changes or system.report is None:
@@ -154,6 +155,8 @@ def simulate(
     adaptive : Adaptive
         Choose step sizes by the error; `step` is the first.
     """
+    whole("simulate", "every", every)
+    refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
     result, books = begin(system, scheme)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
         if result.statistics.steps % every == 0:

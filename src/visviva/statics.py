@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import refuse_other, whole
 from visviva.errors import InputError, RunError
 from visviva.freedom import refuse_free
 from visviva.instant import Instant, instant
@@ -93,8 +94,10 @@ def equilibrium(
     >>> round(float(system.x[2]), 12)
     -1.2
     """
-    if steps < 1:
-        raise InputError(f"steps = {steps} must be at least 1")
+    refuse_other("equilibrium", "system", system, System, "a vv.System")
+    refuse_other("equilibrium", "until", until, float | int | None, "a number")
+    whole("equilibrium", "steps", steps)
+    whole("equilibrium", "most", most)
     if until is not None and not until > system.time:
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     for history in (system.v, system.core.a, system.core.w):

@@ -41,6 +41,16 @@ class Faces:
     cells: Mapping[str, Ints]
     owners: Mapping[str, Ints]
 
+    def __post_init__(self) -> None:
+        if not (isinstance(self.cells, Mapping) and isinstance(self.owners, Mapping)):
+            raise InputError("Faces: cells and owners are mappings from types of faces")
+        for name, rows in self.cells.items():
+            shape, owners = np.shape(rows), np.shape(self.owners.get(name, ()))
+            if name not in CELLS or shape != (*owners, CELLS[name].n_nodes):
+                raise InputError(
+                    f"Faces: faces {name!r} of shape {shape} do not fit owners of shape {owners}"
+                )
+
     @property
     def n_faces(self) -> int:
         """Number of faces of all types."""

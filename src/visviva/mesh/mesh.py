@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visviva.arguments import place, refuse_other
 from visviva.errors import InputError, nearest
 from visviva.mesh import convert, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
@@ -186,6 +187,10 @@ class Mesh:
 
     def with_faces(self, name: str, chosen: Predicate | Faces) -> Mesh:
         """The mesh with a further set of faces, given or chosen on the boundary by their centres."""
+        if not (isinstance(chosen, Faces) or callable(chosen)):
+            raise InputError(
+                f"Mesh: faces are given as Faces or by a function of their centres, not by {chosen!r}"
+            )
         found = chosen if isinstance(chosen, Faces) else self.select_faces(chosen)
         return replace(self, face_sets={**self.face_sets, name: found})
 
@@ -197,7 +202,7 @@ class Mesh:
     # --- other meshes ---------------------------------------------------------------------------------------
     def moved(self, by: ArrayLike) -> Mesh:
         """The mesh moved by a vector (d,)."""
-        return replace(self, points=self.points + np.asarray(by, dtype=float))
+        return replace(self, points=self.points + self._vector("by", by))
 
     def rotated(self, angle: float, axis: ArrayLike = (0, 0, 1), about: ArrayLike | None = None) -> Mesh:
         """The mesh rotated by an angle in radians about an axis through a point; a plane mesh in its plane.
@@ -211,17 +216,32 @@ class Mesh:
         from scipy.spatial.transform import Rotation
 
         d = self.points.shape[1]
-        centre = np.zeros(d) if about is None else np.asarray(about, dtype=float)
-        unit = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+        centre = np.zeros(d) if about is None else self._vector("about", about)
+        direction = place("Mesh", "axis", axis)
+        if not (np.any(direction) and np.isfinite(angle)):
+            raise InputError(
+                f"a mesh cannot be rotated by {angle!r} about {axis!r}: give an angle and a direction"
+            )
+        unit = direction / np.linalg.norm(direction)
         R = Rotation.from_rotvec(angle * unit).as_matrix()[:d, :d]
         return replace(self, points=(self.points - centre) @ R.T + centre)
 
     def scaled(self, factor: ArrayLike, about: ArrayLike | None = None) -> Mesh:
         """The mesh scaled by a positive factor, or one for every direction (d,), about a point."""
-        if not np.all(np.asarray(factor) > 0):
+        given = _array("the factors of a mesh", factor)
+        if not (
+            np.all(given > 0) and np.isfinite(given).all() and given.shape in ((), (self.points.shape[1],))
+        ):
             raise InputError(f"a mesh cannot be scaled by {factor!r}: give positive factors")
-        centre = np.zeros(self.points.shape[1]) if about is None else np.asarray(about, dtype=float)
-        return replace(self, points=(self.points - centre) * factor + centre)
+        centre = np.zeros(self.points.shape[1]) if about is None else self._vector("about", about)
+        return replace(self, points=(self.points - centre) * given + centre)
+
+    def _vector(self, what: str, given: ArrayLike) -> Array:
+        """Finite numbers (d,)."""
+        found: Array = np.asarray(_array(f"Mesh: {what}", given), dtype=float)
+        if found.shape != (self.points.shape[1],) or not np.isfinite(found).all():
+            raise InputError(f"Mesh: {what} is {self.points.shape[1]} finite numbers, not {given!r}")
+        return found
 
     def merged(self, other: Mesh, weld: float | None = None) -> Mesh:
         """Both meshes as one, sets of the same name united.
@@ -232,6 +252,7 @@ class Mesh:
         weld : float, optional
             Distance below which nodes become one; without it the meshes stay apart.
         """
+        refuse_other("Mesh", "other", other, Mesh, "a mesh")
         both = convert.joined([self, other])
         return both if weld is None else convert.welded(both, weld)
 

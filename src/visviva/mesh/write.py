@@ -27,6 +27,8 @@ def load_meshio() -> Any:
 
 def write(mesh: Mesh, path: Path) -> None:
     """Write a mesh in the format that its ending says."""
+    if not path.parent.is_dir():
+        raise InputError(f"{path} cannot be written: there is no folder {path.parent}")
     if path.suffix.lower() == ".inp":
         write_abaqus(mesh, path)
         return
