@@ -71,14 +71,19 @@ Matrix = Annotated[
 Number = FiniteFloat
 
 
+def _is_function(value: Any) -> bool:
+    """Whether a value is to be called; a class is not, it would give an object of itself."""
+    return callable(value) and not isinstance(value, type)
+
+
 def _function(value: Any) -> Any:
-    if not callable(value):
+    if not _is_function(value):
         raise ValueError(f"expected a Python function, not {value!r}")
     return value
 
 
 def _vector_or_function(value: Any) -> Any:
-    return value if callable(value) else _vector(value)
+    return value if _is_function(value) else _vector(value)
 
 
 def _plain_vector(value: Any) -> Any:
@@ -99,7 +104,7 @@ VectorOrFunction = Annotated[
 
 
 def _number_or_function(value: Any) -> Any:
-    if callable(value):
+    if _is_function(value):
         return value
     if isinstance(value, bool | str) or _array(value).ndim:
         raise ValueError(f"expected a number or a Python function, not {value!r}")
@@ -158,7 +163,7 @@ FaceSet = Annotated[Any, BeforeValidator(_faces), PlainSerializer(_name), WithJs
 
 
 def _motion(value: Any) -> Any:
-    if callable(value):
+    if _is_function(value):
         return value
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 3:
         raise ValueError(f"expected a function of (t, X), or 3 functions of time or None, not {value!r}")
