@@ -166,7 +166,7 @@ def test_unstable_equilibrium_is_reported_as_such() -> None:
     bar = vv.RigidBody(shape=vv.Box(size=(1, 0.1, 0.1)), mass=2.0, position=(0.5, 0, 0))
     hinge = vv.Revolute(a=ground, b=bar, at=(0, 0, 0))
     system = vv.System([ground, bar, hinge, vv.Gravity(acceleration=(-GRAVITY, 0, 0))])
-    vv.equilibrium(system)
+    vv.equilibrium(system, unstable=True)
     modes = vv.modes(system)
     inertia = 2 * 1.01 / 12 + 0.5
     assert not modes.stable

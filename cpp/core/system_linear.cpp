@@ -5,7 +5,20 @@
 
 namespace visviva {
 
+namespace {
+// Where all that moves is prescribed, and nothing is left to solve.
+class NoEquations : public LinearSolver {
+  public:
+    void analyze(const Csr&, const Blocks&) override {}
+    bool factor(const double*, const Place&) override { return true; }
+    bool solve(const double*, const Place&, double*) override { return true; }
+    int n_negative() const override { return 0; }
+    std::string name() const override { return "nothing to solve"; }
+};
+}  // namespace
+
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
+    if (solved().n == 0) solver = std::make_unique<NoEquations>();
     if (exchange_) solver = make_exchanged(exchange_, std::move(solver));
     if (elimination_) solver = make_eliminated(elimination_, std::move(solver));
     solver_ = condensation_ ? make_condensed(condensation_, std::move(solver)) : std::move(solver);

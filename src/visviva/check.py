@@ -175,7 +175,7 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
         remarks=[remark for component in system.components for remark in component.remarks()],
         null_vectors=null,
     )
-    if tangents:
+    if tangents and len(system.free_unknowns):
         report.tangent = compare_tangent(system)
     system.core.touch()
     return report

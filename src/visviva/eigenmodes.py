@@ -121,6 +121,10 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     refuse_other("modes", "system", system, System, "a vv.System")
     whole("modes", "n", n)
     positive("modes", "tolerance", tolerance)
+    if not len(system.free_unknowns):
+        raise InputError(
+            "all that moves is held or prescribed: there are no modes; leave something free to move"
+        )
     at = Instant(system)
     at.factor()
     balance(system, at, tolerance)

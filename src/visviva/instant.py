@@ -257,6 +257,9 @@ class Instant:
         import scipy.sparse.linalg as spl
 
         n, m = len(self.coordinates), len(self.multipliers)
+        if n + m == 0:  # all that moves is prescribed
+            self._s = np.zeros(0)
+            return
         mass = self.metric
         light = np.where(abs(mass).sum(axis=1) == 0, 1e-3 * typical(mass.diagonal()), 0.0)
         K = sp.block_array([[mass + sp.diags_array(light), self.G.T], [self.G, None]], format="csr")
@@ -283,6 +286,8 @@ class Instant:
         """The exact solution by corrections that `improve` finds from what is left of the right-hand side."""
         n, best = len(f), np.inf
         z = np.zeros(n + len(g))
+        if not len(z):
+            return f, g
         for _ in range(6):
             rest = np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]])
             size = float(np.abs(self._s * rest).max(initial=0.0))

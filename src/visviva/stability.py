@@ -74,6 +74,8 @@ def count_falling(system: System, step: Any) -> int | None:
     """The same by factors of the whole tangent, where it is symmetric and small."""
     if system.core.n_equations > LARGEST:
         return None
+    if not system.core.n_equations:
+        return 0
     _, K = system.tangent(step)
     if abs(K - K.T).max() > UNSYMMETRIC * abs(K).max():
         return None

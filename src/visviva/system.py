@@ -99,10 +99,6 @@ class System:
             c.contribute(self.model)
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")
-        if all(f.fixed.all() for f in self.model.fields):
-            raise InputError(
-                "all unknowns of the system are held or prescribed: leave something free to move"
-            )
         fields = self.model.fields
         order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
         self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
