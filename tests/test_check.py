@@ -327,7 +327,7 @@ def driven_bar() -> tuple[vv.System, vv.Motor]:
 def test_prescribed_motion_gives_velocity_acceleration_and_torque() -> None:
     system, motor = driven_bar()
     system.check()
-    initial_acceleration(system)
+    initial_acceleration(system, vv.EnergyMomentum(), 0.01)
     rate, bend = 0.9 * np.cos(0.2), -2.7 * np.sin(0.2)
     assert system.v[:3] == pytest.approx([0, 0.5 * rate, 0], abs=1e-14)
     assert system.core.a[:3] == pytest.approx([-0.5 * rate**2, 0.5 * bend, 0], abs=1e-9)

@@ -13,6 +13,7 @@ from catalogue import CATALOGUE, Entry
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva import _core
 
 Array = NDArray[np.float64]
 
@@ -92,9 +93,21 @@ def after_few_steps(instructions: str) -> tuple[str, Array]:
 
 @pytest.mark.parametrize("instructions", ["", "v4"], ids=["chosen", "widest"])
 def test_instruction_sets_agree(instructions: str) -> None:
+    if instructions not in ("", *_core.instruction_sets()) or len(_core.instruction_sets()) == 1:
+        pytest.skip(f"here are only {_core.instruction_sets()}")
     (base, x), (best, y) = after_few_steps("base"), after_few_steps(instructions)
-    if base == best:
-        pytest.skip(f"this machine has only {base}")
+    assert best == (instructions or _core.instruction_sets()[-1]) != base
     system = vv.System(next(e for e in CATALOGUE if e.name == "chain").build())
     moving = system.order == 2
     assert np.abs(x - y)[moving].max() <= 1e-12
+
+
+def test_an_unknown_instruction_set_is_refused() -> None:
+    """It was taken for the narrowest."""
+    environment = {**os.environ, "VISVIVA_ISA": "v9", "PYTHONPATH": str(Path(vv.__file__).parent.parent)}
+    run = subprocess.run(
+        [sys.executable, "-m", "visviva", "info"], capture_output=True, text=True, env=environment
+    )
+    assert run.returncode == 2
+    assert "VISVIVA_ISA=v9 is no instruction set" in run.stderr
+    assert "Traceback" not in run.stderr

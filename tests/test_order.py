@@ -20,7 +20,7 @@ SCHEMES = [
     vv.VariationalMidpoint(),
     vv.BackwardEuler(),
     vv.BDF2(),
-    vv.GeneralizedAlpha(1.0),
+    vv.GeneralizedAlpha(0.95),
     vv.GeneralizedAlpha(0.8),
     vv.GeneralizedAlpha(0.0),
 ]

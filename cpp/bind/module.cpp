@@ -228,14 +228,19 @@ static void bind_terms(nb::module_& m) {
 
 static void bind_step(nb::module_& m) {
     nb::class_<Step>(m, "Step")
-        .def("__init__",
-             [](Step* s, double t0, double h, double te, double theta, double theta_g, bool discrete_gradient,
-                const Doubles& motion, const Doubles& transport) {
-                 new (s) Step();
-                 s->t0 = t0, s->h = h, s->t1 = t0 + h, s->te = te, s->theta = theta, s->theta_g = theta_g;
-                 s->stress = discrete_gradient ? Stress::discrete_gradient : Stress::at_theta;
-                 tables(*s, motion, transport);
-             })
+        .def(
+            "__init__",
+            [](Step* s, double t0, double h, double te, double theta, double theta_g, bool discrete_gradient,
+               const Doubles& motion, const Doubles& transport, bool projects_rates) {
+                new (s) Step();
+                s->projects_rates = projects_rates;
+                s->t0 = t0, s->h = h, s->t1 = t0 + h, s->te = te, s->theta = theta, s->theta_g = theta_g;
+                s->stress = discrete_gradient ? Stress::discrete_gradient : Stress::at_theta;
+                tables(*s, motion, transport);
+            },
+            nb::arg("t0"), nb::arg("h"), nb::arg("te"), nb::arg("theta"), nb::arg("theta_g"),
+            nb::arg("discrete_gradient"), nb::arg("motion"), nb::arg("transport"),
+            nb::arg("projects_rates") = false)
         .def("moved_to",
              [](const Step& s, double t0) {  // the same step at another time
                  Step moved = s;
@@ -307,6 +312,13 @@ static void bind_system(nb::module_& m) {
                  solver->regularization = regularization;
                  s.set_solver(std::move(solver));
              })
+        .def("use_rate_solver",
+             [](System& s, bool null_space, double regularization, const Ints& constraint) {
+                 auto solver = null_space ? make_null_space() : make_sparse_lu();
+                 solver->regularization = regularization;
+                 s.set_rate_solver(std::move(solver), flags_of(constraint));
+             })
+        .def_prop_ro("projects_rates", &System::projects_rates)
         .def("set_modes",
              [](System& s, const Doubles& modes) {
                  s.set_modes(vector_of<double>(modes), static_cast<int>(modes.shape(1)));
@@ -432,5 +444,11 @@ NB_MODULE(_core, m) {
     bind_step(m);
     bind_linear(m);
     bind_system(m);
+    instructions();                 // refuses those that are not there as soon as the module is loaded
+    m.def("instruction_sets", [] {  // the narrowest first
+        std::vector<std::string> names;
+        for (const Instructions set : available()) names.emplace_back(name(set));
+        return names;
+    });
     m.def("instruction_set", [] { return std::string(name(instructions())); });
 }

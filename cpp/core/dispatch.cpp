@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
+#include <string>
 
 #include "instructions.hpp"
 
@@ -13,18 +15,34 @@ VISVIVA_DECLARE(Kernels, table)
 namespace {
 const char* const names[] = {"base", "v3", "v4"};
 
-const char* forced() { return std::getenv("VISVIVA_ISA"); }
+// None where it is empty.
+const char* forced() {
+    const char* name = std::getenv("VISVIVA_ISA");
+    return name && *name ? name : nullptr;
+}
 
 Instructions choose() {
-    auto wanted = [](const char* name) { return !forced() || std::strcmp(forced(), name) == 0; };
-#ifdef VISVIVA_X86
-    if (wanted("v4") && __builtin_cpu_supports("x86-64-v4")) return Instructions::v4;
-    if (wanted("v3") && __builtin_cpu_supports("x86-64-v3")) return Instructions::v3;
-#endif
-    (void)wanted;
-    return Instructions::base;
+    const std::vector<Instructions> sets = available();
+    if (!forced()) return sets.back();
+    std::string known;
+    for (const Instructions set : sets) {
+        if (std::strcmp(forced(), name(set)) == 0) return set;
+        known += std::string(known.empty() ? "" : ", ") + name(set);
+    }
+    throw std::runtime_error("VISVIVA_ISA=" + std::string(forced()) +
+                             " is no instruction set that this core and this processor have; they have " +
+                             known);
 }
 }  // namespace
+
+std::vector<Instructions> available() {
+    std::vector<Instructions> sets = {Instructions::base};
+#ifdef VISVIVA_X86
+    if (__builtin_cpu_supports("x86-64-v3")) sets.push_back(Instructions::v3);
+    if (__builtin_cpu_supports("x86-64-v4")) sets.push_back(Instructions::v4);
+#endif
+    return sets;
+}
 
 const char* name(Instructions set) { return names[static_cast<int>(set)]; }
 

@@ -1,12 +1,16 @@
 // The instruction sets that kernels are compiled for, one namespace each, and which of them this machine
 // uses.
 #pragma once
+#include <vector>
 
 namespace visviva {
 
 enum class Instructions { base, v3, v4 };
 
-/// The best that this processor has; VISVIVA_ISA=base|v3|v4 in the environment forces one.
+/// What this core was compiled for and this processor has, the narrowest first.
+std::vector<Instructions> available();
+
+/// The best of them; VISVIVA_ISA=base|v3|v4 in the environment forces one, and throws if it is not there.
 Instructions instructions();
 
 /// The same for kernels that have few elements to work on or copy more than they multiply: never the widest

@@ -57,6 +57,8 @@ class LinearSolver {
     virtual bool factor(const double* values, const Place& place) = 0;
     // From the residual r to the increment d, both by unknown (fixed entries untouched). False: not solved.
     virtual bool solve(const double* r, const Place& place, double* d) = 0;
+    // The same for rates, of which d holds all and not the increment.
+    virtual bool solve_rates(const double* r, const Place& place, double* d) { return solve(r, place, d); }
     // Why the last factorisation or solution failed, or what was notable about it.
     virtual std::string message() const { return {}; }
     // Of the last solution; direct solvers need none.

@@ -139,9 +139,10 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         convergence.judge(k, size);
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
         // converging.
-        const bool done =
-            convergence.is_there(tolerance, noise_) && !outdated && constraint_error() <= 100 * size + noise_;
-        if (done && (!driven_ || confirmed))
+        const bool holds = !outdated && constraint_error() <= 100 * size + noise_;
+        const bool done = convergence.is_there(tolerance, noise_) && holds;
+        // At rounding increments rise and fall, and two in a row need not be as small.
+        if ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12))
             return succeeded(std::move(report), context, convergence.has_tangent());
         confirmed = done;
         refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done);

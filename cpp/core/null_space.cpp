@@ -118,13 +118,23 @@ class NullSpace : public LinearSolver {
     }
 
     bool solve(const double* r, const Place& place, double* d) override {
-        double* s = right_.data();
-        for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
-        kernels().rigid_force(view_, r, place, s);
-        for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
-        lu_.solve(s);
-        for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
-        kernels().rigid_expand(view_, s, place, d);
+        reduced(r, place, d);
+        kernels().rigid_expand(view_, right_.data(), place, d);
+        return true;
+    }
+
+    bool solve_rates(const double* r, const Place& place, double* d) override {
+        reduced(r, place, d);
+        for (int b = 0; b < static_cast<int>(rigid_.size()); ++b) {
+            const int* q = rigid_[b].q;
+            const double* s = right_.data() + lu_.offset(block_[q[0]]);
+            const Directors f = gather(rigid_[b], place.x1);
+            double w[3], turned[9] = {};
+            for (int c = 0; c < 3; ++c) w[c] = s[3] * f.d[c] + s[4] * f.d[3 + c] + s[5] * f.d[6 + c];
+            for (int k = 0; k < 3; ++k) cross_add(w, f.d + 3 * k, turned + 3 * k);
+            for (int c = 0; c < 3; ++c) d[q[c]] = s[c];
+            for (int k = 0; k < 9; ++k) d[q[3 + k]] = turned[k];
+        }
         return true;
     }
 
@@ -140,6 +150,16 @@ class NullSpace : public LinearSolver {
     std::string name() const override { return "block LU of the null-space reduced system"; }
 
   private:
+    // The reduced solution, and that of the unknowns which are not those of bodies.
+    void reduced(const double* r, const Place& place, double* d) {
+        double* s = right_.data();
+        for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
+        kernels().rigid_force(view_, r, place, s);
+        for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
+        lu_.solve(s);
+        for (const auto& [at, unknown] : plain_) d[unknown] = s[at];
+    }
+
     struct Group {
         int i, j, begin, end;
         LuBlock target;

@@ -13,6 +13,7 @@ struct Step {
     double theta = 1;                      // x_theta = x0 + theta (x1 - x0): strain gradients and loads
     double theta_g = 1;                    // the same for constraint gradients
     Stress stress = Stress::at_theta;
+    bool projects_rates = false;  // at the end onto the constraints, see rates.cpp
     // The rates at the evaluation point and the history at the end, linear in (dx, v, a, w); rows: rate,
     // second rate, v1, a1, w1. One table for motion (order 2) and one for transport (order 1).
     double motion[5][4] = {};

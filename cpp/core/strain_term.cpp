@@ -178,6 +178,25 @@ void StrainTerm::set_positions(const std::int64_t* positions) {
     view_.position = position_.data();
 }
 
+// An angle is one of its direction (e0, e1) only up to half turns, and Newton's method may have found
+// another: one that is opposite, or that went on by more than half a turn, which no step resolves.
+Refusal StrainTerm::refuse(const Context& c) {
+    if (shape_.law != LawKind::angle) return {};
+    constexpr double pi = 3.141592653589793;
+    Aligned<double> y1(y0_.size()), e1(e0_.size());
+    StrainView end = view_;
+    end.y0 = y1.data(), end.e0 = e1.data();
+    kernels().strain_begin(end, c.vectors.x1);
+    const auto row = [&](int k) { return e1.data() + static_cast<std::size_t>(k) * view_.stride; };
+    for (int i = 0; i < view_.n; ++i) {
+        const double angle = row(2)[i], turned = angle - e0_[static_cast<std::size_t>(2) * view_.stride + i];
+        if (std::cos(angle) * row(0)[i] + std::sin(angle) * row(1)[i] > 0 && std::abs(turned) < pi) continue;
+        const int unknown = index_[static_cast<std::size_t>(shape_.n_x) * view_.stride + i];
+        return {unknown, "the step turns a joint by so much that its angle is no longer known"};
+    }
+    return {};
+}
+
 void StrainTerm::begin(const double* x0) { kernels().strain_begin(view_, x0); }
 
 void StrainTerm::call_back(const Context& c, bool want_tangent) {

@@ -361,14 +361,17 @@ void System::book_path(const Context& c) {
     sums = std::move(there);
 }
 
+static const char* const no_rates = "no rates satisfy the constraints at the end of the step";
+
 void System::accept(const Step& step, const Signals& signals, bool ledger) {
     update_vectors(step);
-    finish(step, signals, ledger);
+    if (!finish(step, signals, ledger)) throw std::runtime_error(no_rates);
 }
 
 Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report = solve(step, signals, options);
-    if (report.converged) finish(step, signals, true);
+    if (report.converged && !finish(step, signals, true))
+        return failed(std::move(report), no_rates, rate_solver_->singular_unknown());
     return report;
 }
 
@@ -389,12 +392,13 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
     return true;
 }
 
-void System::finish(const Step& step, const Signals& signals, bool ledger) {
+bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
     const Context context{step, vectors, signals};
     const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
                new_w = end_of_step(step, 4, w, w_next_);
     stale_begin_ = true;
+    if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && is_static(step);
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
@@ -412,6 +416,7 @@ void System::finish(const Step& step, const Signals& signals, bool ledger) {
     for (const auto& term : terms_) term->settle(step, x.data());
     discard();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
+    return true;
 }
 
 void System::take_stock(const Step& step, const Signals& signals, bool moves) {

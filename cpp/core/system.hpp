@@ -60,6 +60,10 @@ class System {
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
     void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
     void set_solver(std::unique_ptr<LinearSolver> solver);
+    // For the rates at the end of steps that project them; constraint[unknown]: multipliers of lasting
+    // constraints.
+    void set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint);
+    bool projects_rates() const;
     void allow_last_resort(bool on) { solver_->allow_last_resort(on); }
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
@@ -152,7 +156,11 @@ class System {
     void update_vectors(const Step&);
     void update_rates(const Step&);
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
-    void finish(const Step&, const Signals&, bool ledger);
+    bool finish(const Step&, const Signals&, bool ledger);
+    void analyze_rates();
+    void drift(const Context&, std::vector<double>& d);
+    bool project_rates(const Context&);
+    void take_rates(const Step&);
     void evaluate(const Step&, const Signals&, bool with_first_tangents);
     void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
     void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
@@ -192,8 +200,11 @@ class System {
     std::vector<Dependence> dependences_;
     std::shared_ptr<Elimination> elimination_;  // null where there are none
     std::vector<NodalMultiplier> nodal_multipliers_;
-    std::shared_ptr<Exchange> exchange_;  // the same
-    std::unique_ptr<LinearSolver> solver_;
+    std::shared_ptr<Exchange> exchange_;                  // the same
+    std::unique_ptr<LinearSolver> solver_, rate_solver_;  // null where rates cannot be projected here
+    std::vector<char> constraint_;
+    std::vector<std::int64_t> rate_zero_, rate_one_;
+    int rate_revision_ = -1;
     struct Segment {
         int begin, end, order;  // unknowns of equal order in a row
     };

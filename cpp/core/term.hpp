@@ -114,6 +114,7 @@ class StrainTerm : public Term {
     void begin(const double* x0) override;
     bool wants_rates() const override { return needs_rate(shape_.law); }
     void residual(const Context&, double* r) override;
+    Refusal refuse(const Context&) override;
     void tangent(const Context&, double* values) override;
     void inner_tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;

@@ -24,10 +24,12 @@ def audit(result: Result) -> str:
     f = result.conservation()
     works = ", ".join(f"{k} {ledger.last(f'work_{k}'):.6g}" for k in ledger.works) or "none"
     seconds = max(s.seconds, 1e-12)
+    moved = [f"  initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
     return "\n".join(
         [
             f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
             f"  unknown coordinates n = {system.n_coordinates}, constraints m = {system.n_constraints}",
+            *moved,
             f"  linear solver for {system.linear_explanation}",
             f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
             f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.component import Attachable
 from visviva.consistency import (
     Correction,
     descend,
@@ -28,6 +29,11 @@ Array = NDArray[np.float64]
 
 TANGENT_TOLERANCE = 1e-5
 """A tangent that differs from differences by more than this, relative to its row and column, is reported."""
+
+
+FAR = 1e-3
+"""Part of the system's size (of its greatest given speed) by which an initial state is moved at most without a word of
+the user."""
 
 
 @dataclass
@@ -82,6 +88,8 @@ class CheckReport:
         Constraints that follow from others; such systems are solved, their reactions are not unique.
     positions, velocities : Correction
         How the initial state was made consistent.
+    moves : list of str
+        What did not fit before the first step and was moved, in words; flows apart.
     tangent : TangentError or None
         Worst entry of the tangent; None if it was not compared.
     remarks : list of str
@@ -97,6 +105,7 @@ class CheckReport:
     velocities: Correction
     tangent: TangentError | None = None
     remarks: list[str] = field(default_factory=list)
+    moves: list[str] = field(default_factory=list)
     null_vectors: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
     @property
@@ -179,6 +188,46 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
         report.tangent = compare_tangent(system)
     system.core.touch()
     return report
+
+
+def fit(system: System, *, project: bool = False) -> CheckReport:
+    """Check a system before its first step, and tell what of its initial state was moved onto the constraints.
+
+    Raises
+    ------
+    InputError
+        If positions move by more than a thousandth of the size of the system, or speeds that were given change by as
+        much of the greatest, unless `project` accepts that; the state is then as it was.
+    """
+    x, v = system.x.copy(), system.v.copy()
+    report = check(system, tangents=False)
+    report.moves, _ = told_moves(system, x, v)
+    if report.moves:
+        print(f"initial state moved onto the constraints: {'; '.join(report.moves[:6])}")
+    return report
+
+
+def told_moves(system: System, x0: Array, v0: Array) -> tuple[list[str], list[str]]:
+    """What has moved from a state by more than rounding, and what of it far.
+
+    Bodies at rest take the speeds that their joints give them.
+    """
+    moves, far = [], []
+    dx, dv = np.abs(system.x - x0), np.abs(system.v - v0)
+    inverse = np.where(system.order == 2, system.inverse_scale, 0.0)
+    fastest = float(np.abs(v0 * inverse).max(initial=0.0))
+    for f in system.model.fields:
+        if f.order != 2 or not isinstance(f.component, Attachable):
+            continue
+        of = slice(f.start, f.start + f.size)
+        given = bool(np.any(v0[of]))
+        for what, change, size, counts in (("position", dx, 1.0, True), ("velocity", dv, fastest, given)):
+            part = float((change[of] * inverse[of]).max(initial=0.0)) / (size or 1.0)
+            if part > 1e-9:
+                moves.append(f"{what} of {f.component.label} by {change[of].max():.3g}")
+                if counts and part > FAR:
+                    far.append(moves[-1])
+    return moves, far
 
 
 def told(violation: float) -> Correction:

@@ -74,6 +74,9 @@ def run(
         float | None, Parameter(help="Choose step sizes by this error per step; the step given is the first.")
     ] = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
+    project: Annotated[
+        bool, Parameter(negative="", help="Accept an initial state that is moved far to fit the constraints.")
+    ] = False,
     resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
     force: Annotated[
         bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
@@ -111,7 +114,7 @@ def run(
     elif not overwrite:
         refuse_earlier_run(directory)
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
-    introduce(source)
+    introduce(source, project or resume)
     if overwrite:
         clear(directory)
     notes = {"study": source.name, "parameters": parameters, "given": given}
@@ -123,6 +126,7 @@ def run(
             force=force,
             every=every,
             save_every=save_every,
+            project=project,
             notes=notes,
         )
     except KeyboardInterrupt as interrupt:
@@ -329,12 +333,12 @@ def clear(directory: Path) -> None:
         RunDirectory.create(directory, overwrite=True)
 
 
-def introduce(source: Source) -> None:
+def introduce(source: Source, project: bool) -> None:
     """Title and size of a system."""
     from visviva.solve import prepare
 
     system = source.study.system
-    prepare(system, source.study.scheme)
+    prepare(system, source.study.scheme, project=project)
     report = system.report
     assert report is not None
     n, m, f = report.n_coordinates, report.n_constraints, report.degrees_of_freedom
@@ -403,6 +407,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except InputError as error:
         say(str(error))
+        return BAD_INPUT
+    except ImportError as error:  # VISVIVA_ISA, or an optional package
+        say(one_line(error))
         return BAD_INPUT
     except VisvivaError as error:
         say(str(error))

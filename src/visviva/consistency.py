@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.clock import Clock
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, Instant, instant
 
 if TYPE_CHECKING:
+    from visviva.scheme import Scheme, Table
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -236,37 +238,77 @@ def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Arr
     return at.solve_consistent(-force, right)
 
 
-def initial_acceleration(system: System, at: Instant | None = None) -> None:
+def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant | None = None) -> None:
     """Fill the history of schemes that start from accelerations, and the multipliers, consistently.
 
     Solves ``M a + f(q, v) + G^T lambda = 0`` with ``G a = -(G' v) v - ...``, parts prescribed in time
-    included.
+    included. Acceleration-like variables stand for another moment than their step's end, see `Scheme.history_at`.
     """
     if at is None:
         at = Instant(system)
         at.add_rate_constraints()
         at.factor()
     a, multipliers = accelerations(system, at)
-    prescribed = at.prescribed_acceleration()
-    for history in (system.core.a, system.core.w):
-        history[:] = prescribed
+    histories = (system.core.a, system.core.w)
+    for history in histories:
+        history[:] = at.prescribed_acceleration()
         history[at.coordinates] = a
     system.x[at.multipliers] = multipliers
+    for history, offset in zip(histories, scheme.history_at, strict=True):
+        if offset and len(at.multipliers):
+            history[:] = accelerations_later(system, history, offset * h)
     system.touch()
     system.has_acceleration = True
 
 
-def project_step(system: System, x0: Array, h: float, trial: Array) -> None:
-    """Velocities at the end of a step of the variational midpoint scheme, whose solution was `trial`.
+def accelerations_later(system: System, now: Array, time: float) -> Array:
+    """Accelerations (n,) of the motion a `time` from now; those of now where they change too much for that.
 
-    The core leaves ``v* = 2 (q1 - q0) / h - v0``; what the position-momentum form asks for is ``M v1 = M v* +
-    (h/2) G0^T lambda - G1^T mu`` with ``mu`` such that the rates of the constraints vanish.
+    Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
     """
-    x1 = system.x.copy()
-    system.x[:] = x0
-    columns = Instant(system).columns
-    system.x[:] = x1
+    x, v, clock, moves = system.x.copy(), system.v.copy(), system.clock, system.order == 2
+    system.x[moves] += time * v[moves] + 0.5 * time**2 * now[moves]
+    system.v[moves] += time * now[moves]
+    system.clock = Clock(system.time + time)
+    for p in system.model.prescribed:
+        system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
+    later = now.copy()
     at = Instant(system)
     at.factor()
-    impulse = 0.5 * h * (columns @ trial[at.multipliers])
-    system.v[at.coordinates], _ = at.solve_consistent(at.M @ system.v[at.coordinates] + impulse, -at.drift())
+    of_motion = moves[at.coordinates]
+    later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
+    system.x[:], system.v[:], system.clock = x, v, clock
+    change, size = (float(np.linalg.norm(u * system.inverse_scale)) for u in (later - now, now))
+    return later if change < 0.5 * size else now
+
+
+def project_step(system: System, step: Any, table: Table, x0: Array, trial: Array) -> None:
+    """Rates at the end of a step on the constraints; what `cpp/core/rates.cpp` does, for systems of any kind.
+
+    Parameters
+    ----------
+    step : Step
+        The step; its solution was `trial`.
+    table : table
+        The scheme's table of motion.
+    x0, trial : array (n,)
+        Unknowns at its start and as solved.
+    """
+    at = Instant(system)
+    impulse = np.zeros(len(at.coordinates))
+    if step.theta_g == 0.0:
+        x1 = system.x.copy()
+        system.x[:] = x0
+        impulse = 0.5 * step.h * (Instant(system).columns @ trial[at.multipliers])
+        system.x[:] = x1
+    at.factor()
+    before = system.v[at.coordinates]
+    after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
+    if table[1][2] == 0.0:  # nothing but rates is remembered
+        system.v[at.coordinates] = after
+        return
+    moves = system.order[at.coordinates] == 2
+    change, coordinates = (after - before)[moves], at.coordinates[moves]
+    for history, row in ((system.v, 2), (system.core.a, 3), (system.core.w, 4)):
+        history[coordinates] += table[row][0] / table[2][0] * change
+    system.x[at.multipliers] += table[1][0] / table[2][0] * mu

@@ -45,6 +45,8 @@ class Ledger:
     file : path or None
         Table that holds the rows; without it they are kept in memory. Figures of the whole run need neither: they
         follow from the first and the last row and the least and greatest values of all.
+    moves : list of str
+        What was moved onto the constraints before the first row.
     """
 
     potentials: list[str]
@@ -52,6 +54,7 @@ class Ledger:
     mass: float = 0.0
     length: float = 1.0
     pull: float = 0.0
+    moves: list[str] = field(default_factory=list)
     rows: list[Array] = field(default_factory=list)
     file: Path | None = None
     span: Array = field(default_factory=lambda: np.empty((4, 0)))
@@ -182,6 +185,8 @@ class Bookkeeper:
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, pull(system))
+        if system.report is not None:
+            self.ledger.moves = system.report.moves
         self._per_reach = 1 / reaches(system)[:, None]
         ledger, n = self.ledger, len(accounts)
         self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)

@@ -194,7 +194,13 @@ class LoadReport:
 
 
 def quasi_static(
-    system: System, *, until: float, step: float, scheme: Static | None = None, every: int = 1
+    system: System,
+    *,
+    until: float,
+    step: float,
+    scheme: Static | None = None,
+    every: int = 1,
+    project: bool = False,
 ) -> Result:
     """Follow the equilibrium of a structure while its loads grow in time.
 
@@ -210,6 +216,8 @@ def quasi_static(
         Tolerances of the iteration.
     every : int
         Keep the states of every so many load steps.
+    project : bool
+        Accept an initial state that is moved far to fit the constraints; see `simulate`.
 
     Returns
     -------
@@ -236,7 +244,7 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
-    result, books = begin(system, scheme or Static())
+    result, books = begin(system, scheme or Static(), project=project)
     for _ in advance(result, books, until=until, step=step):
         if result.statistics.steps % every == 0 or system.clock.has_reached(until):
             keep(result)
@@ -281,6 +289,7 @@ def arc_length(
     steps: int = 200,
     scheme: ArcLength | None = None,
     stop: Callable[[System], bool] | None = None,
+    project: bool = False,
 ) -> Result:
     """Follow an equilibrium path by its length, through limit points of load and of displacement.
 
@@ -297,13 +306,15 @@ def arc_length(
     scheme : ArcLength
     stop : callable
         Called with the system after each step; the path ends when it returns True.
+    project : bool
+        Accept an initial state that is moved far to fit the constraints; see `simulate`.
 
     Returns
     -------
     Result
         The times are the load parameters of the kept states; they need not grow.
     """
-    result, books = begin(system, scheme or ArcLength())
+    result, books = begin(system, scheme or ArcLength(), project=project)
     for _ in advance(result, books, until=until, step=step):
         keep(result)
         if result.statistics.steps >= steps or (stop is not None and stop(system)):

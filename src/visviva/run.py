@@ -75,6 +75,7 @@ def run(
     every: int | None = None,
     save_every: float = 5.0,
     pictures: bool = True,
+    project: bool = False,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a study and leave everything in a directory.
@@ -105,6 +106,8 @@ def run(
         Seconds of wall time between saves of the state.
     pictures : bool
         Draw plot, pictures and movie at the end.
+    project : bool
+        Accept an initial state that is moved far to fit the constraints; see `simulate`.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -141,7 +144,7 @@ def run(
             recorder.cadence = chosen or recorder.cadence
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
-            recorder = Recorder.start(study, files, cadence, said)
+            recorder = Recorder.start(study, files, cadence, said, project)
         with recorder, deferred_interrupt() as interrupted:
             recorder.march(interrupted, progress, save_every)
         recorder.finish(pictures)
@@ -191,10 +194,17 @@ class Recorder:
 
     # --- opening --------------------------------------------------------------------------------------------
     @classmethod
-    def start(cls, study: Study, files: RunDirectory, cadence: Cadence, notes: dict[str, Any]) -> Recorder:
+    def start(
+        cls,
+        study: Study,
+        files: RunDirectory,
+        cadence: Cadence,
+        notes: dict[str, Any],
+        project: bool = False,
+    ) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
         origin = Origin.of(study)
-        result, books = begin(study.system, study.scheme)
+        result, books = begin(study.system, study.scheme, project=project)
         columns = probe_columns(study)
         recorder = cls(study, RunDirectory.create(files.path), result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
@@ -219,7 +229,9 @@ class Recorder:
         """Open the files of an earlier run at its last saved state."""
         kept = restart.notes_of(files.state)
         origin, changed = Origin.read(files).resumed(files, study, force)
-        result, books = begin(study.system, study.scheme)  # as in the run, which settles the solver
+        result, books = begin(
+            study.system, study.scheme, project=True
+        )  # as in the run, which settles the solver
         restart.load(files.state, result, books, bool(changed))
         now = study.system.time
         if study.scheme.has_growing_time and study.until < now - 1e-6 * study.step:
@@ -431,6 +443,7 @@ def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str,
         "unknowns": len(system.x),
         **numbers,
         "degrees_of_freedom": system.report and system.report.degrees_of_freedom,
+        "initial_state_moved": system.report and system.report.moves,
         "redundant_constraints": system.report and len(system.report.redundant),
         "end_time": system.time,
         "last_step": system.gauges(),

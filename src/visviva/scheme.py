@@ -41,6 +41,8 @@ class Scheme(metaclass=Validated):
         Whether the history starts from consistent initial accelerations.
     projects_velocity : bool
         Whether velocities are projected onto the constraints after each step.
+    history_at : tuple of float
+        Moments that the two histories of motion belong to, in steps after the present.
     has_inertia : bool
         Whether masses take part; without them, what nothing holds has no equilibrium.
     has_growing_time : bool
@@ -55,6 +57,7 @@ class Scheme(metaclass=Validated):
     discrete_gradient: ClassVar[bool] = False
     needs_acceleration: ClassVar[bool] = False
     projects_velocity: ClassVar[bool] = False
+    history_at: ClassVar[tuple[float, float]] = (0.0, 0.0)
     has_inertia: ClassVar[bool] = True
     has_growing_time: ClassVar[bool] = True
     conserves_energy: ClassVar[bool] = False
@@ -67,6 +70,9 @@ class Scheme(metaclass=Validated):
     def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
         """Steps of its own to `until`, yielding a report of each; None where they are equal steps of time."""
         return None
+
+    def refuse(self, system: System) -> None:
+        """Raise `InputError` for systems that the scheme does not fit."""
 
     def motion(self, h: float) -> Table:
         """Table of a field of order 2."""
@@ -82,7 +88,9 @@ class Scheme(metaclass=Validated):
         te = t0 + self.theta * h
         motion = np.array(self.motion(h), dtype=float)
         transport = np.array(self.transport(h), dtype=float)
-        return _core.Step(t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport)
+        return _core.Step(
+            t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport, self.projects_velocity
+        )
 
 
 @dataclass(frozen=True)
@@ -171,6 +179,10 @@ class BDF2(Scheme):
 class GeneralizedAlpha(Scheme):
     """Generalised-alpha (Chung & Hulbert 1993) in the form of Arnold & Bruels (2007) for constrained systems.
 
+    After each step the rates are projected onto the constraints, accelerations and multipliers to match (stabilised
+    index-2 form, Arnold, Bruels & Cardona 2015). Without that constraints have three histories that decay like rho^n
+    and feed each other, and already a rotating wheel loses its motion.
+
     Parameters
     ----------
     rho : float
@@ -185,6 +197,20 @@ class GeneralizedAlpha(Scheme):
 
     order: ClassVar[int] = 2
     needs_acceleration: ClassVar[bool] = True
+    projects_velocity: ClassVar[bool] = True
+
+    def refuse(self, system: System) -> None:
+        if self.rho == 1.0 and system.constrains_motion:
+            raise InputError(
+                "GeneralizedAlpha(rho=1) damps nothing, and in constrained motion (rigid bodies, joints) rounding "
+                "across constraints would alternate for ever and grow: take rho below 1, or EnergyMomentum()"
+            )
+
+    @property
+    def history_at(self) -> tuple[float, float]:  # type: ignore[override]
+        """Acceleration-like variables are accelerations ``alpha_m - alpha_f`` steps later, to second order."""
+        alpha_m, alpha_f, _, _ = self.parameters()
+        return alpha_m - alpha_f, 0.0
 
     @property
     def dissipates(self) -> bool:

@@ -38,12 +38,14 @@ def march(
     step: float,
     scheme: Scheme | None = None,
     adaptive: Adaptive | None = None,
+    project: bool = False,
 ) -> Iterator[Any]:
     """Take steps of length `step` up to time `until`, yielding the core's report after each accepted one.
 
     A step that does not converge is halved up to six times, and the halves lengthen again on the grid of the
     steps; if the shortest fails too `StepFailure` is raised and the system keeps the last accepted state. With
-    `adaptive` the steps follow the motion, `step` is the first.
+    `adaptive` the steps follow the motion, `step` is the first. An initial state that does not fit the constraints is
+    moved onto them; more than a thousandth of the system's size only with `project`.
 
     Examples
     --------
@@ -61,7 +63,11 @@ def march(
     own = scheme.march(system, until=until, step=step)
     if own is None and not (until > system.time and math.isfinite(until)):
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
-    prepare(system, scheme)
+    prepare(system, scheme, project=project)
+    if scheme.needs_acceleration and not system.has_acceleration:
+        from visviva.consistency import initial_acceleration
+
+        initial_acceleration(system, scheme, step)
     if own is not None:
         yield from own
     elif adaptive is not None:
@@ -103,8 +109,8 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
         yield report
 
 
-def prepare(system: System, scheme: Scheme) -> None:
-    """Before the first step: a consistent state, and accelerations where the scheme starts from them.
+def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
+    """Before the first step: a consistent state, if need be moved onto the constraints, far only with `project`.
 
     The check is made once in a system's life; what it found stays in ``system.report``. Without inertia bodies must
     be held, and other linear solvers are due; so they are with tangents that are symmetric or not.
@@ -112,20 +118,17 @@ def prepare(system: System, scheme: Scheme) -> None:
     refuse_other("march", "system", system, System, "a vv.System")
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
+    scheme.refuse(system)
     if changes or system.report is None:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
     if changes:
         system.choose_linear(**due)
     if system.report is None:
-        from visviva.check import check
+        from visviva.check import fit
 
-        system.report = check(system, tangents=False)
+        system.report = fit(system, project=project)
     for component in system.components:
         component.start(system, scheme)
-    if scheme.needs_acceleration and not system.has_acceleration:
-        from visviva.consistency import initial_acceleration
-
-        initial_acceleration(system)
 
 
 def simulate(
@@ -137,6 +140,7 @@ def simulate(
     every: int = 1,
     observe: Callable[[System], None] | None = None,
     adaptive: Adaptive | None = None,
+    project: bool = False,
 ) -> Result:
     """Run a system to time `until` and return states, ledger and statistics.
 
@@ -154,10 +158,13 @@ def simulate(
         Called with the system after each accepted step.
     adaptive : Adaptive
         Choose step sizes by the error; `step` is the first.
+    project : bool
+        Accept an initial state that is moved by more than a thousandth of the system's size, or loses speeds, to fit
+        the constraints.
     """
     whole("simulate", "every", every)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
-    result, books = begin(system, scheme)
+    result, books = begin(system, scheme, project=project)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
         if result.statistics.steps % every == 0:
             keep(result)
@@ -166,10 +173,12 @@ def simulate(
     return result
 
 
-def begin(system: System, scheme: Scheme | None = None) -> tuple[Result, Bookkeeper]:
+def begin(
+    system: System, scheme: Scheme | None = None, *, project: bool = False
+) -> tuple[Result, Bookkeeper]:
     """A result that holds the present state, and the books opened with it."""
     scheme = EnergyMomentum() if scheme is None else scheme
-    prepare(system, scheme)
+    prepare(system, scheme, project=project)
     system.pace.clear()
     system.stability = Stability()
     books = Bookkeeper(system)

@@ -53,7 +53,13 @@ class Relaxation(Static):
 
 
 def equilibrium(
-    system: System, *, until: float | None = None, steps: int = 1, most: int = 400, unstable: bool = False
+    system: System,
+    *,
+    until: float | None = None,
+    steps: int = 1,
+    most: int = 400,
+    unstable: bool = False,
+    project: bool = False,
 ) -> Result:
     """Bring a system to rest under its loads.
 
@@ -71,6 +77,8 @@ def equilibrium(
         Give up after this many steps downhill under one load.
     unstable : bool
         Accept an equilibrium that is unstable.
+    project : bool
+        Accept an initial state that is moved far to fit the constraints; see `simulate`.
 
     Returns
     -------
@@ -103,7 +111,7 @@ def equilibrium(
     for history in (system.v, system.core.a, system.core.w):
         history[:] = 0.0
     system.touch()
-    prepare(system, Relaxation())  # which gives prescribed motion its rates
+    prepare(system, Relaxation(), project=project)  # which gives prescribed motion its rates
     system.v[:] = 0.0
     result, books = begin(system, Relaxation())
     try:

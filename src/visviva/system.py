@@ -156,12 +156,23 @@ class System:
         problem, by_blocks = problem_of(self), uses_null_space(self)
         if options is None and inertia and (by_blocks or problem.is_plain):
             core.use_solver(by_blocks, self.newton.regularization)
+            self._project_in_core(by_blocks)
             self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
             return
         core.set_modes(rigid_modes(self.model))
         choice = (options or Automatic()).choose(problem)
         core.use_linear(list(choice.in_order))
         self.linear_explanation = choice.explanation
+
+    def _project_in_core(self, by_blocks: bool) -> None:
+        """Let the core project rates, unless constraints see the clock otherwise than by signals."""
+        model = self.model
+        if model.terms or any(e.law.callback is not None for e in model.elements) or not self.n_constraints:
+            return
+        if any(a.kind in ("servo", "contact") for a in model.accounts) or np.any(self.order == 1):
+            return
+        constraint = np.concatenate([np.full(f.size, f.multiplier and f.lasting) for f in model.fields])
+        self.core.use_rate_solver(by_blocks, self.newton.regularization, constraint.astype(np.int32))
 
     def _check_finite(self) -> None:
         if np.isfinite(self.x).all() and np.isfinite(self.v).all():
@@ -254,7 +265,7 @@ class System:
         if repeated is None or repeated[1] != h or (repeated[0] is not scheme and repeated[0] != scheme):
             repeated = self._repeated = scheme, h, scheme.step(self.time, h)
         step = repeated[2].moved_to(self.time)
-        if scheme.projects_velocity:
+        if scheme.projects_velocity and not self.core.projects_rates:
             attempt = self.attempt(step)
             self.accept(attempt, scheme)
             return attempt.report
@@ -330,7 +341,7 @@ class System:
 
     def accept(self, attempt: Attempt, scheme: Scheme) -> None:
         """Make the increment of an attempt the new state."""
-        project = scheme.projects_velocity
+        project = scheme.projects_velocity and not self.core.projects_rates and self.constrains_motion
         x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
         try:
             self.core.accept(attempt.step, attempt.signals, True)
@@ -339,13 +350,26 @@ class System:
             raise
         self._arrive(attempt.step, attempt.signals, scheme)
         if project:
-            self._project_step(x0, dx, attempt.step.h)
+            self._project_step(scheme, x0, dx)
 
-    def _project_step(self, x0: Array, dx: Array, h: float) -> None:
-        """Project the velocities of the accepted step and book it again with them."""
+    @cached_property
+    def constrains_motion(self) -> bool:
+        """Whether constraints act on motion alone: flows and servos keep the rates that the scheme gives."""
+        from visviva.instant import Instant
+
+        if not self.n_constraints or any(a.kind == "servo" for a in self.model.accounts):
+            return False
+        at = Instant(self)
+        touched = abs(at.G).sum(axis=0) > 0
+        return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
+
+    def _project_step(self, scheme: Scheme, x0: Array, dx: Array) -> None:
+        """Project the rates of the accepted step and book it again with them."""
         from visviva.consistency import project_step
 
-        project_step(self, x0, h, x0 + dx)
+        assert self._last is not None
+        step = self._last[0]
+        project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
         work = self.core.work.copy()
         self.take_stock()
         self.core.work[:] = work

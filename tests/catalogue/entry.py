@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import visviva as vv
+from visviva.check import fit
 from visviva.component import Component
 
 Components = list[Component]
@@ -45,5 +46,7 @@ class Entry:
     analytic: bool = True
 
     def system(self, **options: Any) -> vv.System:
-        """A fresh system in its initial state, which a run first projects onto the constraints."""
-        return vv.System(self.build(), vv.Newton(**options))
+        """A fresh system, its initial state moved onto the constraints."""
+        system = vv.System(self.build(), vv.Newton(**options))
+        system.report = fit(system, project=True)
+        return system

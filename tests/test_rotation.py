@@ -1,0 +1,136 @@
+"""Rotation over many turns under every scheme, of a rotor, a top and a slider-crank; angles of joints in long steps."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
+from rotation import MECHANISMS, RATE, run
+
+
+def speed(system: vv.System) -> float:
+    """Angular speed about z of the only body."""
+    d, rates = system.x[3:12].reshape(3, 3), system.v[3:12].reshape(3, 3)
+    return float(0.5 * np.cross(d, rates).sum(axis=0)[2])
+
+
+def spun(rho: float, angle: float, turns: float) -> float:
+    """Part of the angular speed of a free rotor that is lost in so many turns, in steps of an angle."""
+    system = MECHANISMS["free rotor"]()
+    h, steps = angle / RATE, round(turns * 2 * np.pi / angle)
+    for _ in vv.march(system, until=steps * h, step=h, scheme=vv.GeneralizedAlpha(rho=rho)):
+        pass
+    return 1 - speed(system) / RATE
+
+
+def linear_loss(rho: float, angle: float) -> float:
+    """Part of its amplitude that a linear oscillator loses in a turn, by the spectral radius of its amplification."""
+    am, af, gamma, beta = vv.GeneralizedAlpha(rho=rho).parameters()
+    h = angle  # for a frequency of 1; the state is (q, v, a, w) with w = -q
+    c = h * h * beta * (1 - af) / (1 - am)
+    q = np.array([1, h, h * h * (0.5 - beta - beta * am / (1 - am)), h * h * beta * af / (1 - am)]) / (1 + c)
+    a = ((1 - af) * -q + np.array([0, 0, -am, af])) / (1 - am)
+    v = np.array([0, 1, h * (1 - gamma), 0]) + h * gamma * a
+    values = np.linalg.eigvals(np.array([q, v, a, -q]))
+    mode = values[np.argmin(np.abs(values - np.exp(1j * angle)))]
+    return float(1 - abs(mode) ** (2 * np.pi / abs(np.angle(mode))))
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.6, 0.9])
+def test_loss_per_turn_is_that_of_linear_theory(rho: float) -> None:
+    """A rotor at h omega = 0.01 lost all of its energy in ten turns."""
+    for angle in (0.2, 0.1):
+        assert linear_loss(rho, angle) < spun(rho, angle, 1) < 2 * linear_loss(rho, angle)
+    assert spun(rho, 0.2, 1) > 6 * spun(rho, 0.1, 1)  # h^3
+    if rho == 0.9:
+        assert spun(rho, 0.1, 1) < 1e-3
+
+
+def test_damping_over_a_thousand_turns_follows_linear_theory() -> None:
+    """d omega / omega per turn is one and a half times the loss of a linear oscillator at the present h omega."""
+    rho, angle, lost = 0.8, 0.2, spun(0.8, 0.2, 1000)
+    assert 0.02 < lost < 0.5
+    once, twice = 1.0, 1.0
+    for _ in range(1000):
+        once -= once * linear_loss(rho, angle * once)
+        twice -= 2 * twice * linear_loss(rho, angle * twice)
+    assert 1 - once < lost < 1 - twice
+
+
+def test_hardly_damped_rotation_stays() -> None:
+    assert abs(spun(0.99, 0.1, 50)) < 1e-6
+
+
+def test_radius_one_is_refused_where_motion_is_constrained() -> None:
+    """What rounding leaves of rates across the constraints would alternate for ever, and grow."""
+    with pytest.raises(vv.InputError, match="rho below 1"):
+        spun(1.0, 0.1, 1)
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0))
+    vv.simulate(vv.System([ball, vv.Gravity()]), until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=1.0))
+
+
+def test_both_formulations_rotate_alike() -> None:
+    """About an axis that is none of its inertia, with the null space of rigid bodies and without."""
+    ends = []
+    for null_space in (True, False):
+        body = vv.RigidBody(mass=1.0, inertia=(1, 2, 2.5), angular_velocity=(3, 4, 5))
+        system = vv.System([body], vv.Newton(null_space=null_space))
+        result = vv.simulate(system, until=1.0, step=0.02, scheme=vv.GeneralizedAlpha())
+        assert result.conservation()["constraint rates"] < 1e-10
+        ends.append(np.concatenate([system.x[3:12], system.v[3:12], system.core.a[3:12]]))
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["heavy top", "slider-crank"])
+@pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(rho=0.8), vv.VariationalMidpoint()], ids=str)
+def test_projections_in_core_and_in_python_agree(
+    scheme: vv.Scheme, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Systems that the core's projection is not made for take another one."""
+    ends = []
+    for _ in range(2):
+        system = MECHANISMS[name]()
+        vv.simulate(system, until=0.5, step=0.01, scheme=scheme)
+        ends.append(np.concatenate([system.x[system.order == 2], system.v, system.core.a]))
+        monkeypatch.setattr(vv.System, "_project_in_core", lambda *_: None)
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-8)
+
+
+CONSERVING = (vv.EnergyMomentum(), vv.Midpoint())
+BOUNDED = (vv.VariationalMidpoint(), vv.GeneralizedAlpha(rho=0.95), vv.GeneralizedAlpha(rho=0.9))
+DISSIPATING = (vv.GeneralizedAlpha(rho=0.0), vv.BDF2(), vv.BackwardEuler())
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("scheme", [*CONSERVING, *BOUNDED, *DISSIPATING], ids=str)
+def test_energy_of_mechanisms_over_many_turns(scheme: vv.Scheme, name: str) -> None:
+    """None of them loses or gains energy: conserved, bounded, or damped in steps of h omega = 0.1."""
+    lost, rates = run(MECHANISMS[name](), scheme, turns=20)
+    if scheme in CONSERVING:
+        assert abs(lost) < 1e-9
+    elif scheme in BOUNDED:
+        assert abs(lost) < 1e-2
+    else:
+        assert 0 < lost < 1
+    if scheme.projects_velocity:
+        assert rates < 1e-12
+
+
+@pytest.mark.parametrize("scheme", [*CONSERVING, vv.GeneralizedAlpha(), vv.BackwardEuler()], ids=str)
+@pytest.mark.parametrize("angle", [1.0, 3.6, 5.0, 10.0, 40.0])
+def test_angles_of_joints_keep_their_branch(angle: float, scheme: vv.Scheme) -> None:
+    """From a step of 3.5 on the angle of a turning wheel was another one by half turns, or whole ones."""
+    ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 2, 3), angular_velocity=(0, 0, 1))
+    joint = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1), angle=True)
+    system = vv.System([ground, wheel, joint])
+    told, seen = [0.0], [0.0]
+    for _ in vv.march(system, until=10 * angle, step=angle, scheme=scheme):
+        told.append(float(joint.coordinate("angle").value(system.x)))
+        seen.append(float(np.arctan2(system.x[4], system.x[3])))
+    np.testing.assert_allclose(told, np.unwrap(seen), atol=1e-10)
