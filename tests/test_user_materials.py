@@ -179,7 +179,8 @@ def test_blatz_ko_under_uniaxial_stress(poisson: float, stretch: float) -> None:
     ]
     pull = vv.Prescribed(solid=solid, nodes="x1", motion=(f"{stretch - 1}*t", None, None))
     system = vv.System([solid, *planes, pull])
-    vv.quasi_static(system, until=1.0, step=0.25)
+    # one brick with one pressure does not resist its hourglass patterns at twice its length
+    vv.quasi_static(system, until=1.0, step=0.25, scheme=vv.Static(unstable=True))
     beta = 2 * poisson / (1 - 2 * poisson)
     lateral = stretch ** (-beta / (2 + 2 * beta))
     force = 2.0 * (stretch - stretch ** -(1 + beta) * lateral ** (-2 * beta))
