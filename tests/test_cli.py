@@ -248,6 +248,8 @@ def test_an_earlier_run_is_overwritten_on_request(cli: Run) -> None:
     Path("runs/pendulum/notes.txt").write_text("mine")
     code, _, err = cli("run", "pendulum", "--overwrite", "--scheme", "Midpont")
     assert (code, Path("runs/pendulum/state.h5").exists()) == (2, True)  # what cannot be run deletes nothing
+    code, _, err = cli("run", "pendulum", "--overwrite", "--until", "-1")
+    assert (code, Path("runs/pendulum/state.h5").exists()) == (2, True)
     assert cli("run", "pendulum", "--until", 0.1, "--overwrite")[0] in (0, 1)
     assert read_table("runs/pendulum/ledger.csv")["time"][-1] == pytest.approx(0.1)
     assert Path("runs/pendulum/notes.txt").read_text() == "mine"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.component import Component
+from visviva.consistency import initial_acceleration
 from visviva.errors import InputError
 from visviva.examples import valve
 from visviva.flow.location import Location
@@ -131,6 +132,7 @@ def test_bodies_begin_with_the_acceleration_of_the_fluid() -> None:
     parts = carried("quad9", 4, density=1.0)
     system = vv.System(parts)
     prepare(system, vv.GeneralizedAlpha())
+    initial_acceleration(system, vv.GeneralizedAlpha(), 1e-6)
     flow, motion = part(parts, vv.Fluid).flow, part(parts, vv.Solid).motion
     start, h = system.core.a.copy(), 1e-6
     for _ in range(4):

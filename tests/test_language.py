@@ -147,7 +147,7 @@ TOLD = r"an object of Python, which no file can hold|is not part of visviva"
 
 
 def bits(system: vv.System, h: float) -> bytes:
-    for _ in vv.march(system, until=2 * h, step=h):
+    for _ in vv.march(system, until=2 * h, step=h, project=True):
         pass
     return bytes(system.x.tobytes() + system.v.tobytes())
 

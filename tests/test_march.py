@@ -106,3 +106,31 @@ def test_load_steps_are_counted_and_halved_on_their_grid(monkeypatch: pytest.Mon
     monkeypatch.setattr(Equilibrium, "iterate", third_fails)
     result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=0.7, step=0.1)
     np.testing.assert_allclose(result.times, [0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7], rtol=1e-15)
+
+
+def test_failed_load_steps_leave_whole_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who goes on after a failure begins with the steps that are asked for, not with the last halves."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
+    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
+    system = vv.System([ground, ball, spring, guide])
+    iterate = Equilibrium.iterate
+
+    def fails(self: Equilibrium, time: float) -> object:
+        if time > 0.2 + 1e-9:
+            raise NoEquilibrium("refused")
+        return iterate(self, time)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Equilibrium, "iterate", fails)
+        with pytest.raises(NoEquilibrium, match="refused"):
+            vv.quasi_static(system, until=0.7, step=0.1)
+    assert (system.clock.halvings, system.time) == (0, pytest.approx(0.2))
+    result = vv.quasi_static(system, until=0.5, step=0.1)
+    np.testing.assert_allclose(result.times, [0.2, 0.3, 0.4, 0.5], rtol=1e-15)
+
+
+@pytest.mark.parametrize("every", [0, -1, 1.5])
+def test_load_steps_kept_are_counted(every: float) -> None:
+    with pytest.raises(vv.InputError, match="quasi_static: every"):
+        vv.quasi_static(falling(), until=0.1, step=0.1, every=every)  # type: ignore[arg-type]

@@ -150,6 +150,20 @@ def test_forced_changes_go_on_and_are_told(tmp_path: Path) -> None:
     assert len(RunDirectory.open(tmp_path / "run").read_summary()["forced"]) == 1
 
 
+def test_a_refused_resume_leaves_no_trace(tmp_path: Path) -> None:
+    """What was forced is noted last: a damaged trajectory is found before."""
+    mesh = box(tmp_path / "box.inp")
+    run(study(mesh), tmp_path / "run", pictures=False)
+    files = RunDirectory.open(tmp_path / "run")
+    noted = files.arguments.read_bytes()
+    files.probes.write_text("nothing\n")
+    other = study(mesh, stiffness=6.0)
+    other.until = 0.05
+    with pytest.raises(vv.InputError, match="probes"):
+        run(other, tmp_path / "run", resume=True, force=True, pictures=False)
+    assert files.arguments.read_bytes() == noted
+
+
 def test_force_takes_no_other_unknowns(tmp_path: Path) -> None:
     def chain(n: int) -> vv.Study:
         return vv.Study(vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0)) for _ in range(n)]), 0.02, 0.01)

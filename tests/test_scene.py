@@ -21,7 +21,7 @@ SCENES = sorted(EXAMPLES.glob("*.yaml"))
 
 
 def march(system: vv.System, until: float = 0.2) -> tuple[bytes, bytes]:
-    vv.simulate(system, until=until, step=0.01)
+    vv.simulate(system, until=until, step=0.01, project=True)
     return system.x.tobytes(), system.v.tobytes()
 
 

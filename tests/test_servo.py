@@ -111,6 +111,12 @@ def test_arm_books_the_work_of_its_motors():
     assert np.abs(result.ledger["work_servo"]).max() > 1.0
 
 
+def test_variational_midpoint_keeps_the_rates_on_the_path():
+    system, _, _ = arm()
+    result = vv.simulate(system, until=0.2, step=0.01, scheme=vv.VariationalMidpoint())
+    assert result.ledger.size("defect_velocity") < 1e-10
+
+
 # --- underactuated: the rotary crane ------------------------------------------------------------------------
 
 

@@ -71,7 +71,7 @@ def composed() -> vv.Study:
 
 
 def march(study: vv.Study) -> bytes:
-    vv.simulate(study.system, until=study.until, step=study.step)
+    vv.simulate(study.system, until=study.until, step=study.step, project=True)
     return bytes(study.system.x.tobytes() + study.system.v.tobytes())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 import visviva as vv
 from visviva.loading import Unstable
+from visviva.run import run
+from visviva.stability import Stability
 
 LENGTH, WIDTH, YOUNG = 10.0, 0.5, 1000.0
 EULER = np.pi**2 * YOUNG * WIDTH**4 / 12 / (4 * LENGTH**2)
@@ -95,3 +98,14 @@ def test_what_cannot_be_told() -> None:
     parts = [low, high, contact, push, vv.Fixed(solid=low, nodes="z0")]
     result = vv.quasi_static(vv.System(parts), until=1.0, step=0.25)
     assert "equilibria: stability not checked" in result.audit()
+
+
+def test_resumed_runs_remember_what_they_found(tmp_path: Path) -> None:
+    """The verdict counts the equilibria from before the run was broken off, too."""
+
+    def study(until: float) -> vv.Study:
+        return vv.Study(column(1.5), until, 0.25, vv.Static(unstable=True))
+
+    run(study(0.75), tmp_path / "run", pictures=False)
+    result = run(study(1.0), tmp_path / "run", resume=True, pictures=False)
+    assert result.system.stability == Stability(equilibria=4, unstable=2, first=0.75)

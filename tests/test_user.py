@@ -29,7 +29,7 @@ def two_bodies():
 
 
 def run(components, until=1.0, step=0.02, scheme=None):
-    return vv.simulate(vv.System(components, EXACT), until=until, step=step, scheme=scheme)
+    return vv.simulate(vv.System(components, EXACT), until=until, step=step, scheme=scheme, project=True)
 
 
 # --- equal rights: the same result as the package's own component -------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,7 @@ TANGENT_TOLERANCE = 1e-5
 FAR = 1e-3
 """Part of the system's size (of its greatest given speed) by which an initial state is moved at most without a word of
 the user."""
+SHOWN = 6  # moves in a message
 
 
 @dataclass
@@ -201,9 +203,17 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
     """
     x, v = system.x.copy(), system.v.copy()
     report = check(system, tangents=False)
-    report.moves, _ = told_moves(system, x, v)
+    report.moves, far = told_moves(system, x, v)
+    if far and not project:
+        system.x[:], system.v[:] = x, v
+        system.core.touch()
+        raise InputError(
+            f"the initial state does not fit the constraints and would be moved far: {'; '.join(far[:SHOWN])}; give "
+            "one that fits, or accept what it is moved to with project=True (--project)"
+        )
     if report.moves:
-        print(f"initial state moved onto the constraints: {'; '.join(report.moves[:6])}")
+        moved = "; ".join(report.moves[:SHOWN])
+        print(f"initial state moved onto the constraints: {moved}", file=sys.stderr)
     return report
 
 
@@ -215,12 +225,12 @@ def told_moves(system: System, x0: Array, v0: Array) -> tuple[list[str], list[st
     moves, far = [], []
     dx, dv = np.abs(system.x - x0), np.abs(system.v - v0)
     inverse = np.where(system.order == 2, system.inverse_scale, 0.0)
-    fastest = float(np.abs(v0 * inverse).max(initial=0.0))
+    fastest = float(np.abs(v0 * inverse).max(initial=0.0)) if system.has_inertia else 0.0
     for f in system.model.fields:
         if f.order != 2 or not isinstance(f.component, Attachable):
             continue
         of = slice(f.start, f.start + f.size)
-        given = bool(np.any(v0[of]))
+        given = f.moves and system.has_inertia
         for what, change, size, counts in (("position", dx, 1.0, True), ("velocity", dv, fastest, given)):
             part = float((change[of] * inverse[of]).max(initial=0.0)) / (size or 1.0)
             if part > 1e-9:

@@ -115,8 +115,6 @@ def run(
         refuse_earlier_run(directory)
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source, project or resume)
-    if overwrite:
-        clear(directory)
     notes = {"study": source.name, "parameters": parameters, "given": given}
     try:
         result = run_study(
@@ -124,6 +122,7 @@ def run(
             directory,
             resume=resume,
             force=force,
+            overwrite=overwrite,
             every=every,
             save_every=save_every,
             project=project,
@@ -323,14 +322,6 @@ def refuse_earlier_run(directory: Path) -> None:
             f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
             "choose another directory with --out DIR, or delete it with --overwrite"
         )
-
-
-def clear(directory: Path) -> None:
-    """Delete the files of an earlier run, and nothing else, unless somebody writes there."""
-    from visviva.output.directory import RunDirectory
-
-    with RunDirectory(directory).writing():
-        RunDirectory.create(directory, overwrite=True)
 
 
 def introduce(source: Source, project: bool) -> None:

@@ -47,6 +47,8 @@ class Field:
         Whether the tangent is so, in statics at least; not where something is carried along.
     lasting : bool
         Of multipliers: whether their constraints speak of one instant, and not of what happens in a step alone.
+    moves : bool
+        Whether the component itself gave rates; what it is carried by or prescribed may add others later.
     """
 
     component: Component
@@ -66,8 +68,10 @@ class Field:
     symmetric: bool = True
     lasting: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
+        self.moves = bool(np.any(self.rates))
         if len(self.element) == 0:
             self.element = np.full(self.size, -1, dtype=np.int32)
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import whole
 from visviva.errors import InputError, RunError
 from visviva.result import Result
 from visviva.scheme import ArcLength, Static
@@ -244,6 +245,7 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
+    whole("quasi_static", "every", every)
     result, books = begin(system, scheme or Static(), project=project)
     for _ in advance(result, books, until=until, step=step):
         if result.statistics.steps % every == 0 or system.clock.has_reached(until):
@@ -268,7 +270,8 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
         except NoEquilibrium as failure:
             system.core.discard()
             system.rejected += 1
-            if clock.halvings == scheme.halvings:
+            if clock.halvings >= scheme.halvings:
+                clock.restart(clock.time)
                 raise NoEquilibrium(
                     f"{failure}; the last equilibrium is that of {system.time:.6g}, steps were cut {scheme.halvings} "
                     "times. If it snaps here, to an equilibrium far away, follow the path with vv.arc_length, or "

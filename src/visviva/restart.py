@@ -60,6 +60,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     }
     attributes |= {f"clock.{name}": value for name, value in asdict(system.clock).items()}
     attributes |= {f"statistics.{name}": value for name, value in asdict(result.statistics).items()}
+    attributes |= {f"stability.{name}": value for name, value in asdict(system.stability).items()}
     save_state(path, arrays, attributes)
 
 
@@ -106,6 +107,8 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     system.has_acceleration = bool(attributes["has_acceleration"])
     for statistic in fields(result.statistics):
         setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])
+    for known in fields(system.stability):
+        setattr(system.stability, known.name, attributes[f"stability.{known.name}"])
     books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
     books.ledger.span = arrays["books/span"]
 

@@ -70,6 +70,7 @@ def run(
     *,
     resume: bool = False,
     force: bool = False,
+    overwrite: bool = False,
     progress: bool = True,
     frames_per_second: float = 50.0,
     every: int | None = None,
@@ -96,6 +97,8 @@ def run(
     force : bool
         With `resume`: go on although arguments have changed, if the unknowns are the same. The summary says when
         and what.
+    overwrite : bool
+        Delete the files of an earlier run in the directory, once nothing is left to refuse.
     progress : bool
         Show a progress bar where there is a terminal.
     frames_per_second : float
@@ -129,6 +132,10 @@ def run(
     """
     if force and not resume:
         raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
+    if overwrite and resume:
+        raise InputError(
+            "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
+        )
     if not save_every >= 0:
         raise InputError(f"save_every = {save_every} is not a number of seconds")
     refuse_bad_times(study)
@@ -144,7 +151,7 @@ def run(
             recorder.cadence = chosen or recorder.cadence
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
-            recorder = Recorder.start(study, files, cadence, said, project)
+            recorder = Recorder.start(study, files, cadence, said, project, overwrite)
         with recorder, deferred_interrupt() as interrupted:
             recorder.march(interrupted, progress, save_every)
         recorder.finish(pictures)
@@ -201,12 +208,13 @@ class Recorder:
         cadence: Cadence,
         notes: dict[str, Any],
         project: bool = False,
+        overwrite: bool = False,
     ) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
         origin = Origin.of(study)
         result, books = begin(study.system, study.scheme, project=project)
         columns = probe_columns(study)
-        recorder = cls(study, RunDirectory.create(files.path), result, books, origin)
+        recorder = cls(study, RunDirectory.create(files.path, overwrite), result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
         with files.beginning(), recorder.closed_on_failure():
             origin.write(files)
@@ -243,7 +251,6 @@ class Recorder:
         if changed:
             recorder.notes |= notes
             origin.forced.append({"time": now, "changes": changed})
-            origin.write(files)
         recorder.rows, recorder.saved_time = kept["rows"], now
         with recorder.closed_on_failure():
             rows, sums = recorder.rows, kept["checksums"]
@@ -261,6 +268,8 @@ class Recorder:
                         f"{files.trajectory}: is damaged ({recorder.trajectory.n_steps} frames up to t = {now:g}, "
                         f"{kept['frames']} were written); put back a copy, or start anew"
                     )
+            if changed:  # last of all: what is refused leaves no trace
+                origin.write(files)
         return recorder
 
     @contextmanager

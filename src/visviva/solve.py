@@ -98,7 +98,7 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
             report = system.step(clock.next(until), scheme)
         except StepFailure:
             system.rejected += 1
-            if clock.halvings == HALVINGS:
+            if clock.halvings >= HALVINGS:
                 clock.restart(clock.time)
                 raise
             clock.halve()

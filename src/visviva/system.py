@@ -341,7 +341,9 @@ class System:
 
     def accept(self, attempt: Attempt, scheme: Scheme) -> None:
         """Make the increment of an attempt the new state."""
-        project = scheme.projects_velocity and not self.core.projects_rates and self.constrains_motion
+        project = scheme.projects_velocity and not self.core.projects_rates
+        if scheme.needs_acceleration:
+            project = project and self.constrains_motion
         x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
         try:
             self.core.accept(attempt.step, attempt.signals, True)

@@ -1,0 +1,91 @@
+"""Initial states that do not fit: moved onto the constraints and told, refused if it is far unless that is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.output import RunDirectory
+from visviva.run import run
+
+
+def bob(length: float = 1.0, velocity: Any = (0, 0, 0)) -> vv.System:
+    """A ball on a rod of length one, wherever it is said to be."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(length, 0, 0), velocity=velocity, name="bob")
+    rod = vv.Distance(a=ground.point(), b=ball.point(), length=1.0)
+    return vv.System([ground, ball, rod, vv.Gravity()])
+
+
+def simulated(system: vv.System, project: bool) -> vv.Result:
+    return vv.simulate(system, until=0.02, step=0.01, project=project)
+
+
+def relaxed(system: vv.System, project: bool) -> vv.Result:
+    return vv.equilibrium(system, project=project)
+
+
+@pytest.mark.parametrize("march", [simulated, relaxed])
+def test_places_far_off_are_refused(march: Callable[[vv.System, bool], vv.Result]) -> None:
+    system = bob(3.0)
+    x, v = system.x.copy(), system.v.copy()
+    with pytest.raises(vv.InputError, match=r"moved far: position of PointMass 'bob' by 2;.*project=True"):
+        march(system, False)
+    np.testing.assert_array_equal((system.x, system.v), (x, v))
+    result = march(system, True)
+    assert "position of PointMass 'bob' by 2" in result.ledger.moves
+    assert np.linalg.norm(system.x[:3]) == pytest.approx(1.0)
+
+
+def test_speeds_across_constraints_are_refused() -> None:
+    """Five metres per second along the rod would be lost without a word."""
+    with pytest.raises(vv.InputError, match="velocity of PointMass 'bob' by 5"):
+        simulated(bob(1.0, (5, 0, 1)), False)
+    result = simulated(bob(1.0, (5, 0, 1)), True)
+    assert "velocity of PointMass 'bob' by 5" in result.ledger.moves
+    assert result.ledger.first("kinetic") == pytest.approx(0.5)
+
+
+def test_small_moves_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    result = simulated(bob(1.00001), False)
+    assert result.ledger.moves == ["position of PointMass 'bob' by 1e-05"]
+    assert "initial state moved onto the constraints: position of PointMass 'bob'" in capsys.readouterr().err
+    simulated(bob(), False)
+    assert capsys.readouterr().err == ""
+
+
+def test_statics_has_no_velocities_to_lose() -> None:
+    """Velocities play no part there, so that none is refused."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1), velocity=(0, 0, 3))
+    rod = vv.Distance(a=ground.point(), b=ball.point())
+    springs = [vv.Spring(a=ground.point(p), b=ball.point(), stiffness=9.0) for p in ((1, 0, -1), (0, 1, -1))]
+    vv.quasi_static(vv.System([ground, ball, rod, *springs]), until=1.0, step=1.0)
+
+
+def test_what_rests_takes_the_speed_of_what_drives_it() -> None:
+    """Bodies at rest on a driven joint gave no velocity: nothing of theirs is lost."""
+    ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    rim = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    hinge = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1))
+    drive = vv.Motor(joint=hinge, motion=lambda t: 2.0 * t)
+    rod = [vv.Distance(a=wheel.point(p), b=rim.point()) for p in ((0, 1, 0), (0, -1, 0), (0, 0, 1))]
+    result = simulated(vv.System([ground, wheel, rim, hinge, drive, *rod]), False)
+    assert any("velocity of PointMass" in move for move in result.ledger.moves)
+
+
+def test_refused_runs_leave_the_earlier_one(tmp_path: Path) -> None:
+    """Files are deleted when nothing is left to refuse."""
+    run(vv.Study(bob(), 0.02, 0.01), tmp_path / "run", pictures=False)
+    kept = (tmp_path / "run" / "ledger.csv").read_bytes()
+    with pytest.raises(vv.InputError, match="moved far"):
+        run(vv.Study(bob(3.0), 0.02, 0.01), tmp_path / "run", overwrite=True, pictures=False)
+    assert (tmp_path / "run" / "ledger.csv").read_bytes() == kept
+    with pytest.raises(vv.InputError, match="exclude each other"):
+        run(vv.Study(bob(), 0.02, 0.01), tmp_path / "run", overwrite=True, resume=True, pictures=False)
+    run(vv.Study(bob(3.0), 0.03, 0.01), tmp_path / "run", overwrite=True, project=True, pictures=False)
+    summary = RunDirectory.open(tmp_path / "run").read_summary()
+    assert summary["initial_state_moved"] == ["position of PointMass 'bob' by 2"]
