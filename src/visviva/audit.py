@@ -65,7 +65,7 @@ def energy_verdict(result: Result) -> str:
     if not scheme.has_inertia:
         return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
     if gained > CONSERVED and "prescribed motion" in ledger.works:
-        return "not meant to be exact: the work of prescribed motion is a sum over steps, see how it falls with the step"
+        return "not meant to be exact: work of prescribed motion is a sum over steps, see how it falls with the step"
     if not scheme.dissipates:
         return "not meant to be conserved by this scheme, see how it falls with the step"
     if gained > OVERSHOOT * lost + CONSERVED:
