@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from reference import enhanced
 
 import visviva as vv
 from verification.solids import COOK, displacement, static
@@ -99,3 +100,8 @@ def test_membrane_in_space(cell: str, published: float) -> None:
     system = static([solid, clamp, vv.Traction(solid=solid, faces="x1", traction=(0, 0, 100.0))])
     found = displacement(system, solid, (48, 4, 60))[2]
     assert found == pytest.approx(published, abs=6e-4 if cell == "hex20" else 6e-6)
+
+
+def test_enhanced_elements_are_those_of_simo_and_armero() -> None:
+    """Written once more in NumPy, they agree to rounding in finite strains."""
+    assert enhanced.ours(2) == pytest.approx(enhanced.Membrane(2, transposed=False).deflection(), rel=1e-12)
