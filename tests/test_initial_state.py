@@ -89,3 +89,48 @@ def test_refused_runs_leave_the_earlier_one(tmp_path: Path) -> None:
     run(vv.Study(bob(3.0), 0.03, 0.01), tmp_path / "run", overwrite=True, project=True, pictures=False)
     summary = RunDirectory.open(tmp_path / "run").read_summary()
     assert summary["initial_state_moved"] == ["position of PointMass 'bob' by 2"]
+
+
+def test_states_edited_later_are_looked_at_again() -> None:
+    """A ball that is pulled off its rod between two runs would be shot back."""
+    system = bob()
+    simulated(system, False)
+    system.x[0] = 1.3
+    system.touch()
+    with pytest.raises(vv.InputError, match="moved far: position of PointMass 'bob' by 0.3"):
+        vv.simulate(system, until=0.04, step=0.01)
+    vv.simulate(system, until=0.04, step=0.01, project=True)
+    assert np.linalg.norm(system.x[:3]) == pytest.approx(1.0)
+    system.v[:3] = (0, 0, 2)  # along the rod, nearly
+    system.v[:3] += 5 * system.x[:3]
+    system.touch()
+    with pytest.raises(vv.InputError, match="velocity of PointMass 'bob'"):
+        vv.simulate(system, until=0.06, step=0.01)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BDF2(), vv.GeneralizedAlpha(0.8)])
+def test_touching_alone_changes_nothing(scheme: vv.scheme.Scheme) -> None:
+    one, other = bob(), bob()
+    for system in (one, other):
+        vv.simulate(system, until=0.1, step=0.05, scheme=scheme)
+    other.touch()
+    for system in (one, other):
+        vv.simulate(system, until=0.2, step=0.05, scheme=scheme)
+    assert np.abs(one.x[:3] - other.x[:3]).max() < 1e-13
+
+
+def test_statics_brings_to_rest() -> None:
+    """Speeds of dynamics before it are over; dynamics after it begins with those of prescribed motion alone."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    solid = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=100.0, poisson=0.3), density=1.0)
+    lift = vv.Prescribed(solid=solid, nodes="z0", motion=(0, 0, "0.1*t"))
+    system = vv.System([solid, lift, vv.Gravity(acceleration=(1, 0, -1))])
+    vv.simulate(system, until=0.5, step=0.02)
+    assert np.abs(system.v).max() > 0.1
+    vv.quasi_static(system, until=1.5, step=0.5)
+    assert np.abs(system.v).max() == 0.0
+    result = vv.simulate(system, until=1.6, step=0.1)
+    bottom = np.isclose(solid.points[:, 2], 0.0)
+    rates = solid.velocities(result.rates[0])
+    np.testing.assert_allclose(rates[bottom], [[0, 0, 0.1]] * 9, atol=1e-9)
+    assert np.abs(rates[~bottom]).max() == 0.0

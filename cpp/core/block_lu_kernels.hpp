@@ -55,20 +55,15 @@ void fetch(const LuView& view, const LuPivot& pivot, double regularization, Diag
     const int n = d.n();
     const double* from = view.upper + pivot.data;
     for (int c = 0; c < d.padded(); c += W) {
-        V largest{};
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i) {
-            const V v = head(vload(from + i * (n + pivot.r) + c), n - c);
-            vstore(&d.u[i][c], v);
-            largest = vmax(largest, vabs(v));
-        }
-        vstore(d.scale + c, largest);
+        for (int i = 0; i < n; ++i)
+            vstore(&d.u[i][c], head(vload(from + i * (n + pivot.r) + c), n - c));
     }
     VISVIVA_UNROLL
     for (int i = 0; i < n; ++i) {
         const double seen = view.scale[pivot.x + i];
         d.u[i][i] -= regularization * seen * view.multiplier[pivot.x + i];
-        if (seen > d.scale[i]) d.scale[i] = seen;
+        d.scale[i] = seen;
         d.row[i] = i;
     }
 }
@@ -107,7 +102,12 @@ bool decompose(Diagonal<N>& d) {
         }
         if (best != j) exchange(d, best, j);
         const double a = d.scale[j], b = d.scale[d.row[j]];
-        if (!(size > round_off * (a < b ? a : b) && size < largest)) return false;
+        double made = a < b ? a : b;
+        for (int k = 0; k < j; ++k) {
+            const double part = __builtin_fabs(d.l[j][k] * d.u[k][j]);
+            made = part > made ? part : made;
+        }
+        if (!(size > round_off * made && size < largest)) return false;
         d.inverse[j] = 1.0 / d.u[j][j];
         VISVIVA_UNROLL
         for (int i = j + 1; i < n; ++i) {

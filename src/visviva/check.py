@@ -201,9 +201,9 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
         If positions move by more than a thousandth of the size of the system, or speeds that were given change by as
         much of the greatest, unless `project` accepts that; the state is then as it was.
     """
-    x, v = system.x.copy(), system.v.copy()
+    x, v, edited = system.x.copy(), system.v.copy(), system.is_edited
     report = check(system, tangents=False)
-    report.moves, far = told_moves(system, x, v)
+    report.moves, far = told_moves(system, x, v, edited)
     if far and not project:
         system.x[:], system.v[:] = x, v
         system.core.touch()
@@ -217,10 +217,10 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
     return report
 
 
-def told_moves(system: System, x0: Array, v0: Array) -> tuple[list[str], list[str]]:
+def told_moves(system: System, x0: Array, v0: Array, edited: bool) -> tuple[list[str], list[str]]:
     """What has moved from a state by more than rounding, and what of it far.
 
-    Bodies at rest take the speeds that their joints give them.
+    Bodies at rest take the speeds that their joints give them; those of an `edited` state are all given.
     """
     moves, far = [], []
     dx, dv = np.abs(system.x - x0), np.abs(system.v - v0)
@@ -230,7 +230,7 @@ def told_moves(system: System, x0: Array, v0: Array) -> tuple[list[str], list[st
         if f.order != 2 or not isinstance(f.component, Attachable):
             continue
         of = slice(f.start, f.start + f.size)
-        given = f.moves and system.has_inertia
+        given = system.has_inertia and (f.moves or (edited and bool(np.any(v0[of]))))
         for what, change, size, counts in (("position", dx, 1.0, True), ("velocity", dv, fastest, given)):
             part = float((change[of] * inverse[of]).max(initial=0.0)) / (size or 1.0)
             if part > 1e-9:

@@ -27,6 +27,8 @@ MOST = 1e10
 """Steps that nobody waits for."""
 HALVINGS = 6
 """A step that fails is tried again with half its length this many times before the run gives up."""
+FITS, DRIFTS = 1e-8, 0.05
+"""Relative violations of constraints up to which an edited state fits, and of their rates, which some schemes leave."""
 LAST_RESORT = 3
 """From so many halvings on linear solvers may be used that cost more than half a step does."""
 
@@ -112,8 +114,9 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
 def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     """Before the first step: a consistent state, if need be moved onto the constraints, far only with `project`.
 
-    The check is made once in a system's life; what it found stays in ``system.report``. Without inertia bodies must
-    be held, and other linear solvers are due; so they are with tangents that are symmetric or not.
+    The check is made once in a system's life, and again of states that were edited until they no longer fit; what it
+    found stays in ``system.report``. Without inertia bodies must be held and are at rest, and other linear solvers are
+    due; so they are with tangents that are symmetric or not.
     """
     refuse_other("march", "system", system, System, "a vv.System")
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
@@ -123,12 +126,28 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
     if changes:
         system.choose_linear(**due)
-    if system.report is None:
+    if not scheme.has_inertia:
+        for history in (system.v, system.core.a, system.core.w):
+            history[:] = 0.0
+        system.has_acceleration = False
+    elif changes and system.report is not None:  # from statics to dynamics
+        system.follow_prescribed()
+    if system.report is None or (system.is_edited and not still_fits(system)):
         from visviva.check import fit
 
         system.report = fit(system, project=project)
+    system.is_edited = False
     for component in system.components:
         component.start(system, scheme)
+
+
+def still_fits(system: System) -> bool:
+    """Whether a state that was edited after the first check satisfies the constraints, and roughly their rates."""
+    from visviva.consistency import rate_violation, worst
+    from visviva.instant import Instant
+
+    at = Instant(system)
+    return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
 
 def simulate(

@@ -72,6 +72,7 @@ class System:
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
+        self.is_edited = False  # whether the state was touched since the last step, or the last check
         self.stability = Stability()  # of the equilibria that statics has found
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
         self.has_acceleration = False
@@ -226,6 +227,7 @@ class System:
     def touch(self) -> None:
         """Tell the core that the state was changed from outside."""
         self._last = None
+        self.is_edited = True
         self.core.touch()
 
     def describe(self, unknown: int) -> tuple[str, str]:
@@ -275,7 +277,7 @@ class System:
         return report
 
     def _arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
-        self._last = step, signals
+        self._last, self.is_edited = (step, signals), False
         self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
 
