@@ -192,6 +192,7 @@ class Recorder:
         self.notes: dict[str, Any] = {}
         self.ledger: Table | None = None
         self.probes: Table | None = None
+        self.states: StateFile | None = None
         self.rows = 0  # written to both tables; times need not grow
         self.is_written = True  # whether all files hold all that is due up to the present state
         self.saved_time: float | None = None  # of the state from which the run can be resumed
@@ -224,10 +225,11 @@ class Recorder:
                 n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
                 recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
             first = result.records[0]
-            result.kept = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            result.kept = recorder.states
             keep(result)
             recorder.write_row(books.ledger.rows.pop())
-            books.ledger.file = files.ledger
+            books.ledger.file = recorder.ledger
             recorder.write_frame()
             recorder.save()
         return recorder
@@ -256,10 +258,11 @@ class Recorder:
             rows, sums = recorder.rows, kept["checksums"]
             recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
             recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
-            books.ledger.file, shapes = files.ledger, [r.shape for r in result.records[0]]
-            result.kept = StateFile.reopen(
+            books.ledger.file, shapes = recorder.ledger, [r.shape for r in result.records[0]]
+            recorder.states = StateFile.reopen(
                 files.states, len(study.system.x), shapes, kept["states"], sums["states"]
             )
+            result.kept = recorder.states
             books.ledger.rows.clear()
             if recorder.drawing.surfaces:
                 recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
@@ -285,7 +288,7 @@ class Recorder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for file in (self.ledger, self.probes, self.trajectory):
+        for file in (self.ledger, self.probes, self.trajectory, self.states):
             if file is not None:
                 file.close()
 
@@ -365,10 +368,10 @@ class Recorder:
         """Save the state."""
         start = time.perf_counter()
         study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
-        kept = self.result.kept
+        kept = self.states
         assert ledger is not None
         assert probes is not None
-        assert isinstance(kept, StateFile)
+        assert kept is not None
         ledger.sync()  # the state must not outlive what it goes with
         probes.sync()
         kept.sync()
