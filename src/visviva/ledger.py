@@ -93,6 +93,10 @@ class Ledger:
         """Greatest absolute value of all steps."""
         return float(np.abs(self.span[2:, self._column[name]]).max())
 
+    def swing(self, name: str) -> float:
+        """Greatest value of all steps less the least one."""
+        return self.greatest(name) - self.least(name)
+
     @property
     def names(self) -> list[str]:
         works = [f"work_{k}" for k in self.works]
@@ -115,7 +119,7 @@ class Ledger:
         Where hardly anything moves a millionth of the potentials or of `pull`, which are exact to rounding only.
         """
         potentials = [f"potential_{k}" for k in self.potentials]
-        swings = [max(self.greatest(p) - self.least(p), STILL * self.size(p)) for p in potentials]
+        swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
         works = [self.size(f"work_{k}") for k in self.works]
         return float(
             max([self.greatest("kinetic"), *swings, *works, STILL * self.pull, np.finfo(float).tiny])
@@ -124,7 +128,7 @@ class Ledger:
     @property
     def duration(self) -> float:
         """Time between the ends of the run."""
-        return self.greatest("time") - self.least("time")
+        return self.swing("time")
 
     @property
     def speed(self) -> float:
