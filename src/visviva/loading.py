@@ -178,9 +178,9 @@ class Equilibrium:
             raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
         falling = falling_directions(self.system, step)
         if falling and not self.options.unstable:
+            found = instability(self.system, f"at the load parameter {time:.6g}", falling)
             raise Unstable(
-                f"{instability(f'at the load parameter {time:.6g}', falling)}, follow it with vv.arc_length, or say "
-                "vv.Static(unstable=True) if it is meant"
+                f"{found}, follow it with vv.arc_length, or say vv.Static(unstable=True) if it is meant"
             )
         self.system.stability.record(falling, time)
         self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())

@@ -160,7 +160,7 @@ def confirm(system: System, unstable: bool) -> None:
     falling = count_falling(system, Static().step(system.time, 0.0))
     if falling and not unstable:
         raise Unstable(
-            f"{instability('found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
+            f"{instability(system, 'found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
         )
     system.stability.record(falling, system.time)
 

@@ -176,7 +176,7 @@ class StateFile:
             descriptor = os.open(self.path, os.O_RDONLY)
         except OSError as error:
             raise InputError(
-                f"{self.path}: cannot be read ({error.strerror}); the states of the result were kept there, run it again"
+                f"{self.path}: cannot be read ({error.strerror}); the result's states were there, run it again"
             ) from error
         try:
             self._refuse_other(descriptor)
