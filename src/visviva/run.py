@@ -77,6 +77,7 @@ def run(
     save_every: float = 5.0,
     pictures: bool = True,
     project: bool = False,
+    lock: bool = True,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a study and leave everything in a directory.
@@ -111,6 +112,9 @@ def run(
         Draw plot, pictures and movie at the end.
     project : bool
         Accept an initial state that is moved far to fit the constraints; see `simulate`.
+    lock : bool
+        Refuse to write where another process does; False is for file systems without locks, where nobody else sees to
+        it that no two runs write into one directory.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -145,7 +149,7 @@ def run(
     else:
         refuse_early_end(study)
         files = RunDirectory(Path(directory))
-    with files.writing():
+    with files.writing(lock):
         if resume:
             recorder = Recorder.resume(study, files, force, said)
             recorder.cadence = chosen or recorder.cadence
