@@ -101,6 +101,26 @@ def test_termination_saves_as_ctrl_c_does(writer: Any, tmp_path: Path) -> None:
     assert read_table(tmp_path / "ledger.csv")["time"][-1] == reached > 0
 
 
+def test_handlers_of_a_program_around_python_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python knows handlers that C has installed as None, and cannot install that."""
+    install, handlers = signal.signal, dict[int, object]({signal.SIGTERM: None})
+
+    def installing(number: int, handler: Any) -> object:
+        if handler is None:
+            raise TypeError("signal handler must be signal.SIG_IGN, signal.SIG_DFL, or a callable object")
+        earlier = handlers.get(number, signal.getsignal(number))
+        handlers[number] = handler
+        return earlier if number == signal.SIGTERM else install(number, handler)
+
+    known = signal.getsignal
+    monkeypatch.setattr(signal, "signal", installing)
+    monkeypatch.setattr(signal, "getsignal", lambda n: handlers[n] if n == signal.SIGTERM else known(n))
+    interrupt = known(signal.SIGINT)
+    assert run(study(), tmp_path, pictures=False).statistics.steps == 20
+    assert handlers[signal.SIGTERM] is None
+    assert known(signal.SIGINT) is interrupt
+
+
 def test_the_command_line_ends_with_143_on_termination(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "visviva", "run", "pendulum", "--until", "500", "--out", str(tmp_path)]
     with subprocess.Popen(
