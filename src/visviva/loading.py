@@ -262,7 +262,8 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
     clock.refuse_sliver(until, step)
     while not clock.has_reached(until):
         equations = Equilibrium(system, scheme)
-        target = system.time + clock.next(until)
+        h = clock.next(until)
+        target = system.time + h
         try:
             equations.predict(target)
             report = equations.iterate(target)
@@ -277,7 +278,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
                     "times. If it snaps here, to an equilibrium far away, follow the path with vv.arc_length, or "
                     "take the snap in steps of dynamics with vv.simulate"
                 ) from failure
-            clock.halve()
+            clock.halve(h)
             continue
         if report.iterations <= EASY:
             clock.lengthen()

@@ -94,14 +94,15 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
     clock.refuse_sliver(until, step)
     while not clock.has_reached(until):
         system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
+        h = clock.next(until)
         try:
-            report = system.step(clock.next(until), scheme)
+            report = system.step(h, scheme)
         except StepFailure:
             system.rejected += 1
             if clock.halvings >= HALVINGS:
                 clock.restart(clock.time)
                 raise
-            clock.halve()
+            clock.halve(h)
             continue
         finally:
             system.core.allow_last_resort(True)
