@@ -197,6 +197,11 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "every": (lambda: simulate(every=0), "simulate: every = 0 is not a whole number that is at least 1"),
     "part of a step": (lambda: simulate(every=1.5), "simulate: every = 1.5 is not a whole number"),
     "observe": (lambda: simulate(observe=3), "simulate: observe is a function"),
+    "arc without loads": (lambda: arc(), "vv.arc_length: nothing moves with the load parameter: let a load grow"),
+    "points of an arc": (lambda: arc(steps=0), "arc_length: steps = 0 is not a whole number"),
+    "frames": (lambda: run(study(), "nowhere", frames_per_second=0), "run: frames_per_second = 0 is not a positive"),
+    "saving": (lambda: run(study(), "nowhere", save_every="5 s"), "run: save_every = '5 s' is not a number"),
+    "rows": (lambda: run(study(), "nowhere", every=1.5), "run: every = 1.5 is not a whole number"),
     "load steps": (lambda: vv.quasi_static(3, until=1.0, step=0.1), "system is a vv.System"),
     "equilibrium": (lambda: vv.equilibrium(vv.System([ball()]), steps="x"), "equilibrium: steps = 'x'"),
     "rest": (lambda: vv.equilibrium(vv.System([ball()]), most=0), "equilibrium: most = 0"),
@@ -220,6 +225,12 @@ CUBE = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
 
 def simulate(**changes: Any) -> None:
     vv.simulate(vv.System([ball()]), **({"until": 1.0, "step": 0.1} | changes))
+
+
+def arc(**options: Any) -> None:
+    spring = vv.Spring(a=GROUND, b=(end := ball()), stiffness=1.0)
+    rail = vv.PointOnLine(a=GROUND, b=end, at=(1, 0, 0), axis=(1, 0, 0))
+    vv.arc_length(vv.System([end, spring, rail]), step=0.1, **options)
 
 
 def march(**changes: Any) -> None:

@@ -195,10 +195,28 @@ def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> N
         raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
 
 
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number, of Python or of numpy."""
+    return isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool)
+
+
+def number(whose: str, what: str, value: Any) -> float:
+    """An argument as a number; infinity and not-a-number are some."""
+    if not is_number(value):
+        raise InputError(f"{whose}: {what} = {value!r} is not a number")
+    return float(value)
+
+
+def finite(whose: str, what: str, value: Any) -> float:
+    """An argument as a finite number."""
+    if not (is_number(value) and math.isfinite(value)):
+        raise InputError(f"{whose}: {what} = {value!r} is not a finite number")
+    return float(value)
+
+
 def positive(whose: str, what: str, value: Any) -> float:
     """An argument as a positive finite number."""
-    right = isinstance(value, float | int | np.number) and not isinstance(value, bool)
-    if not (right and 0 < value < math.inf):
+    if not (is_number(value) and 0 < value < math.inf):
         raise InputError(f"{whose}: {what} = {value!r} is not a positive number")
     return float(value)
 

@@ -17,7 +17,7 @@ from visviva.arguments import whole
 from visviva.errors import InputError, RunError
 from visviva.result import Result
 from visviva.scheme import ArcLength, Static
-from visviva.solve import advance, begin, keep
+from visviva.solve import advance, begin, checked_times, keep
 from visviva.stability import falling_directions, instability
 from visviva.system import Attempt, System
 
@@ -245,7 +245,7 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
-    whole("quasi_static", "every", every)
+    every, (until, step) = whole("quasi_static", "every", every), checked_times(until, step)
     result, books = begin(system, scheme or Static(), project=project)
     for _ in advance(result, books, until=until, step=step):
         if result.statistics.steps % every == 0 or system.clock.has_reached(until):
@@ -318,6 +318,7 @@ def arc_length(
     Result
         The times are the load parameters of the kept states; they need not grow.
     """
+    steps = whole("arc_length", "steps", steps)
     result, books = begin(system, scheme or ArcLength(), project=project)
     for _ in advance(result, books, until=until, step=step):
         keep(result)
@@ -391,6 +392,10 @@ class Path:
         e.linearise(self.time)
         d = e.solve(self.time, e.slope(self.time, self.unit))
         dt = self.unit
+        if not self.length(d, 1.0):
+            raise InputError(
+                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t'"
+            )
         if previous is not None:
             dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
         else:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import restart
+from visviva.arguments import number, positive, whole
 from visviva.drawing import draw, shown_field, trail_names
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.interrupt import deferred_interrupt
@@ -26,7 +27,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
-from visviva.solve import advance, begin, keep, refuse_times
+from visviva.solve import advance, begin, checked_times, keep
 from visviva.study import Study, measure
 
 Array = NDArray[np.float64]
@@ -59,8 +60,7 @@ class Cadence:
     @staticmethod
     def all(every: int) -> Cadence:
         """Everything every so many steps."""
-        if isinstance(every, bool) or not (isinstance(every, int) and every >= 1):
-            raise InputError(f"every = {every!r} is not a whole number of steps")
+        every = whole("run", "every", every)
         return Cadence(every, every, every)
 
 
@@ -140,9 +140,10 @@ def run(
         raise InputError(
             "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
         )
-    if not save_every >= 0:
+    if not number("run", "save_every", save_every) >= 0:
         raise InputError(f"save_every = {save_every} is not a number of seconds")
-    refuse_bad_times(study)
+    positive("run", "frames_per_second", frames_per_second)
+    settle_times(study)
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
     if resume:
         files = RunDirectory.open(directory)
@@ -162,9 +163,9 @@ def run(
     return recorder.result
 
 
-def refuse_bad_times(study: Study) -> None:
-    """Refuse what cannot be a step or an end."""
-    refuse_times(study.until, study.step)
+def settle_times(study: Study) -> None:
+    """Refuse what cannot be a step or an end; they may have been changed since the study was made."""
+    study.until, study.step = checked_times(study.until, study.step)
     if not math.isfinite(study.until):
         raise InputError(f"end time until = {study.until} is not a finite number")
 
