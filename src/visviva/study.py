@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from visviva.adaptive import Adaptive
-from visviva.arguments import finite, positive, refuse_other
+from visviva.arguments import Named, finite, positive, refuse_other
 from visviva.component import refuse_absent
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Strain, Vector
@@ -34,7 +34,7 @@ TYPES: tuple[tuple[str, Any, str], ...] = (
 
 
 @dataclass
-class Study:
+class Study(metaclass=Named):
     """A system, how long and by which steps to run it, and what to record.
 
     Attributes
