@@ -205,7 +205,8 @@ def quasi_static(
 ) -> Result:
     """Follow the equilibrium of a structure while its loads grow in time.
 
-    The same as `simulate` with the scheme `Static`.
+    The same as `simulate` with the scheme `Static`. All kept states and the ledger stay in memory: where they are
+    many and large keep fewer, with `every`, or let `visviva.run.run` write them into a directory.
 
     Parameters
     ----------

@@ -144,6 +144,9 @@ def simulate(
 ) -> Result:
     """Run a system to time `until` and return states, ledger and statistics.
 
+    All kept states and the ledger stay in memory: in long runs of large systems keep fewer, with `every`, or let
+    `visviva.run.run` write them into a directory.
+
     Parameters
     ----------
     system : System
