@@ -169,6 +169,8 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "history": (lambda: vv.equilibrium(hung()).history(3), "Result.history: what is a form.*not 3"),
     "scene": (lambda: read_scene(3), "read_scene: file is the path of a scene file, not 3"),
     "changes of a scene": (lambda: read_scene("a.yaml", ["until"]), "read_scene: changes is a mapping"),
+    "end beyond floats": (lambda: study(until=10**400), r"Study: until = 10+\.\.\.0+ is not a finite number"),
+    "step beyond floats": (lambda: step(10**400), r"System.step: h = 10+\.\.\.0+ is not a positive number"),
     "words of a study": (lambda: study(stp=0.1), "Study: stp: there is no such argument; did you mean 'step'"),
     "no end": (lambda: vv.Study(vv.System([ball()])), "Study: until: this argument is needed"),
     "twice": (lambda: vv.Study(vv.System([ball()]), 1.0, 0.1, until=2.0), "Study: until: .* given twice"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from abc import ABCMeta
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -225,8 +226,10 @@ def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> N
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a real number, of Python or of numpy."""
-    return isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool)
+    """Whether a value is a real number, of Python or of numpy, that a float can be."""
+    if isinstance(value, bool) or not isinstance(value, float | int | np.floating | np.integer):
+        return False
+    return not (isinstance(value, int) and abs(value) > sys.float_info.max)
 
 
 def number(whose: str, what: str, value: Any) -> float:

@@ -145,7 +145,7 @@ def weak_elements(system: System) -> str:
     weak = [
         f"{c.label} ({kind})"
         for c in system.components
-        if (kind := getattr(c, "formulation", None)) in SUITED
+        if (kind := str(getattr(c, "formulation", ""))) in SUITED
     ]
     if not weak:
         return ""
