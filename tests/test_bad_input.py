@@ -15,7 +15,7 @@ from test_language import MORE, NEEDS_CODE
 import visviva as vv
 from visviva.adaptive import Adaptive
 from visviva.run import run
-from visviva.scene import language
+from visviva.scene import language, read_scene
 
 UNIT: dict[str, Any] = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "name": "arm"}
 BENT, LEFT = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 1, 0], [0, 0, -1]]
@@ -152,6 +152,33 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "text": (lambda: vv.System("ball"), "System: components is a list"),
     "no component": (lambda: vv.System([3]), "a system is composed of components, not of 3"),
     "newton": (lambda: vv.System([ball()], newton=1e-9), "System: newton is Newton"),
+    "newton later": (lambda: setattr(vv.System([ball()]), "newton", "fast"), "System: newton is Newton"),
+    "words of a system": (lambda: vv.System([ball()], newtn=3), "System: newtn: there is no such argument.*'newton'"),
+    "nothing": (lambda: vv.System(), "System: components: this argument is needed"),
+    "step by a text": (lambda: step("x"), "System.step: h = 'x' is not a positive number"),
+    "no step": (lambda: step(0), "System.step: h = 0 is not a positive number"),
+    "step by a name": (lambda: step(0.1, "Midpoint"), "System.step: scheme is a scheme such as .*, not 'Midpoint'"),
+    "step by a class": (lambda: step(0.1, vv.Midpoint), "System.step: scheme is a scheme such as"),
+    "time": (lambda: setattr(vv.System([ball()]), "time", "x"), "System: time = 'x' is not a finite number"),
+    "field of": (lambda: vv.System([ball()]).field("ball", "position"), "System.field: component is .*not 'ball'"),
+    "field": (lambda: (s := vv.System([ball()])).field(s.components[0], 3), "PointMass 'ball' has no field 3"),
+    "value": (lambda: vv.System([ball()]).value(3), "System.value: what is a form, vector or strain .*, not 3"),
+    "value of a measure": (
+        lambda: vv.System([b := ball()]).value(vv.Position(of=b)), r"System.value: .*\(call measures with the system\)"
+    ),
+    "history": (lambda: vv.equilibrium(hung()).history(3), "Result.history: what is a form.*not 3"),
+    "scene": (lambda: read_scene(3), "read_scene: file is the path of a scene file, not 3"),
+    "changes of a scene": (lambda: read_scene("a.yaml", ["until"]), "read_scene: changes is a mapping"),
+    "end beyond floats": (lambda: study(until=10**400), r"Study: until = 10+\.\.\.0+ is not a finite number"),
+    "step beyond floats": (lambda: step(10**400), r"System.step: h = 10+\.\.\.0+ is not a positive number"),
+    "words of a study": (lambda: study(stp=0.1), "Study: stp: there is no such argument; did you mean 'step'"),
+    "no end": (lambda: vv.Study(vv.System([ball()])), "Study: until: this argument is needed"),
+    "twice": (lambda: vv.Study(vv.System([ball()]), 1.0, 0.1, until=2.0), "Study: until: .* given twice"),
+    "words of a mesh": (lambda: vv.Mesh([(0, 0)], {}, nodesets={}), "Mesh: nodesets: there is .*'node_sets'"),
+    "no cells": (lambda: vv.Mesh([(0, 0)]), "Mesh: cells: this argument is needed"),
+    "too much of a mesh": (lambda: vv.Mesh(1, 2, 3, 4, 5, 6), "Mesh takes 5 arguments without a name, not 6"),
+    "words of faces": (lambda: vv.Faces(cells={}, owner={}), "Faces: owner: there is no such.*'owners'"),
+    "rho twice": (lambda: vv.GeneralizedAlpha(0.8, rho=0.9), "GeneralizedAlpha: rho: .* given twice"),
     "joint": (
         lambda: vv.System([ball(), vv.Spherical(a=GROUND, b=arm().point(), at=(0, 0, 0), name="j")]),
         "Spherical 'j': b is RigidBody 'arm', which is not in the system: add it",
@@ -197,6 +224,11 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "every": (lambda: simulate(every=0), "simulate: every = 0 is not a whole number that is at least 1"),
     "part of a step": (lambda: simulate(every=1.5), "simulate: every = 1.5 is not a whole number"),
     "observe": (lambda: simulate(observe=3), "simulate: observe is a function"),
+    "arc without loads": (lambda: arc(), "vv.arc_length: nothing moves with the load parameter: let a load grow"),
+    "points of an arc": (lambda: arc(steps=0), "arc_length: steps = 0 is not a whole number"),
+    "frames": (lambda: run(study(), "nowhere", frames_per_second=0), "run: frames_per_second = 0 is not a positive"),
+    "saving": (lambda: run(study(), "nowhere", save_every="5 s"), "run: save_every = '5 s' is not a number"),
+    "rows": (lambda: run(study(), "nowhere", every=1.5), "run: every = 1.5 is not a whole number"),
     "load steps": (lambda: vv.quasi_static(3, until=1.0, step=0.1), "system is a vv.System"),
     "equilibrium": (lambda: vv.equilibrium(vv.System([ball()]), steps="x"), "equilibrium: steps = 'x'"),
     "rest": (lambda: vv.equilibrium(vv.System([ball()]), most=0), "equilibrium: most = 0"),
@@ -220,6 +252,19 @@ CUBE = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
 
 def simulate(**changes: Any) -> None:
     vv.simulate(vv.System([ball()]), **({"until": 1.0, "step": 0.1} | changes))
+
+
+def step(*arguments: Any) -> None:
+    vv.System([ball()]).step(*arguments)
+
+
+def hung() -> vv.System:
+    spring = vv.Spring(a=GROUND, b=(end := ball()), stiffness=1.0)
+    return vv.System([end, spring, vv.PointOnLine(a=GROUND, b=end, at=(1, 0, 0), axis=(1, 0, 0))])
+
+
+def arc(**options: Any) -> None:
+    vv.arc_length(hung(), step=0.1, **options)
 
 
 def march(**changes: Any) -> None:

@@ -36,6 +36,15 @@ def falling() -> vv.System:
     return vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0)), vv.Gravity()])
 
 
+def hung() -> vv.System:
+    """A ball on a spring and a guide, pulled down more and more."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
+    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
+    pull = vv.Force(on=ball.point(), force=(0, 0, -20), times="t")
+    return vv.System([ground, ball, spring, guide, pull])
+
+
 def times_to(until: float, step: float, system: vv.System | None = None) -> list[float]:
     system = falling() if system is None else system
     return [system.time, *(system.time for _ in vv.march(system, until=until, step=step))]
@@ -62,6 +71,45 @@ def test_the_last_step_is_shortened_or_stretched(part: float, last: float) -> No
     assert times[-1] == pytest.approx((3 + part) * 0.1, abs=1e-12)
     assert np.diff(times)[-1] / 0.1 == pytest.approx(last, rel=1e-9)
     assert np.diff(times)[:-1] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("part", "tried"),
+    [
+        (1.0, [1.0, *0.5 ** np.arange(1, 7)]),
+        (0.5, [0.5, *0.5 ** np.arange(2, 7)]),
+        (0.3, [0.3, *0.5 ** np.arange(2, 7)]),
+        (0.012, [0.012, 0.5**7]),
+        (1.005, [1.005, *0.5 ** np.arange(1, 7)]),
+    ],
+)
+@pytest.mark.parametrize("static", [False, True])
+def test_no_length_is_tried_twice(
+    part: float, tried: list[float], static: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last step, cut short by the end, failed again and again until halves of the whole one were shorter."""
+    system, lengths = hung() if static else falling(), []
+    take, iterate = vv.System.step, Equilibrium.iterate
+
+    def step(self: vv.System, h: float, scheme: vv.scheme.Scheme) -> object:
+        if self.time < 0.2 - 1e-9:
+            return take(self, h, scheme)
+        lengths.append(h)
+        raise vv.StepFailure(self, self.time, h, SimpleNamespace(worst_unknown=0, increments=[], reason="no"))
+
+    def refusing(self: Equilibrium, time: float) -> object:
+        if time < 0.2 + 1e-9:
+            return iterate(self, time)
+        lengths.append(time - self.system.time)
+        raise NoEquilibrium("refused")
+
+    monkeypatch.setattr(vv.System, "step", step)
+    monkeypatch.setattr(Equilibrium, "iterate", refusing)
+    scheme = vv.Static(halvings=6) if static else vv.EnergyMomentum()
+    with pytest.raises(NoEquilibrium if static else vv.StepFailure):
+        for _ in vv.march(system, until=(2 + part) * 0.1, step=0.1, scheme=scheme):
+            pass
+    np.testing.assert_allclose(np.array(lengths) / 0.1, tried, rtol=1e-9)
 
 
 def test_an_end_time_a_sliver_ahead_is_refused() -> None:
@@ -91,10 +139,6 @@ def test_steps_by_hand_are_counted() -> None:
 
 def test_load_steps_are_counted_and_halved_on_their_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     """The third load step fails once: its halves lead back to the times of the whole ones."""
-    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
-    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
-    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
-    pull = vv.Force(on=ball.point(), force=(0, 0, -20), times="t")
     iterate, calls = Equilibrium.iterate, []
 
     def third_fails(self: Equilibrium, time: float) -> object:
@@ -104,17 +148,13 @@ def test_load_steps_are_counted_and_halved_on_their_grid(monkeypatch: pytest.Mon
         return iterate(self, time)
 
     monkeypatch.setattr(Equilibrium, "iterate", third_fails)
-    result = vv.quasi_static(vv.System([ground, ball, spring, guide, pull]), until=0.7, step=0.1)
+    result = vv.quasi_static(hung(), until=0.7, step=0.1)
     np.testing.assert_allclose(result.times, [0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7], rtol=1e-15)
 
 
 def test_failed_load_steps_leave_whole_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     """Who goes on after a failure begins with the steps that are asked for, not with the last halves."""
-    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
-    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=100.0)
-    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
-    system = vv.System([ground, ball, spring, guide])
-    iterate = Equilibrium.iterate
+    system, iterate = hung(), Equilibrium.iterate
 
     def fails(self: Equilibrium, time: float) -> object:
         if time > 0.2 + 1e-9:

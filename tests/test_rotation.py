@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from rotating import MECHANISMS, RATE, run
 
 import visviva as vv
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
-from rotation import MECHANISMS, RATE, run
 
 
 def speed(system: vv.System) -> float:

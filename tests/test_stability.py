@@ -37,6 +37,32 @@ def test_straight_columns_beyond_eulers_load(options: dict[str, Any]) -> None:
     assert system.time == pytest.approx(0.2)  # the last stable one stays
 
 
+def pressed(formulation: Any) -> vv.System:
+    """A block in a box, which cannot buckle: all its sides slide, and one of them presses it together."""
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+    rubber = vv.NeoHooke(young=1.0, poisson=0.45)
+    block = vv.Solid(mesh=mesh, material=rubber, density=1.0, formulation=formulation, name="block")
+    walls = [
+        vv.Fixed(solid=block, nodes=side, directions=(side[0] == "x", side[0] == "y", True))
+        for side in ("x0", "x1", "y0")
+    ]
+    return vv.System(
+        [block, *walls, vv.Prescribed(solid=block, nodes="y1", motion=(None, lambda t: -t, None))]
+    )
+
+
+def test_elements_that_may_give_way_are_named() -> None:
+    """Hourglasses of enhanced strains are no buckling, and the message does not say that they must be."""
+    assert "equilibria: stable" in vv.quasi_static(pressed("displacement"), until=0.3, step=0.05).audit()
+    with pytest.raises(
+        Unstable, match=r"or elements do, which in Solid 'block' \(enhanced\) may give way under strong"
+    ):
+        vv.quasi_static(pressed("enhanced"), until=0.3, step=0.05)
+    with pytest.raises(Unstable) as refused:
+        vv.quasi_static(column(1.5), until=1.0, step=0.5)
+    assert "elements" not in str(refused.value)
+
+
 def test_those_who_mean_it() -> None:
     result = vv.quasi_static(column(1.5), until=1.0, step=0.5, scheme=vv.Static(unstable=True))
     assert "equilibria: unstable from the load parameter 1 on, in 1 load steps" in result.audit()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from abc import ABCMeta
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -54,7 +55,7 @@ class Validated(ABCMeta):
     """
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
-        given = {**by_name(cls, args), **kwargs}
+        given = {**(by_name(cls, args) if is_dataclass(cls) else {}), **kwargs}
         for name, value in given.items():
             complaint = mistaken(plain_types(cls).get(name, frozenset()), value)
             if name in references(cls) and not is_reference(value):
@@ -62,7 +63,7 @@ class Validated(ABCMeta):
             if complaint:
                 raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
         if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
-            return super().__call__(**converted(cls, given))
+            return super().__call__(**converted(cls, named(cls, args, kwargs)))
         try:
             return super().__call__(*args, **kwargs)
         except ValidationError as error:
@@ -80,10 +81,47 @@ class Validated(ABCMeta):
         """Pydantic would set one that does not know the fields of a class which it completes late."""
 
 
+class Named(type):
+    """Type of the classes whose constructors look at the values themselves: names that do not fit are input errors.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.System([vv.PointMass(mass=1.0)], newtn=vv.Newton())
+    Traceback (most recent call last):
+    visviva.arguments.ArgumentError: System: newtn: there is no such argument; did you mean 'newton'?
+    """
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        named(cls, args, kwargs)
+        return super().__call__(*args, **kwargs)
+
+    @property
+    def __signature__(cls) -> Signature:
+        """Of the constructor."""
+        own = signature(cls.__init__)  # type: ignore[misc]
+        return own.replace(parameters=list(own.parameters.values())[1:], return_annotation=Signature.empty)
+
+
+def named(cls: type, args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> dict[str, Any]:
+    """All arguments by name, which must be those of the constructor."""
+    parameters, placed = signature(cls).parameters, by_name(cls, args)
+    for name in kwargs:
+        if name not in parameters:
+            raise ArgumentError(
+                cls.__name__, (name,), f"there is no such argument{nearest(name, parameters)}"
+            )
+        if name in placed:
+            raise ArgumentError(cls.__name__, (name,), "this argument is given twice, by place and by name")
+    given = {**placed, **kwargs}
+    for name, p in parameters.items():
+        if p.default is p.empty and name not in given:
+            raise ArgumentError(cls.__name__, (name,), "this argument is needed")
+    return given
+
+
 def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
     """Arguments given by place."""
-    if not args or not is_dataclass(cls):
-        return {}
     names = [p.name for p in signature(cls).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     if len(args) > len(names):
         raise InputError(f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}")
@@ -92,15 +130,7 @@ def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
 
 def converted(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of a dataclass that is not one of Pydantic's, validated by their types."""
-    parameters, types = signature(cls).parameters, adapters(cls)
-    for name in given:
-        if name not in parameters:
-            raise ArgumentError(
-                cls.__name__, (name,), f"there is no such argument{nearest(name, parameters)}"
-            )
-    for name, p in parameters.items():
-        if p.default is p.empty and name not in given:
-            raise ArgumentError(cls.__name__, (name,), "this argument is needed")
+    types = adapters(cls)
     found = {}
     for name, value in given.items():
         try:
@@ -195,10 +225,30 @@ def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> N
         raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
 
 
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number, of Python or of numpy, that a float can be."""
+    if isinstance(value, bool) or not isinstance(value, float | int | np.floating | np.integer):
+        return False
+    return not (isinstance(value, int) and abs(value) > sys.float_info.max)
+
+
+def number(whose: str, what: str, value: Any) -> float:
+    """An argument as a number; infinity and not-a-number are some."""
+    if not is_number(value):
+        raise InputError(f"{whose}: {what} = {value!r} is not a number")
+    return float(value)
+
+
+def finite(whose: str, what: str, value: Any) -> float:
+    """An argument as a finite number."""
+    if not (is_number(value) and math.isfinite(value)):
+        raise InputError(f"{whose}: {what} = {value!r} is not a finite number")
+    return float(value)
+
+
 def positive(whose: str, what: str, value: Any) -> float:
     """An argument as a positive finite number."""
-    right = isinstance(value, float | int | np.number) and not isinstance(value, bool)
-    if not (right and 0 < value < math.inf):
+    if not (is_number(value) and 0 < value < math.inf):
         raise InputError(f"{whose}: {what} = {value!r} is not a positive number")
     return float(value)
 

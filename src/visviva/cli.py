@@ -92,6 +92,9 @@ def run(
     overwrite: Annotated[
         bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
     ] = False,
+    no_lock: Annotated[
+        bool, Parameter(negative="", help="Write also where the file system knows no locks.")
+    ] = False,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
@@ -126,6 +129,7 @@ def run(
             every=every,
             save_every=save_every,
             project=project,
+            lock=not no_lock,
             notes=notes,
         )
     except KeyboardInterrupt as interrupt:

@@ -72,8 +72,10 @@ class Clock:
             self.restart(self.time + h)
             self.step = h
 
-    def halve(self) -> None:
-        self.halvings, self.count = self.halvings + 1, 2 * self.count
+    def halve(self, failed: float) -> None:
+        """Halve the length until steps are shorter than the one that failed, which the end may have shortened."""
+        while failed <= (1 + SLIVER) * self.length:
+            self.halvings, self.count = self.halvings + 1, 2 * self.count
 
     def lengthen(self) -> None:
         """Twice the length again where a step of that length begins, so that the whole steps' times are met again."""

@@ -115,6 +115,8 @@ class Teller:
 
     def text(self, value: Any) -> str:
         """The value in words; whole numbers look the same as ``int`` and as ``float``."""
+        if isinstance(value, np.generic):
+            value = value.item()
         if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
             return repr(int(value))
         if value is None or isinstance(value, bool | int | float | complex | str):
@@ -149,10 +151,6 @@ class Teller:
         made = "" if made_by in (type(value), copyreg.__newobj__) else f"{self.text(made_by)}, "  # type: ignore[attr-defined]
         given = [a for a in arguments if a is not type(value)] + [part for part in state if part]
         return f"{kind}({made}{self._all(given)})"
-
-    @_tell.register
-    def _(self, value: np.generic) -> str:
-        return self.text(value.item())
 
     @_tell.register(np.ndarray)
     def _(self, value: NDArray[Any]) -> str:

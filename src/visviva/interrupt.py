@@ -15,7 +15,7 @@ def deferred_interrupt() -> Iterator[Callable[[], int]]:
     """Note Ctrl-C and termination instead of ending at once; the function given tells the signal, 0 for none.
 
     A second one raises `KeyboardInterrupt` at once. Outside the main thread, where Python delivers no signals,
-    nothing changes.
+    nothing changes; nor for signals that a program around Python handles, since Python could not give them back.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: 0
@@ -27,7 +27,9 @@ def deferred_interrupt() -> Iterator[Callable[[], int]]:
             raise KeyboardInterrupt(number)
         noted.append(number)
 
-    earlier = {number: signal.signal(number, note) for number in STOPPING}
+    earlier = {number: handler for number in STOPPING if (handler := signal.getsignal(number)) is not None}
+    for number in earlier:
+        signal.signal(number, note)
     try:
         yield lambda: noted[0] if noted else 0
     finally:

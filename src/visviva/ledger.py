@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.instant import Instant, instant
-from visviva.output.tables import read_table
+from visviva.output.tables import Table
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -42,9 +41,9 @@ class Ledger:
         Of the whole system: what momenta and rates are compared with.
     pull : float
         Work of the forces at the start if everything moved along by its own size.
-    file : path or None
-        Table that holds the rows; without it they are kept in memory. Figures of the whole run need neither: they
-        follow from the first and the last row and the least and greatest values of all.
+    file : Table or None
+        Holds the rows, maybe not of every step; without it they are kept in memory. Figures of the whole run need
+        neither: they follow from the first and the last row and the least and greatest values of all.
     moves : list of str
         What was moved onto the constraints before the first row.
     """
@@ -56,7 +55,7 @@ class Ledger:
     pull: float = 0.0
     moves: list[str] = field(default_factory=list)
     rows: list[Array] = field(default_factory=list)
-    file: Path | None = None
+    file: Table | None = None
     span: Array = field(default_factory=lambda: np.empty((4, 0)))
     """First row, last row, least values, greatest values."""
 
@@ -94,6 +93,10 @@ class Ledger:
         """Greatest absolute value of all steps."""
         return float(np.abs(self.span[2:, self._column[name]]).max())
 
+    def swing(self, name: str) -> float:
+        """Greatest value of all steps less the least one."""
+        return self.greatest(name) - self.least(name)
+
     @property
     def names(self) -> list[str]:
         works = [f"work_{k}" for k in self.works]
@@ -104,11 +107,7 @@ class Ledger:
     @property
     def table(self) -> Array:
         """All rows (n, columns); of a run in a directory those in its table."""
-        return (
-            np.array(self.rows)
-            if self.file is None
-            else np.column_stack(list(read_table(self.file).values()))
-        )
+        return np.array(self.rows) if self.file is None else self.file.read()
 
     def __getitem__(self, name: str) -> Array:
         return self.table[:, self.names.index(name)]
@@ -120,7 +119,7 @@ class Ledger:
         Where hardly anything moves a millionth of the potentials or of `pull`, which are exact to rounding only.
         """
         potentials = [f"potential_{k}" for k in self.potentials]
-        swings = [max(self.greatest(p) - self.least(p), STILL * self.size(p)) for p in potentials]
+        swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
         works = [self.size(f"work_{k}") for k in self.works]
         return float(
             max([self.greatest("kinetic"), *swings, *works, STILL * self.pull, np.finfo(float).tiny])
@@ -129,7 +128,7 @@ class Ledger:
     @property
     def duration(self) -> float:
         """Time between the ends of the run."""
-        return self.greatest("time") - self.least("time")
+        return self.swing("time")
 
     @property
     def speed(self) -> float:

@@ -17,7 +17,7 @@ from visviva.arguments import whole
 from visviva.errors import InputError, RunError
 from visviva.result import Result
 from visviva.scheme import ArcLength, Static
-from visviva.solve import advance, begin, keep
+from visviva.solve import advance, begin, checked_times, keep
 from visviva.stability import falling_directions, instability
 from visviva.system import Attempt, System
 
@@ -178,9 +178,9 @@ class Equilibrium:
             raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
         falling = falling_directions(self.system, step)
         if falling and not self.options.unstable:
+            found = instability(self.system, f"at the load parameter {time:.6g}", falling)
             raise Unstable(
-                f"{instability(f'at the load parameter {time:.6g}', falling)}, follow it with vv.arc_length, or say "
-                "vv.Static(unstable=True) if it is meant"
+                f"{found}, follow it with vv.arc_length, or say vv.Static(unstable=True) if it is meant"
             )
         self.system.stability.record(falling, time)
         self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())
@@ -205,7 +205,8 @@ def quasi_static(
 ) -> Result:
     """Follow the equilibrium of a structure while its loads grow in time.
 
-    The same as `simulate` with the scheme `Static`.
+    The same as `simulate` with the scheme `Static`. All kept states and the ledger stay in memory: where they are
+    many and large keep fewer, with `every`, or let `visviva.run.run` write them into a directory.
 
     Parameters
     ----------
@@ -245,7 +246,7 @@ def quasi_static(
     >>> round(float(result.states[-1][2]), 9)
     -1.2
     """
-    whole("quasi_static", "every", every)
+    every, (until, step) = whole("quasi_static", "every", every), checked_times(until, step)
     result, books = begin(system, scheme or Static(), project=project)
     for _ in advance(result, books, until=until, step=step):
         if result.statistics.steps % every == 0 or system.clock.has_reached(until):
@@ -262,7 +263,8 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
     clock.refuse_sliver(until, step)
     while not clock.has_reached(until):
         equations = Equilibrium(system, scheme)
-        target = system.time + clock.next(until)
+        h = clock.next(until)
+        target = system.time + h
         try:
             equations.predict(target)
             report = equations.iterate(target)
@@ -277,7 +279,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
                     "times. If it snaps here, to an equilibrium far away, follow the path with vv.arc_length, or "
                     "take the snap in steps of dynamics with vv.simulate"
                 ) from failure
-            clock.halve()
+            clock.halve(h)
             continue
         if report.iterations <= EASY:
             clock.lengthen()
@@ -317,6 +319,7 @@ def arc_length(
     Result
         The times are the load parameters of the kept states; they need not grow.
     """
+    steps = whole("arc_length", "steps", steps)
     result, books = begin(system, scheme or ArcLength(), project=project)
     for _ in advance(result, books, until=until, step=step):
         keep(result)
@@ -390,6 +393,10 @@ class Path:
         e.linearise(self.time)
         d = e.solve(self.time, e.slope(self.time, self.unit))
         dt = self.unit
+        if not self.length(d, 1.0):
+            raise InputError(
+                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t'"
+            )
         if previous is not None:
             dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
         else:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import refuse_other
 from visviva.audit import audit
 from visviva.form import Form, Strain, Vector
 from visviva.ledger import MOMENTA, Ledger
@@ -92,6 +93,8 @@ class Result:
 
     def history(self, what: Form | Vector | Strain | Measure) -> Array:
         """Values of a form, vector, strain or measure at the kept times, (n,) or (n, k)."""
+        wanted = "a form, vector, strain or measure such as vv.Position(of=body)"
+        refuse_other("Result.history", "what", what, Form | Vector | Strain | Measure, wanted)
         if not isinstance(what, Measure):
             return np.array([what.value(x) for x in self.states])
         values = np.array([[e.value(x) for e in what.strains()] for x in self.states])

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import restart
+from visviva.arguments import number, positive, whole
 from visviva.drawing import draw, shown_field, trail_names
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.interrupt import deferred_interrupt
@@ -26,7 +27,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
-from visviva.solve import advance, begin, keep, refuse_times
+from visviva.solve import advance, begin, checked_times, keep
 from visviva.study import Study, measure
 
 Array = NDArray[np.float64]
@@ -59,8 +60,7 @@ class Cadence:
     @staticmethod
     def all(every: int) -> Cadence:
         """Everything every so many steps."""
-        if isinstance(every, bool) or not (isinstance(every, int) and every >= 1):
-            raise InputError(f"every = {every!r} is not a whole number of steps")
+        every = whole("run", "every", every)
         return Cadence(every, every, every)
 
 
@@ -77,6 +77,7 @@ def run(
     save_every: float = 5.0,
     pictures: bool = True,
     project: bool = False,
+    lock: bool = True,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a study and leave everything in a directory.
@@ -111,6 +112,9 @@ def run(
         Draw plot, pictures and movie at the end.
     project : bool
         Accept an initial state that is moved far to fit the constraints; see `simulate`.
+    lock : bool
+        Refuse to write where another process does; False is for file systems without locks, where nobody else sees to
+        it that no two runs write into one directory.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -136,16 +140,17 @@ def run(
         raise InputError(
             "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
         )
-    if not save_every >= 0:
+    if not number("run", "save_every", save_every) >= 0:
         raise InputError(f"save_every = {save_every} is not a number of seconds")
-    refuse_bad_times(study)
+    positive("run", "frames_per_second", frames_per_second)
+    settle_times(study)
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
     if resume:
         files = RunDirectory.open(directory)
     else:
         refuse_early_end(study)
         files = RunDirectory(Path(directory))
-    with files.writing():
+    with files.writing(lock):
         if resume:
             recorder = Recorder.resume(study, files, force, said)
             recorder.cadence = chosen or recorder.cadence
@@ -158,9 +163,9 @@ def run(
     return recorder.result
 
 
-def refuse_bad_times(study: Study) -> None:
-    """Refuse what cannot be a step or an end."""
-    refuse_times(study.until, study.step)
+def settle_times(study: Study) -> None:
+    """Refuse what cannot be a step or an end; they may have been changed since the study was made."""
+    study.until, study.step = checked_times(study.until, study.step)
     if not math.isfinite(study.until):
         raise InputError(f"end time until = {study.until} is not a finite number")
 
@@ -192,6 +197,7 @@ class Recorder:
         self.notes: dict[str, Any] = {}
         self.ledger: Table | None = None
         self.probes: Table | None = None
+        self.states: StateFile | None = None
         self.rows = 0  # written to both tables; times need not grow
         self.is_written = True  # whether all files hold all that is due up to the present state
         self.saved_time: float | None = None  # of the state from which the run can be resumed
@@ -224,10 +230,11 @@ class Recorder:
                 n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
                 recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
             first = result.records[0]
-            result.kept = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            result.kept = recorder.states
             keep(result)
             recorder.write_row(books.ledger.rows.pop())
-            books.ledger.file = files.ledger
+            books.ledger.file = recorder.ledger
             recorder.write_frame()
             recorder.save()
         return recorder
@@ -256,10 +263,11 @@ class Recorder:
             rows, sums = recorder.rows, kept["checksums"]
             recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
             recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
-            books.ledger.file, shapes = files.ledger, [r.shape for r in result.records[0]]
-            result.kept = StateFile.reopen(
+            books.ledger.file, shapes = recorder.ledger, [r.shape for r in result.records[0]]
+            recorder.states = StateFile.reopen(
                 files.states, len(study.system.x), shapes, kept["states"], sums["states"]
             )
+            result.kept = recorder.states
             books.ledger.rows.clear()
             if recorder.drawing.surfaces:
                 recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
@@ -285,7 +293,7 @@ class Recorder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for file in (self.ledger, self.probes, self.trajectory):
+        for file in (self.ledger, self.probes, self.trajectory, self.states):
             if file is not None:
                 file.close()
 
@@ -365,10 +373,10 @@ class Recorder:
         """Save the state."""
         start = time.perf_counter()
         study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
-        kept = self.result.kept
+        kept = self.states
         assert ledger is not None
         assert probes is not None
-        assert isinstance(kept, StateFile)
+        assert kept is not None
         ledger.sync()  # the state must not outlive what it goes with
         probes.sync()
         kept.sync()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.adaptive import Adaptive, adaptive_steps
-from visviva.arguments import positive, refuse_other, whole
+from visviva.arguments import number, positive, refuse_other, whole
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
@@ -58,7 +58,7 @@ def march(
     >>> round(float(system.x[0]), 12)
     1.0
     """
-    refuse_times(until, step)
+    until, step = checked_times(until, step)
     refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
     refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
     scheme = EnergyMomentum() if scheme is None else scheme
@@ -78,15 +78,14 @@ def march(
         yield from counted_steps(system, until=until, step=step, scheme=scheme)
 
 
-def refuse_times(until: Any, step: Any) -> None:
-    """Refuse an end time and a length of steps that are no numbers or fit no run."""
-    step = positive("march", "step", step)
-    if not isinstance(until, float | int | np.number) or isinstance(until, bool):
-        raise InputError(f"march: until = {until!r} is not a number")
-    if MOST * step < abs(float(until)) < math.inf:
+def checked_times(until: Any, step: Any) -> tuple[float, float]:
+    """End time and length of steps as numbers that fit a run; those of numpy may have few digits to count with."""
+    step, until = positive("march", "step", step), number("march", "until", until)
+    if MOST * step < abs(until) < math.inf:
         raise InputError(
             f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"
         )
+    return until, step
 
 
 def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) -> Iterator[Any]:
@@ -96,14 +95,15 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
     clock.refuse_sliver(until, step)
     while not clock.has_reached(until):
         system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
+        h = clock.next(until)
         try:
-            report = system.step(clock.next(until), scheme)
+            report = system.step(h, scheme)
         except StepFailure:
             system.rejected += 1
             if clock.halvings >= HALVINGS:
                 clock.restart(clock.time)
                 raise
-            clock.halve()
+            clock.halve(h)
             continue
         finally:
             system.core.allow_last_resort(True)
@@ -163,6 +163,9 @@ def simulate(
 ) -> Result:
     """Run a system to time `until` and return states, ledger and statistics.
 
+    All kept states and the ledger stay in memory: in long runs of large systems keep fewer, with `every`, or let
+    `visviva.run.run` write them into a directory.
+
     Parameters
     ----------
     system : System
@@ -181,7 +184,7 @@ def simulate(
         Accept an initial state that is moved by more than a thousandth of the system's size, or loses speeds, to fit
         the constraints.
     """
-    whole("simulate", "every", every)
+    every = whole("simulate", "every", every)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
     result, books = begin(system, scheme, project=project)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.body.formulation import SUITED
+
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
@@ -129,10 +131,25 @@ def sparse_pivots(A: sp.csr_array) -> Array | None:
     return np.asarray(lu.U.diagonal()) if np.array_equal(lu.perm_r, lu.perm_c) else None
 
 
-def instability(where: str, falling: int) -> str:
+def instability(system: System, where: str, falling: int) -> str:
     """What is wrong with an unstable equilibrium, and the first of its cures."""
     directions = "one direction" if falling == 1 else f"{falling} directions"
     return (
         f"the equilibrium {where} is unstable: energy falls in {directions}, so that the structure buckles or falls "
-        "over at the slightest disturbance. Disturb it, by a small load or an imperfect shape"
+        f"over at the slightest disturbance{weak_elements(system)}. Disturb it, by a small load or an imperfect shape"
+    )
+
+
+def weak_elements(system: System) -> str:
+    """Doubt about instabilities, where elements may have some of their own: modes that look like hourglasses."""
+    weak = [
+        f"{c.label} ({kind})"
+        for c in system.components
+        if (kind := str(getattr(c, "formulation", ""))) in SUITED
+    ]
+    if not weak:
+        return ""
+    return (
+        f", or elements do, which in {', '.join(weak)} may give way under strong compression where the structure would "
+        "not (compare with formulation='displacement')"
     )

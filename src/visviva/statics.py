@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.arguments import refuse_other, whole
+from visviva.arguments import number, refuse_other, whole
 from visviva.errors import InputError, RunError
 from visviva.freedom import refuse_free
 from visviva.instant import Instant, instant
@@ -103,9 +103,8 @@ def equilibrium(
     -1.2
     """
     refuse_other("equilibrium", "system", system, System, "a vv.System")
-    refuse_other("equilibrium", "until", until, float | int | None, "a number")
-    whole("equilibrium", "steps", steps)
-    whole("equilibrium", "most", most)
+    until = None if until is None else number("equilibrium", "until", until)
+    steps, most = whole("equilibrium", "steps", steps), whole("equilibrium", "most", most)
     if until is not None and not until > system.time:
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     for history in (system.v, system.core.a, system.core.w):
@@ -160,7 +159,7 @@ def confirm(system: System, unstable: bool) -> None:
     falling = count_falling(system, Static().step(system.time, 0.0))
     if falling and not unstable:
         raise Unstable(
-            f"{instability('found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
+            f"{instability(system, 'found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
         )
     system.stability.record(falling, system.time)
 

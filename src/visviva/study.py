@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from visviva.adaptive import Adaptive
-from visviva.arguments import positive, refuse_other
+from visviva.arguments import Named, finite, positive, refuse_other
 from visviva.component import refuse_absent
 from visviva.errors import InputError, nearest
 from visviva.form import Form, Strain, Vector
@@ -35,7 +34,7 @@ TYPES: tuple[tuple[str, Any, str], ...] = (
 
 
 @dataclass
-class Study:
+class Study(metaclass=Named):
     """A system, how long and by which steps to run it, and what to record.
 
     Attributes
@@ -78,9 +77,8 @@ class Study:
     def __post_init__(self) -> None:
         for what, kind, wanted in TYPES:
             refuse_other("Study", what, getattr(self, what), kind, wanted)
-        positive("Study", "step", self.step)
-        if not (isinstance(self.until, float | int) and math.isfinite(self.until)):
-            raise InputError(f"Study: until = {self.until!r} is not a finite number")
+        self.step = positive("Study", "step", self.step)
+        self.until = finite("Study", "until", self.until)
         refuse_absent("Study: probes", self.probes, {id(c) for c in self.system.components})
         unknown = [name for name in self.trails if name not in self.probes]
         if unknown:

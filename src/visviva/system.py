@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.arguments import refuse_other
+from visviva.arguments import Named, finite, positive, refuse_other
 from visviva.build import build_core
 from visviva.clock import Clock
 from visviva.component import Attachable, Component, characteristic_length, name_components, refuse_loose
@@ -43,7 +43,7 @@ class Attempt:
     report: Any
 
 
-class System:
+class System(metaclass=Named):
     """A set of components as one system of equations.
 
     Parameters
@@ -124,6 +124,7 @@ class System:
 
     @newton.setter
     def newton(self, newton: Newton) -> None:
+        refuse_other("System", "newton", newton, Newton, "Newton(...)")
         if newton.null_space != self._newton.null_space:
             raise InputError(
                 "Newton(null_space=...) is chosen when a system is made: System(components, newton=...)"
@@ -191,7 +192,7 @@ class System:
 
     @time.setter
     def time(self, time: float) -> None:
-        self.clock.restart(float(time))
+        self.clock.restart(finite("System", "time", time))
 
     # --- what is in it -------------------------------------------------------------------------------------
     @property
@@ -242,11 +243,14 @@ class System:
         for f in self.model.fields:
             if f.component is component and f.name == name:
                 return f
+        refuse_other("System.field", "component", component, Component, "a component of the system")
         names = [f.name for f in self.model.fields if f.component is component]
         raise InputError(f"{component.label} has no field {name!r}; it has {names}")
 
     def value(self, what: Form | Vector | Strain) -> Any:
         """Present value of a form, vector or strain."""
+        wanted = "a form, vector or strain such as body.point().position (call measures with the system)"
+        refuse_other("System.value", "what", what, Form | Vector | Strain, wanted)
         return what.value(self.x)
 
     # --- stepping ------------------------------------------------------------------------------------------
@@ -265,6 +269,8 @@ class System:
         scheme = EnergyMomentum() if scheme is None else scheme
         repeated = self._repeated
         if repeated is None or repeated[1] != h or (repeated[0] is not scheme and repeated[0] != scheme):
+            h = positive("System.step", "h", h)
+            refuse_other("System.step", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
             repeated = self._repeated = scheme, h, scheme.step(self.time, h)
         step = repeated[2].moved_to(self.time)
         if scheme.projects_velocity and not self.core.projects_rates:

@@ -196,7 +196,7 @@ def _plain(source: Any) -> Source:
         return source  # type: ignore[no-any-return]
     if isinstance(source, str):
         return source
-    if isinstance(source, Sequence) or hasattr(source, "tolist"):
+    if isinstance(source, Sequence) or getattr(source, "ndim", 0) > 0:
         return _table(source)
     try:
         number = float(source)

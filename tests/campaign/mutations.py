@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 
 import visviva as vv
-from visviva.arguments import Validated
+from visviva.arguments import Named, Validated
 from visviva.component import Component
 from visviva.scene.yaml12 import load
 
@@ -203,7 +203,7 @@ def argument(random: Random, folder: Path) -> Case:
     given.pop("name", None) if isinstance(found[name], Component) else None
     known = sorted(given) or ["arguments"]
     is_bad = random.random() < 0.5
-    is_known = random.random() < 0.9 or not isinstance(type(found[name]), Validated)
+    is_known = random.random() < 0.9 or not isinstance(type(found[name]), Validated | Named)
     key = random.choice(known) + ("" if is_known else "_")
     value = random.choice(BAD if is_bad else ODD)
     what = f"{name}({key}={value!r:.60})"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 from interrupting import at, run_until
 
 import visviva as vv
+from visviva.cli import main
 from visviva.examples import pendulum
 from visviva.output import RunDirectory, load_state, read_table
 from visviva.run import Recorder, run
@@ -40,6 +42,21 @@ def test_the_second_writer_is_refused(tmp_path: Path) -> None:
     assert seen == [True]
     run(study(), tmp_path, resume=True, pictures=False)
     assert len(read_table(tmp_path / "ledger.csv")["time"]) == 21
+
+
+def test_file_systems_without_locks_are_for_those_who_mean_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def flock(*_: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", flock)
+    command = ["run", "pendulum", "--until", "0.02", "--out", str(tmp_path)]
+    assert main(command) == 2
+    assert re.search(r"knows no locks \(No locks .*lock=False \(--no-lock\)", capsys.readouterr().err)
+    assert not list(tmp_path.glob("*.csv"))
+    assert main([*command, "--no-lock"]) == 0
+    assert run(study(0.04), tmp_path, resume=True, lock=False, pictures=False).statistics.steps == 4
 
 
 WRITER = """
@@ -82,6 +99,26 @@ def test_termination_saves_as_ctrl_c_does(writer: Any, tmp_path: Path) -> None:
     assert b"KeyboardInterrupt" in err
     reached = float(load_state(tmp_path / "state.h5")[1]["time"])
     assert read_table(tmp_path / "ledger.csv")["time"][-1] == reached > 0
+
+
+def test_handlers_of_a_program_around_python_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python knows handlers that C has installed as None, and cannot install that."""
+    install, handlers = signal.signal, dict[int, object]({signal.SIGTERM: None})
+
+    def installing(number: int, handler: Any) -> object:
+        if handler is None:
+            raise TypeError("signal handler must be signal.SIG_IGN, signal.SIG_DFL, or a callable object")
+        earlier = handlers.get(number, signal.getsignal(number))
+        handlers[number] = handler
+        return earlier if number == signal.SIGTERM else install(number, handler)
+
+    known = signal.getsignal
+    monkeypatch.setattr(signal, "signal", installing)
+    monkeypatch.setattr(signal, "getsignal", lambda n: handlers[n] if n == signal.SIGTERM else known(n))
+    interrupt = known(signal.SIGINT)
+    assert run(study(), tmp_path, pictures=False).statistics.steps == 20
+    assert handlers[signal.SIGTERM] is None
+    assert known(signal.SIGINT) is interrupt
 
 
 def test_the_command_line_ends_with_143_on_termination(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.arguments import Named
 from visviva.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.geometry import centres, equal_rows, volumes
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Faces:
+class Faces(metaclass=Named):
     """A set of faces of cells; edges if the cells are plane.
 
     Parameters

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.arguments import place, refuse_other
+from visviva.arguments import Named, place, refuse_other
 from visviva.errors import InputError, nearest
 from visviva.mesh import convert, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
@@ -22,7 +22,7 @@ Predicate = Callable[[Array], NDArray[np.bool_]]
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(metaclass=Named):
     """Nodes, cells by type and named sets of nodes, faces and cells; methods return new meshes.
 
     Parameters

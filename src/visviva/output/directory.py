@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -156,8 +156,8 @@ class RunDirectory:
         return run
 
     @contextmanager
-    def writing(self) -> Iterator[None]:
-        """Be the only one who writes in the directory, which is made if missing.
+    def writing(self, lock: bool = True) -> Iterator[None]:
+        """Be the only one who writes in the directory, which is made if missing; without `lock` that is not seen to.
 
         Raises
         ------
@@ -165,7 +165,7 @@ class RunDirectory:
             If another process writes there, or the directory cannot be written.
         """
         _prepare(self.path)
-        with locked(self.path):
+        with locked(self.path) if lock else nullcontext():
             yield
 
     @contextmanager

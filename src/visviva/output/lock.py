@@ -44,7 +44,8 @@ def locked(directory: Path) -> Iterator[None]:
             ) from None
         except OSError as error:
             raise InputError(
-                f"{directory}: its file system knows no locks ({error.strerror}); choose another directory"
+                f"{directory}: its file system knows no locks ({error.strerror}); choose another directory, or say "
+                "lock=False (--no-lock) and see yourself that no two runs write there at once"
             ) from error
         with suppress(OSError):  # on a full disk the lock holds without its message
             os.ftruncate(descriptor, 0)

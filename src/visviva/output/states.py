@@ -6,7 +6,8 @@ import math
 import os
 import weakref
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Generic, Self, TypeVar, overload
 
@@ -26,7 +27,8 @@ class StateFile:
     """Times, unknowns, rates and records of contacts in a file of numpy (``numpy.load`` reads it at any time).
 
     A row is appended first, then the header counts it in one write, so that a process may die at any moment.
-    Memory does not grow with the rows: `times`, `states`, `rates` and `records` read from the file.
+    Memory does not grow with the rows: `times`, `states`, `rates` and `records` read from the file. Once it is
+    closed they open it for as long as they read, and refuse it if its rows are no longer those written here.
 
     Parameters
     ----------
@@ -57,12 +59,15 @@ class StateFile:
     count: int
     checksum: int
     _descriptor: int
+    _closing: weakref.finalize[..., StateFile]
+    _known: tuple[int, ...]
 
     def __init__(self, path: str | Path, n: int, shapes: Sequence[tuple[int, ...]] = ()) -> None:
         self._describe(path, n, shapes)
-        with reporting(self.path), replacing(self.path) as temporary:
-            temporary.write_bytes(self._head(0))
-        self._open(0, 0)
+        with reporting(self.path):
+            with replacing(self.path) as temporary:
+                temporary.write_bytes(self._head(0))
+            self._open(0, 0)
 
     @classmethod
     def reopen(
@@ -79,8 +84,8 @@ class StateFile:
         kept._describe(path, n, shapes)
         try:
             kept._open(count, checksum)
-            size = os.fstat(kept._descriptor).st_size
-            if size < HEAD + count * kept.n_bytes or kept._sum(count) != checksum:
+            if not kept._holds_rows(kept._descriptor):
+                kept.close()
                 raise InputError(f"{path}: is damaged (its first {count} states are not those of the run)")
         except OSError as error:
             raise InputError(f"{path}: cannot be read ({error.strerror})") from error
@@ -127,8 +132,17 @@ class StateFile:
         return Column(self, self._records_of)
 
     def row(self, k: int) -> Array:
-        """All numbers of a state."""
-        data = os.pread(self._descriptor, self.n_bytes, HEAD + k * self.n_bytes)
+        """All numbers of a state.
+
+        Raises
+        ------
+        InputError
+            If the file is gone, or another run has written there since.
+        """
+        with self._reading() as descriptor:
+            data = self._bytes(descriptor, k)
+        if len(data) < self.n_bytes:
+            raise self._lost()
         return np.frombuffer(data, dtype=np.float64).copy()
 
     def sync(self) -> None:
@@ -136,14 +150,63 @@ class StateFile:
         with reporting(self.path):
             os.fsync(self._descriptor)
 
+    def close(self) -> None:
+        """Close the file; no more rows are appended, and reading opens it. Closing twice is harmless."""
+        if self._closing.alive:
+            self._known = _identity(self._descriptor)
+            self._closing()
+
     def _describe(self, path: str | Path, n: int, shapes: Sequence[tuple[int, ...]]) -> None:
-        self.path, self._n, self._shapes = Path(path), n, [tuple(shape) for shape in shapes]
+        self.path = Path(path).absolute()  # it is opened again later, maybe from another working directory
+        self._n, self._shapes = n, [tuple(shape) for shape in shapes]
         self.n_bytes = 8 * (1 + 2 * n + sum(map(math.prod, self._shapes)))
 
     def _open(self, count: int, checksum: int) -> None:
         self.count, self.checksum = count, checksum
         self._descriptor = os.open(self.path, os.O_RDWR)
-        weakref.finalize(self, os.close, self._descriptor)  # it is read as long as a result lives
+        self._closing = weakref.finalize(self, os.close, self._descriptor)
+
+    @contextmanager
+    def _reading(self) -> Iterator[int]:
+        """The descriptor that rows are read from: that of the writer, or one for this moment."""
+        if self._closing.alive:
+            yield self._descriptor
+            return
+        try:
+            descriptor = os.open(self.path, os.O_RDONLY)
+        except OSError as error:
+            raise InputError(
+                f"{self.path}: cannot be read ({error.strerror}); the result's states were there, run it again"
+            ) from error
+        try:
+            self._refuse_other(descriptor)
+            yield descriptor
+        finally:
+            os.close(descriptor)
+
+    def _refuse_other(self, descriptor: int) -> None:
+        """Refuse a file with other rows; who has touched it may have added some, as a run that was resumed."""
+        identity = _identity(descriptor)
+        if identity != self._known:
+            if not self._holds_rows(descriptor):
+                raise self._lost()
+            self._known = identity
+
+    def _lost(self) -> InputError:
+        return InputError(
+            f"{self.path}: holds the states of another run by now, and not those of this result; give every run a "
+            "directory of its own"
+        )
+
+    def _bytes(self, descriptor: int, k: int) -> bytes:
+        return os.pread(descriptor, self.n_bytes, HEAD + k * self.n_bytes)
+
+    def _holds_rows(self, descriptor: int) -> bool:
+        found = 0
+        for k in range(self.count):
+            found = zlib.crc32(self._bytes(descriptor, k), found)
+        whole = os.fstat(descriptor).st_size >= HEAD + self.count * self.n_bytes
+        return whole and found == self.checksum
 
     def _head(self, count: int) -> bytes:
         shape = f"({count}, {self.n_bytes // 8})"
@@ -154,11 +217,11 @@ class StateFile:
         ends = np.cumsum([1 + 2 * self._n, *map(math.prod, self._shapes)])
         return [row[a:b].reshape(s) for a, b, s in zip(ends, ends[1:], self._shapes, strict=False)]
 
-    def _sum(self, count: int) -> int:
-        found = 0
-        for k in range(count):
-            found = zlib.crc32(self.row(k).data, found)
-        return found
+
+def _identity(descriptor: int) -> tuple[int, ...]:
+    """What changes as soon as somebody writes to a file or puts another in its place."""
+    status = os.fstat(descriptor)
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 
 
 class Column(Sequence[T], Generic[T]):

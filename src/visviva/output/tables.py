@@ -55,7 +55,7 @@ class Table:
     checksum: int
 
     def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(path).absolute()  # results read it later, maybe from another working directory
         self.columns = tuple(columns)
         _check_columns(self.columns)
         with reporting(self.path), replacing(self.path) as temporary:
@@ -73,7 +73,7 @@ class Table:
             If the file is no table, holds other columns, or other rows.
         """
         table = cls.__new__(cls)
-        table.path, table.columns = Path(path), tuple(columns)
+        table.path, table.columns = Path(path).absolute(), tuple(columns)
         text = _complete_lines(table.path)
         if not text.startswith(_header(table.columns).encode()):
             raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
@@ -112,6 +112,22 @@ class Table:
         self._end += len(line)
         self._last_time = values[0]
         self.checksum = zlib.crc32(line, self.checksum)
+
+    def read(self) -> NDArray[np.float64]:
+        """The rows that were written (n, columns).
+
+        Raises
+        ------
+        InputError
+            If the file is gone, or another run has written there since.
+        """
+        text = _complete_lines(self.path)[: self._end]
+        if zlib.crc32(text) != self.checksum:
+            raise InputError(
+                f"{self.path}: holds the rows of another run by now, and not those of this result; give every run a "
+                "directory of its own"
+            )
+        return _values(self.path, text, len(self.columns))
 
     def sync(self) -> None:
         """Make sure that what is written outlives a loss of power."""
@@ -152,18 +168,21 @@ def read_table(path: str | Path) -> dict[str, NDArray[np.float64]]:
     names = text.split(b"\n", 1)[0].decode(errors="replace").split(",")
     if names[0] != "time":
         raise InputError(f"{path}: is no table of visviva, or damaged (its first column is not 'time')")
+    values = _values(Path(path), text, len(names))
+    return {name: values[:, column].copy() for column, name in enumerate(names)}
+
+
+def _values(path: Path, text: bytes, n_columns: int) -> NDArray[np.float64]:
+    """Rows (n, n_columns) below the header."""
+    if text.count(b"\n") < 2:
+        return np.empty((0, n_columns))
     try:
-        rows = (
-            np.loadtxt(io.BytesIO(text), delimiter=",", skiprows=1, ndmin=2)
-            if text.count(b"\n") > 1
-            else None
-        )
+        values = np.loadtxt(io.BytesIO(text), delimiter=",", skiprows=1, ndmin=2)
     except ValueError as error:
         raise InputError(f"{path}: not a table of numbers ({error})") from error
-    values = np.empty((0, len(names))) if rows is None else rows
-    if values.shape[1] != len(names):
-        raise InputError(f"{path}: {values.shape[1]} values per row under {len(names)} column names")
-    return {name: values[:, column].copy() for column, name in enumerate(names)}
+    if values.shape[1] != n_columns:
+        raise InputError(f"{path}: {values.shape[1]} values per row under {n_columns} column names")
+    return values
 
 
 def _complete_lines(path: Path) -> bytes:

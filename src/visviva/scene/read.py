@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from visviva.adaptive import Adaptive
-from visviva.arguments import ArgumentError, mistaken, plain_leaves, told
+from visviva.arguments import ArgumentError, mistaken, plain_leaves, refuse_other, told
 from visviva.component import Attachable, Component
 from visviva.errors import InputError, nearest
 from visviva.gallery import Source, plain_value
@@ -72,6 +72,9 @@ def read_scene(
     """
     from visviva.study import FIELDS, Study
 
+    if not isinstance(file, str | Path):
+        raise InputError(f"read_scene: file is the path of a scene file, not {file!r}")
+    refuse_other("read_scene", "changes", changes, Mapping | None, "a mapping from keys to values")
     document = parse(file)
     if not isinstance(document.data, dict):
         raise document.error((), f"a scene is a mapping of {', '.join(language.TOP_LEVEL)}")
