@@ -124,3 +124,33 @@ def test_work_of_prescribed_motion_is_a_sum_over_steps() -> None:
     result = vv.simulate(vv.System([solid, shake, held]), until=1.0, step=0.02, scheme=vv.BDF2())
     assert result.ledger.greatest("imbalance") > 0
     assert "work of prescribed motion is a sum over steps" in energy_verdict(result)
+
+
+def test_fluids_that_rest_conserve() -> None:
+    """Water in a closed box under gravity: what it gains by rounding is nothing beside what its weight could do."""
+    water = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4), cell="quad9"), density=1000.0, viscosity=1e-3
+    )
+    weight = vv.Gravity(acceleration=(0, -9.81, 0))
+    system = vv.System([water, vv.NoSlip(fluid=water, faces="all"), weight])
+    result = vv.simulate(system, until=0.5, step=0.05)
+    assert energy_verdict(result).startswith("conserved")
+
+
+def test_fluids_in_small_units() -> None:
+    """In micrometres speeds are large: a flow from rest is the same if it is said what is large."""
+
+    def end(length: float, **given: Any) -> Any:
+        mesh = vv.RectangleMesh(size=(2 * length, length), counts=(4, 3), cell="quad9")
+        water = vv.Fluid(mesh=mesh, density=1 / length**3, viscosity=0.1 / length, **given)
+        inlet = vv.VelocityBoundary(fluid=water, faces="x0", velocity=(f"{length}*t", 0, 0))
+        walls = [vv.FreeSlip(fluid=water, faces=side) for side in ("y0", "y1")]
+        system = vv.System([water, inlet, *walls, vv.Outlet(fluid=water, faces="x1")])
+        result = vv.simulate(system, until=0.4, step=0.1)
+        return water.velocities(system.x) / length, result.statistics.rejected
+
+    with pytest.raises(vv.InputError, match="speed = -1 is not positive"):
+        end(1.0, speed=-1.0)
+    (large, _), (small, rejected) = end(1.0), end(1e6, speed=1e6)
+    assert rejected == 0
+    assert abs(large - small).max() < 1e-10

@@ -97,7 +97,7 @@ def test_states_edited_later_are_looked_at_again() -> None:
     simulated(system, False)
     system.x[0] = 1.3
     system.touch()
-    with pytest.raises(vv.InputError, match="moved far: position of PointMass 'bob' by 0.3"):
+    with pytest.raises(vv.InputError, match=r"moved far: position of PointMass 'bob' by 0\.3"):
         vv.simulate(system, until=0.04, step=0.01)
     vv.simulate(system, until=0.04, step=0.01, project=True)
     assert np.linalg.norm(system.x[:3]) == pytest.approx(1.0)

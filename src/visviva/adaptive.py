@@ -29,6 +29,9 @@ class Adaptive(metaclass=Validated):
     fluids, of which the midpoint rule and backward Euler know the mean rates of steps, are compared over two steps at a
     time, in which what swings from step to step cancels: no step is short enough to resolve that.
 
+    Steps end at the points of tables. A short pulse that only an expression or a function knows of can lie between the
+    ends of two steps; `max_step` should be shorter than it.
+
     Parameters
     ----------
     tolerance : float
@@ -111,7 +114,7 @@ def adaptive_steps(
     estimate.rates = system.pace.get("rates")
     system.clock.refuse_sliver(until, step)
     while not system.clock.has_reached(until):
-        left = until - system.time
+        left = system.next_kink(until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
         try:
             attempt = system.attempt(scheme.step(system.time, taken))

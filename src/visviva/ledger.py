@@ -41,6 +41,8 @@ class Ledger:
         Of the whole system: what momenta and rates are compared with.
     pull : float
         Work of the forces at the start if everything moved along by its own size.
+    power : float
+        Their power on what flows if it did so with the speed that is large in it.
     file : Table or None
         Holds the rows, maybe not of every step; without it they are kept in memory. Figures of the whole run need
         neither: they follow from the first and the last row and the least and greatest values of all.
@@ -53,6 +55,7 @@ class Ledger:
     mass: float = 0.0
     length: float = 1.0
     pull: float = 0.0
+    power: float = 0.0
     moves: list[str] = field(default_factory=list)
     rows: list[Array] = field(default_factory=list)
     file: Table | None = None
@@ -116,13 +119,22 @@ class Ledger:
     def energy_scale(self) -> float:
         """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work.
 
-        Where hardly anything moves a millionth of the potentials or of `pull`, which are exact to rounding only.
+        Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
+        rounding only.
         """
         potentials = [f"potential_{k}" for k in self.potentials]
         swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
         works = [self.size(f"work_{k}") for k in self.works]
         return float(
-            max([self.greatest("kinetic"), *swings, *works, STILL * self.pull, np.finfo(float).tiny])
+            max(
+                [
+                    self.greatest("kinetic"),
+                    *swings,
+                    *works,
+                    STILL * (self.pull + self.power * self.duration),
+                    np.finfo(float).tiny,
+                ]
+            )
         )
 
     @property
@@ -183,7 +195,7 @@ class Bookkeeper:
         mass = sum(c.total_mass for c in system.components)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
-        self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, pull(system))
+        self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
         if system.report is not None:
             self.ledger.moves = system.report.moves
         self._per_reach = 1 / reaches(system)[:, None]
@@ -234,11 +246,14 @@ def reaches(system: System) -> Array:
     return np.where(np.isfinite(reach), reach, 1.0)
 
 
-def pull(system: System) -> float:
-    """Work of the present forces, without constraints, if every unknown moved along by its size."""
+def pull(system: System) -> tuple[float, float]:
+    """Work of the present forces, without constraints, if every unknown of motion moved along by its size; and power
+    of those on flows, if all had the speed that is large."""
     saved = system.x.copy()
     system.x[system.order == 0] = 0.0
     force = np.abs(system.residual(instant(system.time, theta=1.0)))
     system.x[:] = saved
-    moves = np.concatenate([(f.order == 2) & ~f.fixed for f in system.model.fields])
-    return float((force * system.scale)[moves].sum())
+    fields, effect = system.model.fields, force * system.scale
+    moves = np.concatenate([(f.order == 2) & ~f.fixed for f in fields])
+    flows = np.concatenate([(f.order == 1 and not f.amount) & ~f.fixed for f in fields])
+    return float(effect[moves].sum()), float(effect[flows].sum())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
+    kinks: set[float] = field(default_factory=set)
     dependences: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -165,8 +166,11 @@ class Model:
         numbers: ArrayLike,
         values: Callable[[float], Array],
         rates: Callable[[float], Array],
+        kinks: Iterable[float] = (),
     ) -> None:
         """Let unknowns of a field, given by their numbers in it, move as functions of time with values (k,) say.
+
+        At `kinks` their rates may jump.
 
         Raises
         ------
@@ -187,6 +191,7 @@ class Model:
         account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.prescribed.append(Prescription(component, unknowns, values, rates, account, moved.supply))
+        self.kinks.update(kinks)
 
     def supplied(self) -> tuple[NDArray[np.int32], ...]:
         """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
@@ -317,6 +322,7 @@ class Model:
         account = self.account(
             component, "drive" if driven else "constraint", "work" if driven else "constraint"
         )
+        self.kinks.update(t for s in signals if s >= 0 for t in self.signals[s].kinks)
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")

@@ -67,6 +67,11 @@ class Scheme(metaclass=Validated):
         """Whether it is meant to take energy from what moves fast."""
         return False
 
+    @property
+    def keeps_swinging(self) -> bool:
+        """Whether new velocities are twice the mean rate of the step less the old ones: a wrong one never dies out."""
+        return self.has_inertia and bool(self.motion(1.0)[2][1] == -1)
+
     def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
         """Steps of its own to `until`, yielding a report of each; None where they are equal steps of time."""
         return None

@@ -19,6 +19,7 @@ from visviva.component import Attachable, Component, characteristic_length, name
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
+from visviva.instant import NO_LENGTH
 from visviva.linear import Automatic
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
@@ -254,11 +255,18 @@ class System(metaclass=Named):
         return what.value(self.x)
 
     # --- stepping ------------------------------------------------------------------------------------------
+    def next_kink(self, until: float) -> float:
+        """The next time at which a prescribed function may have a kink, `until` at most."""
+        known = {t for f in self.model.signals for t in f.kinks} | self.model.kinks
+        near = self.time + 1e-9 * max(1.0, abs(self.time))
+        return min((t for t in known if near < t < until), default=until)
+
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
         s = self._signals
         for k, f in enumerate(self.model.signals):
-            s[:, k] = f(step.t0), f(step.te), f(step.t1), f.rate(step.t1)
+            rate = f.rate_after if step.h <= NO_LENGTH and f.kinks else f.rate
+            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
             raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
@@ -286,6 +294,27 @@ class System(metaclass=Named):
         self._last, self.is_edited = (step, signals), False
         self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
+        if self.model.kinks and scheme.keeps_swinging:
+            start = self.time - step.h
+            if any(start < t - 1e-9 * step.h <= self.time for t in self.model.kinks):
+                self._follow_kink()
+
+    def _follow_kink(self) -> None:
+        """Give what is driven the rates behind a kink of its motion, by an impulse whose work is that of the drive."""
+        from visviva.consistency import project_velocities
+
+        last, before = self._last, self.core.energy.sum()
+        self.follow_prescribed()
+        if self.n_constraints:
+            project_velocities(self)
+        work = self.core.work.copy()
+        self.take_stock()
+        driven = next(
+            k for k, a in enumerate(self.model.accounts) if a.kind in ("drive", "prescribed motion", "servo")
+        )
+        work[driven] += self.core.energy.sum() - before
+        self.core.work[:] = work
+        self._last, self.is_edited = last, False
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""

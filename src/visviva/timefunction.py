@@ -127,6 +127,11 @@ class TimeFunction:
     def __hash__(self) -> int:
         return hash(repr(self.source))
 
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Times at which its rate may jump, as far as they are known: those of a table."""
+        return tuple(self._times) if isinstance(self.source, list) else ()
+
     def rate_after(self, t: float) -> float:
         """Rate just after time `t`: where a function has a kink, what it goes on with."""
         if isinstance(self.source, list):

@@ -73,6 +73,9 @@ def test_picture_shows_each_surface_and_follows_the_motion(tmp_path, monkeypatch
         assert (strong & (cosine > 0.98)).sum() > 5, color
     with pytest.raises(InputError, match="no surface is called 'load'"):
         snapshot(path, tmp_path / "c.png", trails=["load"])
+    for moment in (2.1, -0.1):
+        with pytest.raises(InputError, match=f"has no time {moment}; it goes from 0 to 2"):
+            snapshot(path, tmp_path / "d.png", time=moment)
 
 
 @pytest.mark.skipif(not stage.can_render(), reason="no OpenGL here")

@@ -60,6 +60,9 @@ class Fluid(Meshed):
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
     dry : bool
         Allow solids and rigid bodies that lie within the mesh and take no part in the flow; else they are refused.
+    speed : float, optional
+        A velocity that is large in it, by which those found are judged. By default the largest at the start, or 1 (in
+        the units of the model) where nothing flows then: give it if they will be far from that.
     convection : bool
         Without it the flow is that of Stokes: so slow that fluid carries no momentum along. The equations are linear
         then, and one factorisation serves all steps of a length.
@@ -91,11 +94,14 @@ class Fluid(Meshed):
     periodic: Pairs = ()
     convection: bool = True
     dry: bool = False
+    speed: Number | None = None
 
     def __post_init__(self) -> None:
         for name in ("density", "viscosity"):
             if not getattr(self, name) > 0:
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
+        if self.speed is not None and not self.speed > 0:
+            raise InputError(f"{self.label}: speed = {self.speed:g} is not positive")
         self.grid = self._checked_mesh()
         self._number, self._n_numbers = numbering(self.grid, self.periodic, self.label)
         self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self._number)
@@ -165,7 +171,8 @@ class Fluid(Meshed):
         self.conditions = Conditions(self, model)
         v = np.zeros((self._n_numbers, self.dimension))
         v[self._number] = self.initial_velocities()
-        speed = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed) or 1.0
+        self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
+        speed = self.speed or self._starts_at or 1.0
         self.flow = model.field(
             self, "velocity", v, order=1, amount=False, scale=speed, node=self.dimension, symmetric=False
         )
@@ -268,12 +275,19 @@ class Fluid(Meshed):
         return term
 
     def remarks(self) -> list[str]:
+        found = []
+        if self.speed is None and not self._starts_at:
+            found.append(
+                f"{self.label}: nothing flows at the start, and velocities are judged against 1; give speed=... if "
+                "they will be far from that"
+            )
         if not self.is_stabilised:
-            return []
+            return found
         pair = "Q2Q1" if next(iter(self.grid.cells)) in PAIRS["Q1Q1"] else "P2P1"
         return [
+            *found,
             f"{self.label}: its stabilisation depends on the step, so that on a fixed mesh the flow converges with the "
-            f"first order in the step under every scheme; elements={pair!r} keep the order of the scheme"
+            f"first order in the step under every scheme; elements={pair!r} keep the order of the scheme",
         ]
 
     def rate_constraints(self, system: System) -> RateConstraints | None:

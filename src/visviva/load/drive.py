@@ -47,7 +47,9 @@ class Motor(OnJoint):
     """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force.
 
     `motion` is whatever `TimeFunction` takes: a number, an expression such as ``"2*pi*t"``, a table, a
-    function.
+    function. At the points of a table velocities jump with its slope, and the ledger books the work of that impulse;
+    where the rate of an expression or a function jumps they swing about the new rate with energy-momentum and midpoint
+    rules: round it off, e.g. with ``smoothstep``.
     """
 
     motion: OfTime

@@ -155,8 +155,9 @@ class Prescribed(Support):
     Notes
     -----
     The ledger books the work of what moves the nodes as "prescribed motion"; with energy-momentum and midpoint
-    rules the balance closes to round-off. Nodes start with the rates of the motion. A motion whose rate jumps makes
-    the velocities of its nodes swing about the new rate with these rules: round it off, e.g. with ``smoothstep``.
+    rules the balance closes to round-off. Nodes start with the rates of the motion. At the points of a
+    table, where the rate jumps, so do the velocities of the nodes. Where the rate of an expression or a function jumps
+    they swing about the new rate with these rules: round it off, e.g. with ``smoothstep``.
 
     Examples
     --------
@@ -216,4 +217,5 @@ class Prescribed(Support):
 
     def contribute(self, model: Model) -> None:
         numbers = self._numbers(model, self._moved)
-        model.prescribe(self, self.solid.motion, numbers, self._values, self._rates)
+        kinks = () if self._function else {t for f in self.motion if f is not None for t in f.kinks}
+        model.prescribe(self, self.solid.motion, numbers, self._values, self._rates, kinks)

@@ -21,7 +21,8 @@ class MooneyRivlin(Material):
     Parameters
     ----------
     c10, c01, bulk : float
-        Constants; the shear modulus of small strains is ``2 (c10 + c01)``.
+        Constants; the shear modulus of small strains is ``2 (c10 + c01)``, their bulk modulus is `bulk` with
+        `isochoric`, else ``bulk + 4/3 c10 + 16/3 c01``.
     """
 
     c10: Number
@@ -104,7 +105,8 @@ class Ogden(Material):
     mu, alpha : tuples of float
         The shear modulus of small strains is ``sum mu_k alpha_k / 2``.
     isochoric : bool
-        Stretches ``l_i`` are divided by ``J^(1/3)``; if not, ``- sum mu_k ln J`` makes the rest stress-free.
+        Stretches ``l_i`` are divided by ``J^(1/3)``; if not, ``- sum mu_k ln J`` makes the rest stress-free, and the
+        bulk modulus of small strains is `bulk` plus two thirds of the shear modulus.
 
     Examples
     --------

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visviva.errors import InputError
 from visviva.output.coloring import Coloring
 from visviva.output.files import replacing, reporting
 from visviva.output.scene import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
@@ -96,13 +97,16 @@ def snapshot(
     Raises
     ------
     InputError
-        If there is no such field, or it has too many components to be shown.
+        If there is no such field, it has too many components to be shown, or the time is not in the motion.
     """
     with Trajectory(trajectory) as motion:
         coloring = Coloring.of(motion, field, limits) if field else None
         shade = motion.points(0) if outline else None
         scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size, coloring, shade)
-        moment = float(motion.times[-1]) if time is None else time
+        first, last = float(motion.times[0]), float(motion.times[-1])
+        moment = last if time is None else time
+        if not first - 1e-6 * (last - first) <= moment <= last + 1e-6 * (last - first):
+            raise InputError(f"{trajectory}: has no time {moment:g}; it goes from {first:g} to {last:g}")
         points = motion.points_at(moment)
         passed = trails_until(motion, motion.centres(trails), moment, points)
         values = coloring.values(motion, moment) if coloring else ()
