@@ -123,7 +123,7 @@ class Carried(Component):
 
     def _located(self, places: Array) -> Place:
         """Where places (n, d) of the start are in the fluid."""
-        found = self.fluid.location.find(places)
+        found = self.fluid.find(places)
         self._refuse_outside(places, found[0], InputError)
         return Place(self.fluid, places, found)
 
@@ -161,7 +161,7 @@ class Carried(Component):
         span = NEARBY * edge / max(float(np.abs(velocities).max()), 1e-300)
         ends = [places + side * span * velocities for side in (-0.5, 0.5)]
         for end in ends:
-            end[self.fluid.location.find(end)[0] < 0] = np.nan
+            end[self.fluid.find(end)[0] < 0] = np.nan
         inside = ~np.isnan(ends[0] + ends[1]).any(axis=1)
         before, after = (
             self._velocities(
@@ -173,7 +173,7 @@ class Carried(Component):
 
     def _finder(self, transfer: Transfer) -> Callable[[Array], tuple[Ints, Array]]:
         def find(places: Array) -> tuple[Ints, Array]:
-            found = self.fluid.location.find(places)
+            found = self.fluid.find(places)
             self._refuse_outside(places, found[0], RunError)
             return transfer.at(Place(self.fluid, places, found))
 
@@ -182,11 +182,11 @@ class Carried(Component):
     def _coupler(self, transfer: Transfer) -> Callable[[Array, Array], tuple[Ints, Ints]]:
         def couple(places: Array, moves: Array) -> tuple[Ints, Ints]:
             n, d = places.shape
-            edges = self.fluid.grid.volumes[self.fluid.location.find(places)[0]] ** (1 / d)
+            edges = self.fluid.grid.volumes[self.fluid.find(places)[0]] ** (1 / d)
             corners = np.array(list(itertools.product((-1, 1), repeat=d)))
             around = MARGIN * edges[:, None] * corners[:, None, :]
             ahead = np.arange(0, AHEAD + 0.25, 0.5)[:, None, None, None] * moves
-            cells, _ = self.fluid.location.find((places + around + ahead).reshape(-1, d))
+            cells, _ = self.fluid.find((places + around + ahead).reshape(-1, d))
             points = np.broadcast_to(np.arange(n), (ahead.shape[0], len(corners), n)).ravel()
             return transfer.within(n, points[cells >= 0], cells[cells >= 0])
 
