@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 @pytest.mark.parametrize("cell", ["quad4", "tri3", "quad9", "hex8", "tet4"])
 def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
     fluid = box(cell, 3)
-    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
+    vv.System([fluid, vv.Outlet(fluid=fluid, faces="all")])
     places = np.random.default_rng(1).uniform(0.0, 1.0, (40, fluid.dimension))
     v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
     unknowns, weights = Transfer(fluid).at(fluid.at(places))

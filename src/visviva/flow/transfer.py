@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+EDGE = np.tan(np.radians(12.5)) ** 2
+"""Walls that meet at an angle of 25 degrees, the bend halved, run along two directions from there."""
+
 
 class Transfer:
     """Interpolation that is exact for quadratic velocities, on linear cells too.
@@ -99,7 +102,30 @@ class Transfer:
 
     @cached_property
     def _gradients(self) -> list[Any]:
-        return nodal_gradients(self.fluid.grid, self.fluid.number)
+        import scipy.sparse as sp
+
+        found = nodal_gradients(self.fluid.grid, self.fluid.number)
+        away = self._away_from_walls()
+        return [sum(sp.diags_array(p) @ g for p, g in zip(row, found, strict=True)) for row in away.T]
+
+    def _away_from_walls(self) -> Array:
+        """Projectors (n_numbers, d, d) onto directions along which no wall runs from a node.
+
+        Where the fluid sticks its velocity does not change along the wall. Gradients averaged over the cells around a
+        node, which touch the wall there alone or stand around an edge of it, would say that it does, and move bodies
+        through the wall.
+        """
+        n, d = self.fluid.n_numbers, self.fluid.dimension
+        squares = np.zeros((n, d, d))
+        for faces in (c.chosen for c in self.fluid.conditions.listed if c.rank == 0):
+            for nodes in faces.cells.values():
+                along = self.fluid.grid.points[np.roll(nodes, 1, axis=1)] - self.fluid.grid.points[nodes]
+                along /= np.linalg.norm(along, axis=2, keepdims=True)
+                for ends in (nodes, np.roll(nodes, 1, axis=1)):
+                    np.add.at(squares, self.fluid.number[ends], along[..., :, None] * along[..., None, :])
+        size, axes = np.linalg.eigh(squares)
+        off = size <= EDGE * size[:, -1:]
+        return np.asarray(np.einsum("nik,nk,njk->nij", axes, off.astype(float), axes))
 
 
 def nodal_gradients(mesh: Mesh, number: NDArray[np.int64]) -> list[Any]:
