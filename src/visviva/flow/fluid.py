@@ -190,6 +190,17 @@ class Fluid(Meshed):
             raise InputError(f"{self.label}: a plane fluid cannot flow out of its plane")
         return v[:, : self.dimension]
 
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether its velocities at the start are not those that its boundary then prescribes."""
+        v = self.initial_velocities()
+        apart = [
+            np.where(c.wanted(), c.velocities_at(0.0) - v, 0.0)
+            for c in self.conditions.listed
+            if c.prescribes
+        ]
+        return max((float(np.abs(a).max()) for a in apart), default=0.0) > 0.01 * self.conditions.speed
+
     def contribute(self, model: Model) -> None:
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
         self._terms = [self._term(model, batch) for batch in self.batches]

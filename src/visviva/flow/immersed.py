@@ -125,6 +125,7 @@ class Immersed(Carried):
 
     def declare(self, model: Model) -> None:
         super().declare(model)
+        self.solid.is_carried_thin = self.is_thin
         size = self.solid.dimension * self.solid.grid.n_nodes
         self.force = model.multipliers(self, "force", size, lasting=False)
 
@@ -165,13 +166,25 @@ class Immersed(Carried):
         return bool(np.mean(normals(points, points, edge).any(axis=1)) > 0.5)
 
     def remarks(self) -> list[str]:
-        if not self.is_thin or self.damping is not None:
+        """What was chosen for a thin solid, and what only the user can choose."""
+        if not self.is_thin:
             return []
-        return [
-            f"{self.label}: {self.solid.label} is thinner than a cell, so that its nodes go ahead by "
-            f"{self.used_damping:g} of a step's change of velocity, an error of that part of a step in time; damping=0 "
-            "leaves that out"
-        ]
+        thin, found = f"{self.label}: {self.solid.label} is thinner than a cell", []
+        if self.damping is None:
+            found.append(
+                f"{thin}, so that its nodes go ahead by {self.used_damping:g} of a step's change of velocity, an error "
+                "of that part of a step in time; damping=0 leaves that out"
+            )
+        if self.solid.tangent is None and self.solid.used_tangent == "start":
+            found.append(
+                f"{thin}, so that its tangents take their stress from the start of a step (tangent='exact')"
+            )
+        if self.fluid.is_stabilised and self.fluid.starts_at_once:
+            found.append(
+                f"{thin}, and {self.fluid.label} does not start with the velocities of its boundary: the first step "
+                "sees half of them; take one of a thousandth of the others first"
+            )
+        return found
 
     def _start(self, places: Place, flow: Array) -> Array:
         """Rates of nodes that nothing holds: the velocities at their places of a fluid with the unknowns `flow`."""
