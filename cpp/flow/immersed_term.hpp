@@ -98,7 +98,7 @@ class ImmersedTerm : public Term {
     double theta_ = 0.5;                            // of the last step: schemes do not change
     double location_ = 0;
     bool refused_ = false;  // the end of the attempt before
-    bool ahead_ = false;  // whether the places were those of a predicted motion
+    bool ahead_ = false;    // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;
 };
 
