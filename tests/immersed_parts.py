@@ -60,6 +60,7 @@ def carried(
     scale: float = 1.0,
     damping: float = 0.0,
     sealing: float = 1.0,
+    leaves: bool = False,
     **options: Any,
 ) -> Components:
     """A block that swirls in a closed box."""
@@ -69,7 +70,7 @@ def carried(
         fluid,
         vv.NoSlip(fluid=fluid, faces="all"),
         solid,
-        vv.Immersed(solid=solid, fluid=fluid, damping=damping, sealing=sealing),
+        vv.Immersed(solid=solid, fluid=fluid, damping=damping, sealing=sealing, leaves=leaves),
     ]
 
 
@@ -92,6 +93,7 @@ def body(
     scale: float = 1.0,
     damping: float = 0.0,
     sealing: float = 1.0,
+    leaves: bool = False,
     **options: Any,
 ) -> Components:
     """A rigid block that swirls in a closed box."""
@@ -101,7 +103,7 @@ def body(
         size[2], place[2] = 1.0, 0.0
     given = {"density": 1.5, "shape": vv.Box(size=tuple(size)), "position": place, **options}
     block = vv.RigidBody(**given)
-    wet = vv.ImmersedBody(body=block, fluid=fluid, damping=damping, sealing=sealing)
+    wet = vv.ImmersedBody(body=block, fluid=fluid, damping=damping, sealing=sealing, leaves=leaves)
     return [fluid, vv.NoSlip(fluid=fluid, faces="all"), block, wet]
 
 

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 @pytest.mark.parametrize("cell", ["quad4", "tri3", "quad9", "hex8", "tet4"])
 def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
     fluid = box(cell, 3)
-    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")])
+    vv.System([fluid, vv.Outlet(fluid=fluid, faces="all")])
     places = np.random.default_rng(1).uniform(0.0, 1.0, (40, fluid.dimension))
     v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
     unknowns, weights = Transfer(fluid).at(fluid.at(places))
@@ -327,6 +327,34 @@ def test_thin_solids_are_damped_and_get_new_tangents_by_default() -> None:
     system = vv.System(parts, vv.Newton(tangents=0))
     assert has_own_tangents(system) == [False] * 4
     assert not np.any(vv.simulate(system, until=0.09, step=0.01).ledger["work_immersed damping"])
+
+
+def test_thin_solids_take_the_tangent_of_the_start_by_default() -> None:
+    """Others, and what is given, do not; the way to the solution changes, and the solution does not."""
+    ends = []
+    for given in (None, "start", "exact"):
+        parts = thin()
+        part(parts, vv.Solid).tangent = given
+        system = vv.System(parts)
+        result = vv.simulate(system, until=0.1, step=0.01)
+        told = "tangents take their stress from the start" in str(system.report)
+        ends.append((result.statistics.iterations, told, part(parts, vv.Solid).positions(system.x)))
+    assert np.array_equal(ends[0][2], ends[1][2])
+    assert ends[0][0] == ends[1][0] != ends[2][0]
+    assert [told for _, told, _ in ends] == [True, False, False]
+    assert np.allclose(ends[0][2], ends[2][2], rtol=0, atol=1e-9)
+    assert "from the start" not in str(vv.System(carried()).check())
+
+
+def test_a_sudden_start_around_a_thin_solid_is_told_with_its_cure() -> None:
+    """Stabilised fluids see half of the boundary's velocity in the first step; others are set right before."""
+    for cell, rests in (("quad4", True), ("quad4", False), ("quad9", True)):
+        fluid = box(cell, 6, velocity=(0, 0, 0) if rests else (1, 0, 0))
+        strip = vv.RectangleMesh(size=(0.02, 0.4), counts=(1, 8), origin=(0.5, 0.3))
+        solid = vv.Solid(mesh=strip, material=vv.NeoHooke(young=500.0, poisson=0.3), density=1.5)
+        around = vv.VelocityBoundary(fluid=fluid, faces="all", velocity=(1.0, 0.0, 0.0))
+        report = vv.System([fluid, around, solid, vv.Immersed(solid=solid, fluid=fluid)]).check()
+        assert ("take one of a thousandth of the others first" in str(report)) == (cell == "quad4" and rests)
 
 
 def test_tangents_around_thin_bodies_are_exact() -> None:

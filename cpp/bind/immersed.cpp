@@ -1,6 +1,7 @@
 // Binding of immersed solids.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
 
 #include "flow/immersed_term.hpp"
 #include "linear.hpp"
@@ -29,17 +30,28 @@ nb::object rows(const double* values, std::size_t n, std::size_t dim) {
     return nb::cast(nb::ndarray<nb::numpy, const double>(values, {n, dim}, nb::none()));
 }
 
-// Takes places (n, dim), returns unknowns and weights (n, width).
+// Takes starts and places (n, dim), returns unknowns and weights (n, width).
 Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t dim, std::size_t width) {
-    return [f = nb::weakref(function), n, dim, width](const double* places, int* unknown, double* weight) {
+    return [f = nb::weakref(function), n, dim, width](const double* starts, const double* places,
+                                                      int* unknown, double* weight) {
         nb::gil_scoped_acquire gil;
-        auto found = nb::cast<nb::tuple>(alive(f)(rows(places, n, dim)));
+        auto found = nb::cast<nb::tuple>(alive(f)(rows(starts, n, dim), rows(places, n, dim)));
         const auto unknowns = nb::cast<Array<int>>(found[0]);
         const auto weights = nb::cast<Array<double>>(found[1]);
         if (unknowns.size() != n * width || weights.size() != n * width)
             throw std::runtime_error("an interpolation of an immersed solid has the wrong size");
         std::copy_n(unknowns.data(), n * width, unknown);
         std::copy_n(weights.data(), n * width, weight);
+    };
+}
+
+// Takes starts and ends (n, dim), returns a point and why it may not end there, or None.
+Admission admission_of(nb::object function, std::size_t n, std::size_t dim) {
+    return [f = nb::weakref(function), n, dim](const double* starts, const double* ends) -> Lost {
+        nb::gil_scoped_acquire gil;
+        const nb::object found = alive(f)(rows(starts, n, dim), rows(ends, n, dim));
+        if (found.is_none()) return {};
+        return {nb::cast<int>(found[0]), nb::cast<std::string>(found[1])};
     };
 }
 
@@ -72,17 +84,20 @@ void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
         .def(
             "__init__",
-            [](ImmersedTerm* t, int dim, int width, double damping, const Array<int>& vector,
+            [](ImmersedTerm* t, int dim, int width, double damping, bool leaves, const Array<int>& vector,
                const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
-               nb::object couple, nb::object reach) {
+               nb::object admit, nb::object couple, nb::object reach) {
                 const int n = static_cast<int>(multiplier.size()),
                           terms = static_cast<int>(vector.size()) / n;
-                new (t) ImmersedTerm(
-                    {dim, terms, width, damping, vector_of(vector), vector_of(weight), vector_of(multiplier)},
-                    interpolation_of(std::move(interpolate), n, dim, width),
-                    coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
+                new (t)
+                    ImmersedTerm({dim, terms, width, damping, leaves, vector_of(vector), vector_of(weight),
+                                  vector_of(multiplier)},
+                                 interpolation_of(std::move(interpolate), n, dim, width),
+                                 admission_of(std::move(admit), n, dim),
+                                 coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
             },
-            nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("vector"), nb::arg("weight"),
-            nb::arg("multiplier"), nb::arg("interpolate"), nb::arg("couple"), nb::arg("reach").none())
+            nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
+            nb::arg("weight"), nb::arg("multiplier"), nb::arg("interpolate"), nb::arg("admit"),
+            nb::arg("couple"), nb::arg("reach").none())
         .def_prop_ro("location", &ImmersedTerm::location);
 }

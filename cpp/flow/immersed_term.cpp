@@ -8,9 +8,11 @@
 
 namespace visviva {
 
-ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple, Reach reach)
+ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
+                           Reach reach)
     : points_(std::move(points)),
       interpolate_(std::move(interpolate)),
+      admit_(std::move(admit)),
       couple_(std::move(couple)),
       reach_(std::move(reach)) {
     const std::size_t n = static_cast<std::size_t>(points_.n());
@@ -42,6 +44,19 @@ double ImmersedTerm::moved(const Context& c, int k, int i) const {
     return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
 }
 
+// Points that the fluid has let go of follow nothing: their force vanishes.
+bool ImmersedTerm::is_free(const std::vector<double>& weight, int first) const {
+    if (!points_.leaves) return false;
+    const auto begin = weight.begin() + first;
+    return std::all_of(begin, begin + points_.width, [](double w) { return w == 0; });
+}
+
+bool ImmersedTerm::outdated() const {
+    for (int k = 0; points_.leaves && k < points_.n(); ++k)
+        if (is_free(k * points_.width) != is_free(at_tangent_.weight, k * points_.width)) return true;
+    return false;
+}
+
 // Interpolation where the scheme evaluates forces (in the middle of the step, or at its end) on the predicted
 // way keeps the second order, and makes the motion linear in the velocities. It stays through all iterations
 // and attempts of a step.
@@ -52,18 +67,35 @@ bool ImmersedTerm::search(const double* x0, const double* x1) {
         const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
         same = same && start_[k * points_.dim + i] == from, moves = moves || to != from;
     });
-    if (!coupled_.empty() && same && (ahead_ || !moves)) return false;
-    ahead_ = moves;
+    if (!coupled_.empty() && same && (ahead_ || !moves) && !refused_) return false;
+    ahead_ = moves, refused_ = false;
     each([&](int k, int i, int, int) {
         const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
         start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = from + theta_ * (to - from);
     });
-    interpolate_(places_.data(), now_.unknown.data(), now_.weight.data());
+    interpolate_(start_.data(), places_.data(), now_.unknown.data(), now_.weight.data());
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
         known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
     if (!known) couple(x0, x1);
     return !known;
+}
+
+Refusal ImmersedTerm::refused(const Lost& lost) const {
+    if (lost.point < 0) return {};
+    return {points_.vector[static_cast<std::size_t>(lost.point) * points_.terms], name + ": " + lost.why};
+}
+
+Refusal ImmersedTerm::refuse(const Context& c) {
+    const Stopwatch watch(location_);
+    std::vector<double> ends(places_.size()), starts(places_.size());
+    each([&](int k, int i, int, int) {
+        starts[k * points_.dim + i] = points_.value(c.vectors.x0, k, i);
+        ends[k * points_.dim + i] = points_.value(c.vectors.x1, k, i);
+    });
+    const Lost lost = admit_(starts.data(), ends.data());
+    refused_ = lost.point >= 0;
+    return refused(lost);
 }
 
 // The pattern, and the weights of the kept tangent; those of the next step follow from its start.
@@ -132,6 +164,7 @@ void ImmersedTerm::each_coupled(F f) const {
         for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
             f(m, points_.vector[t] + i), f(points_.vector[t] + i, m);
         for (int v : coupled_[k]) f(m, v + i), f(v + i, m);
+        if (points_.leaves) f(m, m);
     });
 }
 
@@ -153,7 +186,7 @@ void ImmersedTerm::residual(const Context& c, double* r) {
     theta_ = c.step.theta;
     const auto& x1 = c.vectors.x1;
     each([&](int k, int i, int m, int first) {
-        r[m] += moved(c, k, i) - c.step.h * carrying(c, first, i);
+        r[m] += is_free(first) ? x1[m] : moved(c, k, i) - c.step.h * carrying(c, first, i);
         for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
             r[points_.vector[t] + i] += points_.weight[t] * x1[m];
         for (int e = first; e < first + points_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
@@ -166,8 +199,10 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
     const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
     each([&](int k, int, int, int first) {
         const std::vector<int>& all = coupled_[k];
+        const bool free = is_free(first);
         for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
-            for (const double factor : {own, 1.0}) values[position_[at++]] += factor * points_.weight[t];
+            for (const double factor : {free ? 0.0 : own, 1.0})
+                values[position_[at++]] += factor * points_.weight[t];
         for (int e = first; e < first + points_.width; ++e) {
             const auto place = std::lower_bound(all.begin(), all.end(), now_.unknown[e]) - all.begin();
             const std::size_t to = at + 2 * static_cast<std::size_t>(place);
@@ -175,6 +210,7 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
             values[position_[to + 1]] -= now_.weight[e];
         }
         at += 2 * all.size();
+        if (points_.leaves) values[position_[at++]] += free ? 1.0 : 0.0;
     });
 }
 
@@ -185,6 +221,7 @@ void ImmersedTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
     const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
     each([&](int k, int i, int m, int first) {
+        if (is_free(first)) return;
         const double apart = moved(c, k, i) - c.step.h * carrying(c, first, i);
         const double ahead = c.step.h * points_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
         sums.work[account[0]] -= x1[m] * apart;

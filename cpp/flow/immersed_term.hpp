@@ -10,8 +10,16 @@
 namespace visviva {
 
 /// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their
-/// weights. Throws where one is outside of it.
-using Interpolation = std::function<void(const double* places, int* unknown, double* weight)>;
+/// weights, all of them zero for points that the fluid has let go of. `starts` are those of the step.
+using Interpolation =
+    std::function<void(const double* starts, const double* places, int* unknown, double* weight)>;
+
+/// A point that may not end a step where it would, and why; -1: none.
+struct Lost {
+    int point = -1;
+    std::string why;
+};
+using Admission = std::function<Lost(const double* starts, const double* ends)>;
 
 /// First unknowns of all velocities that places [n][dim] may come to follow while they go on by `moves` per
 /// step: for each, without order.
@@ -26,6 +34,7 @@ using Reach = std::function<void(const std::vector<int>& unknowns, const double*
 struct ImmersedPoints {
     int dim, terms, width;
     double damping;
+    bool leaves;  // whether the fluid may let go of them
     std::vector<int> vector;
     std::vector<double> weight;
     std::vector<int> multiplier;
@@ -39,9 +48,12 @@ struct ImmersedPoints {
 
 class ImmersedTerm : public Term {
   public:
-    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Coupling couple, Reach reach);
+    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
+                 Reach reach);
 
     bool search(const double* x0, const double* x1) override;
+    bool outdated() const override;
+    Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
@@ -60,6 +72,9 @@ class ImmersedTerm : public Term {
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
     void couple(const double* x0, const double* x1);
+    Refusal refused(const Lost&) const;
+    bool is_free(const std::vector<double>& weight, int first) const;
+    bool is_free(int first) const { return is_free(now_.weight, first); }
     void tell_reach() const;
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
@@ -69,6 +84,7 @@ class ImmersedTerm : public Term {
 
     ImmersedPoints points_;
     Interpolation interpolate_;
+    Admission admit_;
     Coupling couple_;
     Reach reach_;  // or none
     // [point][width] first unknowns of velocities, and their weights
@@ -81,7 +97,8 @@ class ImmersedTerm : public Term {
     std::vector<double> start_, places_, reached_;  // the last: places when the pattern was made
     double theta_ = 0.5;                            // of the last step: schemes do not change
     double location_ = 0;
-    bool ahead_ = false;  // whether the places were those of a predicted motion
+    bool refused_ = false;  // the end of the attempt before
+    bool ahead_ = false;    // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;
 };
 

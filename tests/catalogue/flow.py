@@ -51,5 +51,7 @@ FLOW = [
     ],
     Entry("immersed body, lighter", lambda: body("quad9", 3, 10.0, density=0.4), NOTHING, h=0.02, steps=10),
     Entry("immersed body, damped", lambda: body("quad4", 3, 10.0, damping=0.1), NOTHING, h=0.02, steps=10),
+    Entry("immersed, may leave", lambda: large("quad4", leaves=True), NOTHING, h=0.02, steps=10),
+    Entry("immersed body, may leave", lambda: body("quad4", 3, 10.0, leaves=True), NOTHING, h=0.02, steps=10),
     Entry("immersed flap", lambda: flap("quad4", 3, 10.0), NOTHING, h=0.02, steps=10),
 ]

@@ -73,10 +73,11 @@ class Solid(Attachable, Meshed):
         Rayleigh damping: forces ``mass_damping * M v``, and stresses ``stiffness_damping`` times the moduli of small
         strains times the rate of Green's strain, which leave rigid motions alone. With 'F-bar' and 'mixed' the shear
         modulus alone counts: viscosity of the volume would lock.
-    tangent : {'exact', 'start'}
+    tangent : {'exact', 'start'}, optional
         'start' takes the stress in the geometric stiffness from the start of the step: Newton's iteration then
         converges linearly, but from far away, and needs few tangents. For thin stiff solids in long steps of
-        the energy-momentum scheme; others, and 'F-bar' and 'mixed', do not heed it.
+        the energy-momentum scheme, immersed ones thinner than the fluid's cells by default; others, and 'F-bar' and
+        'mixed', do not heed it.
 
     Examples
     --------
@@ -98,9 +99,11 @@ class Solid(Attachable, Meshed):
     lumped: bool = False
     mass_damping: Number = 0.0
     stiffness_damping: Number = 0.0
-    tangent: Literal["exact", "start"] = "exact"
+    tangent: Literal["exact", "start"] | None = None
 
     has_directions = False
+    is_carried_thin = False
+    """Whether it is immersed and thinner than the cells around."""
 
     def __post_init__(self) -> None:
         for name in ("density", "mass_damping", "stiffness_damping"):
@@ -137,6 +140,12 @@ class Solid(Attachable, Meshed):
                 "dimensions; a solid needs cells of volume, or plane cells with points (n, 2)"
             )
         return grid
+
+    @property
+    def used_tangent(self) -> str:
+        """What it was given, or what thin immersed solids have by default."""
+        thin = self.is_carried_thin and self.material.energy is None
+        return self.tangent or ("start" if thin else "exact")
 
     # --- sets ----------------------------------------------------------------------------------------------
     def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:

@@ -61,7 +61,7 @@ def solid_term(solid: Solid, model: Model, cell: str, nodes: Ints, first: int) -
 def complete(term: Any, solid: Solid, cell: str, nodes: Ints) -> None:
     """Tell the term what its solid has beside the strains of its cells."""
     term.set_plane_stress(solid.plane == "stress" and solid.callback is None)
-    term.set_start_stress(solid.tangent == "start")
+    term.start_stress = solid.used_tangent == "start"
     if callable(solid.thermal_strain) or solid.thermal_strain:
         term.set_thermal(solid.thermal(cell, nodes))
     if solid.formulation == "F-bar":

@@ -31,8 +31,7 @@ def flap(side: Literal["lower", "upper"], young: float, density: float) -> vv.So
     y = 0.0 if side == "lower" else HEIGHT - FLAP
     mesh = vv.RectangleMesh(size=(THICKNESS, FLAP), counts=(4, 40), origin=(RIGHT - THICKNESS, y))
     rubber = vv.NeoHooke(young=young, poisson=0.4)
-    kind: dict[str, Any] = {"formulation": "enhanced", "tangent": "start"}
-    return vv.Solid(mesh=mesh, material=rubber, density=density, name=f"{side} flap", **kind)
+    return vv.Solid(mesh=mesh, material=rubber, density=density, formulation="enhanced", name=f"{side} flap")
 
 
 def inflow(t: float, X: Array) -> Array:

@@ -164,8 +164,8 @@ class VelocityBoundary(FluidBoundary):
         numbers = fluid.conditions.share(self)
 
         def values(time: float) -> Array:
-            v = np.zeros((fluid._n_numbers, fluid.dimension))
-            v[fluid._number[self.chosen.nodes]] = fluid.conditions.scaled(time, self.velocities_at(time))[
+            v = np.zeros((fluid.n_numbers, fluid.dimension))
+            v[fluid.number[self.chosen.nodes]] = fluid.conditions.scaled(time, self.velocities_at(time))[
                 self.chosen.nodes
             ]
             return v.ravel()[numbers]

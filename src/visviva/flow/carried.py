@@ -13,8 +13,9 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.batch import book
 from visviva.component import Component, settings
-from visviva.errors import InputError, RunError, VisvivaError
+from visviva.errors import InputError
 from visviva.flow.fluid import Fluid
+from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
 from visviva.flow.transfer import Transfer
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 THIN_DAMPING, THIN_TANGENTS = 0.05, 2
@@ -45,13 +47,14 @@ class Carried(Component):
     """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity.
 
     The fluid's elements around are stabilised less, by a metric that is larger by the factor `sealing`. What covers
-    a part of the fluid's boundary is refused unless `over_walls`.
+    a part of the fluid's boundary is refused unless `over_walls`, and so is what leaves the fluid unless it `leaves`.
     """
 
     fluid: Fluid
     damping: float | None = None
     sealing: float = 1.0
     over_walls: bool = False
+    leaves: bool = False
 
     def __post_init__(self) -> None:
         if not 1.0 <= self.sealing < np.inf:
@@ -85,6 +88,8 @@ class Carried(Component):
 
     def declare(self, model: Model) -> None:
         model.index(self.carried), model.index(self.fluid)
+        self._gravity = np.zeros(self.fluid.dimension)
+        self._within: Mask | None = None
         if any(
             isinstance(c, Carried) and c is not self and c.carried is self.carried for c in model.components
         ):
@@ -96,15 +101,13 @@ class Carried(Component):
         reach = self._reached if self.fluid.is_stabilised else None
         n = len(multipliers)
         self._points = vectors.reshape(n, -1), weights.reshape(n, -1), multipliers
-        self._calls = (
-            self._finder(transfer),
-            self._coupler(transfer),
-            reach,
-        )  # which the core does not keep alive
+        # which the core does not keep alive
+        self._calls = self._finder(transfer), self._lost, self._coupler(transfer), reach
         term = _core.ImmersedTerm(
             self.fluid.dimension,
             transfer.width,
             self.used_damping,
+            self.leaves,
             np.ascontiguousarray(vectors, dtype=np.int32),
             np.ascontiguousarray(weights, dtype=float),
             np.ascontiguousarray(multipliers, dtype=np.int32),
@@ -123,8 +126,10 @@ class Carried(Component):
 
     def _located(self, places: Array) -> Place:
         """Where places (n, d) of the start are in the fluid."""
-        found = self.fluid.location.find(places)
-        self._refuse_outside(places, found[0], InputError)
+        found = self.fluid.find(places)
+        if np.any(found[0] < 0):
+            where = self._outside(places[np.argmin(found[0])])
+            raise InputError(f"{self.label}: {self.carried.label} {where}")
         return Place(self.fluid, places, found)
 
     def _velocities(self, places: Place, flow: Array) -> Array:
@@ -161,7 +166,7 @@ class Carried(Component):
         span = NEARBY * edge / max(float(np.abs(velocities).max()), 1e-300)
         ends = [places + side * span * velocities for side in (-0.5, 0.5)]
         for end in ends:
-            end[self.fluid.location.find(end)[0] < 0] = np.nan
+            end[self.fluid.find(end)[0] < 0] = np.nan
         inside = ~np.isnan(ends[0] + ends[1]).any(axis=1)
         before, after = (
             self._velocities(
@@ -171,22 +176,53 @@ class Carried(Component):
         )
         return np.asarray((after - before) / span)
 
-    def _finder(self, transfer: Transfer) -> Callable[[Array], tuple[Ints, Array]]:
-        def find(places: Array) -> tuple[Ints, Array]:
-            found = self.fluid.location.find(places)
-            self._refuse_outside(places, found[0], RunError)
-            return transfer.at(Place(self.fluid, places, found))
+    def _finder(self, transfer: Transfer) -> Callable[[Array, Array], tuple[Ints, Array]]:
+        def find(starts: Array, places: Array) -> tuple[Ints, Array]:
+            cells, xi = self.fluid.find(places)
+            strays = [k for k in np.flatnonzero(cells < 0) if self._wrong_way(starts[k], places[k])]
+            if strays:  # predicted badly: they follow the fluid from where they are
+                cells[strays], xi[strays] = self.fluid.find(starts[strays])
+            within = cells >= 0
+            unknowns = np.full((len(places), transfer.width), self.fluid.flow.start, dtype=np.int32)
+            weights = np.zeros(unknowns.shape)
+            unknowns[within], weights[within] = transfer.at(
+                Place(self.fluid, places[within], (cells[within], xi[within]))
+            )
+            self._within = within
+            return unknowns, weights
 
         return find
+
+    def _lost(self, starts: Array, ends: Array) -> tuple[int, str] | None:
+        """A point that may not end a step where it would, and why."""
+        for k in np.flatnonzero(self.fluid.find(ends)[0] < 0):
+            if why := self._wrong_way(starts[k], ends[k]):
+                return int(k), f"{self.point_name(int(k))} {self._outside(ends[k])}, {why}"
+        return None
+
+    def _wrong_way(self, start: Array, place: Array) -> str:
+        """Why a point may not go from a place (d,) to one outside: only through openings, and if the body leaves."""
+        if self.leaves and self.fluid.find(start[None, :])[0][0] < 0:
+            return ""  # it has left before
+        wall, is_open = gone_through(self.fluid, place, self._time or 0.0)
+        if self.leaves and is_open:
+            return ""
+        cure = "leaves=True lets go of it there" if is_open else "keep it away by shorter steps or vv.Contact"
+        return f"beyond {'its mesh' if wall is None else wall.label}; {cure}"
+
+    def point_name(self, k: int) -> str:
+        """A point by its number, for messages."""
+        return f"point {k} of {self.carried.label}"
 
     def _coupler(self, transfer: Transfer) -> Callable[[Array, Array], tuple[Ints, Ints]]:
         def couple(places: Array, moves: Array) -> tuple[Ints, Ints]:
             n, d = places.shape
-            edges = self.fluid.grid.volumes[self.fluid.location.find(places)[0]] ** (1 / d)
+            inside = self.fluid.find(places)[0]
+            edges = np.where(inside >= 0, self.fluid.grid.volumes[inside] ** (1 / d), 0.0)
             corners = np.array(list(itertools.product((-1, 1), repeat=d)))
             around = MARGIN * edges[:, None] * corners[:, None, :]
             ahead = np.arange(0, AHEAD + 0.25, 0.5)[:, None, None, None] * moves
-            cells, _ = self.fluid.location.find((places + around + ahead).reshape(-1, d))
+            cells, _ = self.fluid.find((places + around + ahead).reshape(-1, d))
             points = np.broadcast_to(np.arange(n), (ahead.shape[0], len(corners), n)).ravel()
             return transfer.within(n, points[cells >= 0], cells[cells >= 0])
 
@@ -197,15 +233,15 @@ class Carried(Component):
             self.fluid.seal(self, self.sealing, unknowns)
         self.fluid.blind(self, unknowns, places)
 
-    def _refuse_outside(self, places: Array, cells: Cells, error: type[VisvivaError]) -> None:
-        if np.all(cells >= 0):
-            return
-        where = ", ".join(f"{c:.4g}" for c in places[np.argmin(cells)])
+    def _outside(self, place: Array) -> str:
+        where = ", ".join(f"{c:.4g}" for c in place)
+        when = "" if self._time is None else f" in the step from t = {self._time:g}"
+        return f"lies outside of {self.fluid.label} at ({where}){when}"
+
+    @property
+    def _time(self) -> float | None:
         system = getattr(self, "_system", lambda: None)()
-        when = "" if system is None else f" in the step from t = {system.time:g}"
-        raise error(
-            f"{self.label}: {self.carried.label} lies outside of {self.fluid.label} at ({where}){when}"
-        )
+        return None if system is None else float(system.time)
 
     def _forces(self, force: Field, x: Array) -> Array:
         """Forces (n, 3) of the fluid on the points at the unknowns `x` of the system."""

@@ -71,11 +71,11 @@ class Conditions:
     # --- who holds what ------------------------------------------------------------------------------------
     def _shared(self) -> dict[int, Mask]:
         fluid, d = self.fluid, self.fluid.dimension
-        taken, shares = np.zeros((fluid._n_numbers, d), dtype=bool), {}
+        taken, shares = np.zeros((fluid.n_numbers, d), dtype=bool), {}
         prescribed = np.full(taken.shape, np.nan)
         for c in self.listed:
             wanted = np.zeros_like(taken)
-            np.logical_or.at(wanted, fluid._number, c.wanted())
+            np.logical_or.at(wanted, fluid.number, c.wanted())
             self._refuse_conflict(c, wanted, prescribed)
             shares[id(c)] = wanted & ~taken
             taken |= wanted
@@ -86,12 +86,12 @@ class Conditions:
         if not c.prescribes:
             return
         here = np.zeros_like(prescribed)
-        here[self.fluid._number] = c.velocities_at(0.0)
+        here[self.fluid.number] = c.velocities_at(0.0)
         size = float(np.abs(here).max(initial=0.0))
         differ = wanted & (np.abs(here - prescribed) > 1e-9 * size)
         if differ.any():
             number = int(np.argmax(differ.any(axis=1)))
-            place = self.fluid.grid.points[np.argmax(self.fluid._number == number)]
+            place = self.fluid.grid.points[np.argmax(self.fluid.number == number)]
             raise InputError(
                 f"{c.label}: at {place.tolist()} it prescribes the velocity {here[number].tolist()}, and another "
                 f"condition {prescribed[number].tolist()}; let the profiles meet, or take faces from one of them"
@@ -139,7 +139,7 @@ class Conditions:
     def _balanced(self, time: float) -> float:
         through, size = np.zeros(self.fluid.grid.n_nodes), 0.0
         for c in self.listed:
-            held = self._shares[id(c)][self.fluid._number]
+            held = self._shares[id(c)][self.fluid.number]
             parts = np.where(held, self._weights * c.velocities_at(time), 0.0)
             speed = np.linalg.norm(c.velocities_at(time), axis=1)
             size += float(np.linalg.norm(self._weights, axis=1) @ speed)

@@ -17,8 +17,8 @@ from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
-from visviva.flow.periodic import numbering
-from visviva.flow.sheet import normals
+from visviva.flow.periodic import Periods, numbering
+from visviva.flow.sheet import SIGHT, normals
 from visviva.load.force import guarded
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_faces
@@ -57,7 +57,8 @@ class Fluid(Meshed):
     body_force : (3,) or callable
         Force per volume, or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
     periodic : pairs of str
-        Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns.
+        Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns. What is
+        immersed passes them, on into the next period.
     dry : bool
         Allow solids and rigid bodies that lie within the mesh and take no part in the flow; else they are refused.
     speed : float, optional
@@ -103,8 +104,8 @@ class Fluid(Meshed):
         if self.speed is not None and not self.speed > 0:
             raise InputError(f"{self.label}: speed = {self.speed:g} is not positive")
         self.grid = self._checked_mesh()
-        self._number, self._n_numbers = numbering(self.grid, self.periodic, self.label)
-        self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self._number)
+        self.number, self.n_numbers = numbering(self.grid, self.periodic, self.label)
+        self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self.number)
         self._gravity = np.zeros(3)
         self._force = (
             guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
@@ -169,8 +170,8 @@ class Fluid(Meshed):
             refuse_dry(self, model)
         self._gravity = np.zeros(3)
         self.conditions = Conditions(self, model)
-        v = np.zeros((self._n_numbers, self.dimension))
-        v[self._number] = self.initial_velocities()
+        v = np.zeros((self.n_numbers, self.dimension))
+        v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
         speed = self.speed or self._starts_at or 1.0
         self.flow = model.field(
@@ -196,6 +197,17 @@ class Fluid(Meshed):
             raise InputError(f"{self.label}: a plane fluid cannot flow out of its plane")
         return v[:, : self.dimension]
 
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether its velocities at the start are not those that its boundary then prescribes."""
+        v = self.initial_velocities()
+        apart = [
+            np.where(c.wanted(), c.velocities_at(0.0) - v, 0.0)
+            for c in self.conditions.listed
+            if c.prescribes
+        ]
+        return max((float(np.abs(a).max()) for a in apart), default=0.0) > 0.01 * self.conditions.speed
+
     def contribute(self, model: Model) -> None:
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
         self._terms = [self._term(model, batch) for batch in self.batches]
@@ -209,9 +221,9 @@ class Fluid(Meshed):
 
         The `factor`, from 1, multiplies the metric that their part of the stabilisation is made of.
         """
-        known = np.zeros(self._n_numbers, dtype=bool)
+        known = np.zeros(self.n_numbers, dtype=bool)
         known[(unknowns - self.flow.start) // self.dimension] = True
-        self._sealed[owner] = factor, known[self._number]
+        self._sealed[owner] = factor, known[self.number]
         for batch, term in zip(self.batches, self._terms, strict=True):
             factors = [np.where(at[batch.nodes].all(axis=1), f, 1.0) for f, at in self._sealed.values()]
             term.scale_metric(np.max(factors, axis=0))
@@ -221,22 +233,27 @@ class Fluid(Meshed):
 
         Across it the pressure jumps, and what carries the jump, the force of the body, is not in their residual.
         """
-        known = np.zeros(self._n_numbers, dtype=bool)
+        known = np.zeros(self.n_numbers, dtype=bool)
         known[(unknowns - self.flow.start) // self.dimension] = True
-        self._thin[owner] = known[self._number], places.copy()
+        self._thin[owner] = known[self.number], places.copy()
         for batch, term in zip(self.batches, self._terms, strict=True):
             directions = np.zeros((len(batch.nodes), self.dimension))
             for around, points in self._thin.values():
                 mine = np.flatnonzero(around[batch.nodes].all(axis=1))
                 if len(mine):
-                    found = normals(points, batch.middles[mine], float(np.median(batch.edges[mine])))
+                    edge = float(np.median(batch.edges[mine]))
+                    found = normals(self.periods.copies(points, SIGHT * edge), batch.middles[mine], edge)
                     is_thin = np.abs(found).max(axis=1) > 0
                     directions[mine[is_thin]] = found[is_thin]
             term.blind(np.ascontiguousarray(directions))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of the velocity of each node."""
-        return np.asarray(self.flow.start + self.dimension * self._number[np.asarray(nodes)], dtype=np.int32)
+        return self.number_unknowns(self.number[np.asarray(nodes)])
+
+    def number_unknowns(self, numbers: Any) -> NDArray[np.int32]:
+        """First unknown of the velocity of nodes by number, which nodes that stand for each other share."""
+        return np.asarray(self.flow.start + self.dimension * np.asarray(numbers), dtype=np.int32)
 
     def pressure_unknowns(self, cell: str) -> NDArray[np.int32]:
         """Unknowns (m, p) of the pressures at the corners of the elements of a cell type."""
@@ -315,7 +332,7 @@ class Fluid(Meshed):
     def velocities(self, x: Array) -> Array:
         """Velocities (n, 3) of the nodes at the unknowns `x` of the system."""
         d = self.dimension
-        v = x[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self._number]
+        v = x[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self.number]
         return np.pad(v, ((0, 0), (0, 3 - d)))
 
     def pressures(self, x: Array) -> Array:
@@ -350,8 +367,32 @@ class Fluid(Meshed):
         """Finds cells by places."""
         return Location(self.grid)
 
+    @cached_property
+    def periods(self) -> Periods:
+        """By what its mesh continues across periodic faces."""
+        return Periods(self.grid, self.periodic)
+
+    def find(self, places: Array) -> tuple[Ints, Array]:
+        """Cells (n,) of places (n, d) or their images in a periodic fluid, -1 outside, and reference coordinates."""
+        cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
+        for image in self.periods.images(places):
+            lost = cells < 0
+            if not lost.any():
+                break
+            cells[lost], xi[lost] = self.location.find(image[lost])
+        return cells, xi
+
+    def wall_places(self, middle: Array) -> Array:
+        """Nodes (n, d) of the boundary, but of periodic faces alone, and their images around the middle of a body."""
+        nodes = np.unique(
+            np.concatenate([c.chosen.nodes for c in self.conditions.listed] or [np.zeros(0, int)])
+        )
+        return np.vstack(list(self.periods.images(self.grid.points[nodes], middle)))
+
     def at(self, places: Any) -> Place:
         """Where places (n, d) or (n, 3) are: their cells, and unknowns with weights that interpolate there.
+
+        Beyond periodic faces they are those of their images.
 
         Raises
         ------

@@ -17,6 +17,7 @@ from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.flow.carried import Carried, Cells
+from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
 from visviva.flow.overlap import covered_by_solid, refuse_covering
 from visviva.flow.sheet import normals
@@ -52,6 +53,9 @@ class Immersed(Carried):
         there (Kamensky et al. 2015).
     over_walls : bool
         Allow the solid to cover a part of the fluid's boundary, where the fluid cannot move with it.
+    leaves : bool
+        Let go of nodes that leave the fluid through an opening: from there on they move by themselves. Without it a
+        step that takes a node out is refused.
     massless : bool
         Allow a solid without density; it then takes the inertia of the fluid away that it displaces.
 
@@ -61,7 +65,7 @@ class Immersed(Carried):
         If a node of the solid lies outside of the fluid, the solid covers its boundary or has no density, or the
         dimensions differ.
     RunError
-        If a node leaves the fluid later.
+        If a node leaves the fluid later, however short the step: into a wall, or without `leaves`.
 
     Notes
     -----
@@ -121,6 +125,7 @@ class Immersed(Carried):
 
     def declare(self, model: Model) -> None:
         super().declare(model)
+        self.solid.is_carried_thin = self.is_thin
         size = self.solid.dimension * self.solid.grid.n_nodes
         self.force = model.multipliers(self, "force", size, lasting=False)
 
@@ -140,7 +145,7 @@ class Immersed(Carried):
             np.ones(len(self._nodes)),
             self.force.start + d * self._nodes,
         )
-        for k in np.flatnonzero(follows):
+        for k in np.flatnonzero(follows if not self.leaves else []):  # what leaves has equations of its own
             model.depend(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
         self._compare_sizes(places.cells)
@@ -161,13 +166,25 @@ class Immersed(Carried):
         return bool(np.mean(normals(points, points, edge).any(axis=1)) > 0.5)
 
     def remarks(self) -> list[str]:
-        if not self.is_thin or self.damping is not None:
+        """What was chosen for a thin solid, and what only the user can choose."""
+        if not self.is_thin:
             return []
-        return [
-            f"{self.label}: {self.solid.label} is thinner than a cell, so that its nodes go ahead by "
-            f"{self.used_damping:g} of a step's change of velocity, an error of that part of a step in time; damping=0 "
-            "leaves that out"
-        ]
+        thin, found = f"{self.label}: {self.solid.label} is thinner than a cell", []
+        if self.damping is None:
+            found.append(
+                f"{thin}, so that its nodes go ahead by {self.used_damping:g} of a step's change of velocity, an error "
+                "of that part of a step in time; damping=0 leaves that out"
+            )
+        if self.solid.tangent is None and self.solid.used_tangent == "start":
+            found.append(
+                f"{thin}, so that its tangents take their stress from the start of a step (tangent='exact')"
+            )
+        if self.fluid.is_stabilised and self.fluid.starts_at_once:
+            found.append(
+                f"{thin}, and {self.fluid.label} does not start with the velocities of its boundary: the first step "
+                "sees half of them; take one of a thousandth of the others first"
+            )
+        return found
 
     def _start(self, places: Place, flow: Array) -> Array:
         """Rates of nodes that nothing holds: the velocities at their places of a fluid with the unknowns `flow`."""
@@ -200,6 +217,10 @@ class Immersed(Carried):
         )
 
     def _displace(self, model: Model) -> None:
+        if self.leaves:
+            for cell, nodes in self.solid.grid.cells.items():
+                model.term(self, self._leaving(cell, nodes))
+            return
         d, account = self.solid.dimension, model.account(self, "displaced", "kinetic")
         for cell, nodes in self.solid.grid.cells.items():
             n, k = nodes.shape
@@ -221,6 +242,25 @@ class Immersed(Carried):
             book(term, [account] * n, [model.index(self)] * n, n)
             model.batch(term)
 
+    def _leaving(self, cell: str, nodes: Cells) -> Displaced:
+        """Elements displace fluid as long as all of their nodes are within."""
+        (n, k), d = nodes.shape, self.solid.dimension
+        a, b = np.triu_indices(k)
+        mass = np.zeros((n, k, k))
+        mass[:, a, b] = mass[:, b, a] = self._masses(cell)
+
+        def share() -> Array | None:
+            if self._within is None:
+                return None
+            gone = np.isin(nodes, self._nodes[~self._within])
+            return np.asarray(~gone.any(axis=1), dtype=float)
+
+        unknowns = self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)
+        return Displaced(unknowns.reshape(n, -1), mass, np.ones(k, dtype=bool), share, lambda: self._gravity)
+
+    def point_name(self, k: int) -> str:
+        return f"node {self._nodes[k]} of {self.solid.label}"
+
     @property
     def total_mass(self) -> float:
         return -self.fluid.density * self.solid.grid.volume
@@ -234,6 +274,9 @@ class Immersed(Carried):
         return nodal_masses(self.solid.grid.n_nodes, ((nodes, self._masses(cell)) for cell, nodes in cells))
 
     def weigh(self, model: Model, acceleration: Array) -> None:
+        if self.leaves:
+            self._gravity = self._gravity + np.asarray(acceleration)[: self.solid.dimension]
+            return
         force = self._nodal_mass[:, None] * np.asarray(acceleration)[None, : self.solid.dimension]
         nodes = np.arange(len(force))
         model.dead_forces(self, "gravity", self.solid.node_unknowns(nodes), force)

@@ -16,6 +16,7 @@ from visviva.body.shape import AnyShape
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.flow.carried import Carried
+from visviva.flow.leaving import Displaced
 from visviva.flow.marks import marks
 from visviva.flow.overlap import covered_by_body, refuse_covering
 from visviva.form import Vector
@@ -43,7 +44,7 @@ class ImmersedBody(Carried):
     spacing : float
         Distance between the marks of the body that follow the fluid, in edges of the smallest cells around it (half
         edges of quadratic ones).
-    damping, sealing, over_walls
+    damping, sealing, over_walls, leaves
         See `Immersed`.
 
     Raises
@@ -52,7 +53,7 @@ class ImmersedBody(Carried):
         If the body has no shape, lies partly outside of the fluid, covers its boundary, or does not fit into a plane
         fluid; or for marks too close.
     RunError
-        If it leaves the fluid later.
+        If it leaves the fluid later, see `Immersed`.
 
     Notes
     -----
@@ -174,6 +175,9 @@ class ImmersedBody(Carried):
     def _displace(self, model: Model) -> None:
         d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")
         mass = -mass_matrix(self._displaced)[: d + 1, : d + 1]
+        if self.leaves:
+            model.term(self, self._leaving(mass))
+            return
         pairs = np.argwhere(mass != 0.0)
         term = _core.InertiaTerm(
             2,
@@ -186,6 +190,25 @@ class ImmersedBody(Carried):
         )
         book(term, [account], [model.index(self)], 1)
         model.batch(term)
+
+    def _leaving(self, mass: Array) -> Displaced:
+        """It displaces fluid by the part of its marks that are within."""
+
+        def share() -> Array | None:
+            return None if self._within is None else np.array([np.mean(self._within)])
+
+        d = self.fluid.dimension
+        unknowns = (self._vectors[:, None] + np.arange(d)).reshape(1, -1)
+        return Displaced(unknowns, mass[None], np.arange(d + 1) == 0, share, lambda: self._gravity)
+
+    def point_name(self, k: int) -> str:
+        return f"mark {k} of {self.body.label}"
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        if self.leaves:
+            self._gravity = self._gravity + np.asarray(acceleration)[: self.fluid.dimension]
+            return
+        super().weigh(model, acceleration)
 
     def weights(self) -> list[tuple[float, Vector]]:
         mass, centre, _ = self._displaced

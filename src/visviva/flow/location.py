@@ -121,7 +121,7 @@ class Location:
 
 
 class Place:
-    """Places in a fluid; `found` is what `Location.find` gave, if it was asked before.
+    """Places in a fluid; `found` is what `Fluid.find` gave, if it was asked before.
 
     Attributes
     ----------
@@ -143,8 +143,8 @@ class Place:
     """
 
     def __init__(self, fluid: Fluid, places: Array, found: tuple[Ints, Array] | None = None) -> None:
-        self.fluid, self.places = fluid, places
-        self.cells, xi = found or fluid.location.find(places)
+        self.fluid = fluid
+        self.cells, xi = found or fluid.find(places)
         if np.any(self.cells < 0):
             k = int(np.argmin(self.cells))
             raise InputError(f"{fluid.label}: the place {places[k].tolist()} lies outside of its mesh")

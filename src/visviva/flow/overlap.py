@@ -64,7 +64,7 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
 
 def covered_by_solid(fluid: Fluid, solid: Solid) -> Array:
     """Places (n, d) of the fluid's boundary that lie inside of a solid at the start."""
-    places = fluid.grid.points[fluid.grid.boundary().nodes]
+    places = fluid.wall_places(solid.grid.points.mean(axis=0))
     search = Location(solid.grid)
     cells, xi = search.find(places)
     within = np.zeros(len(places), dtype=bool)
@@ -75,8 +75,8 @@ def covered_by_solid(fluid: Fluid, solid: Solid) -> Array:
 
 def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDArray[np.int64]) -> Array:
     """The same of a rigid body with a surface of triangles in its own coordinates; of prisms in a plane fluid too."""
-    places = fluid.grid.points[fluid.grid.boundary().nodes]
     flat = fluid.dimension == 2
+    places = fluid.wall_places(body.position[: fluid.dimension])
     X = (np.pad(places, ((0, 0), (0, 1))) - body.position * [1, 1, 0]) if flat else places - body.position
     X = X @ body.rotation
     if flat:

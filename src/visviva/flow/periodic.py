@@ -1,8 +1,9 @@
-"""Periodic fluids: nodes of opposite faces share their unknowns."""
+"""Periodic fluids: nodes of opposite faces share their unknowns, and places beyond them are those of their images."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,12 @@ from visviva.mesh.mesh import Mesh
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+def translation(mesh: Mesh, first: str, second: str) -> Array:
+    """By what a set of faces is moved onto another (d,)."""
+    a, b = (mesh.points[mesh.faces(name).nodes] for name in (first, second))
+    return np.asarray(b.mean(axis=0) - a.mean(axis=0))
 
 
 def partners(mesh: Mesh, first: str, second: str, label: str) -> Ints:
@@ -25,7 +32,7 @@ def partners(mesh: Mesh, first: str, second: str, label: str) -> Ints:
     from scipy.spatial import cKDTree
 
     a, b = mesh.faces(first).nodes, mesh.faces(second).nodes
-    shift = mesh.points[b].mean(axis=0) - mesh.points[a].mean(axis=0)
+    shift = translation(mesh, first, second)
     size = float(np.ptp(mesh.points, axis=0).max())
     distance, near = cKDTree(mesh.points[b]).query(mesh.points[a] + shift)
     if len(a) != len(b) or distance.max() > 1e-8 * size or len(np.unique(near)) < len(b):
@@ -56,3 +63,42 @@ def numbering(mesh: Mesh, pairs: Sequence[tuple[str, str]], label: str) -> tuple
     _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(first))  # in the order of the nodes
     return rank[inverse].astype(np.int64), int(count)
+
+
+class Periods:
+    """Translations (m, d) that take a periodic mesh onto its continuation; none of other meshes.
+
+    Examples
+    --------
+    >>> from visviva import RectangleMesh
+    >>> mesh = RectangleMesh(size=(2, 1), counts=(2, 1)).build()
+    >>> next(Periods(mesh, [("x0", "x1")]).images(np.array([(0.5, 0.5), (-3.5, 0.5)]))).tolist()
+    [[0.5, 0.5], [0.5, 0.5]]
+    """
+
+    def __init__(self, mesh: Mesh, pairs: Sequence[tuple[str, str]]) -> None:
+        shifts = np.zeros((0, mesh.points.shape[1]))
+        for pair in pairs:
+            more = np.vstack([shifts, translation(mesh, *pair)])
+            shifts = (
+                more if np.linalg.matrix_rank(more) == len(more) else shifts
+            )  # faces side by side share theirs
+        self.shifts = shifts
+        self._low, self._high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        self._middle = 0.5 * (self._low + self._high)
+
+    def images(self, places: Array, middle: Array | None = None) -> Iterator[Array]:
+        """Places (n, d) moved by whole periods: nearest to a `middle`, by default of the mesh, then beside."""
+        turns = np.round(
+            (places - (self._middle if middle is None else middle)) @ np.linalg.pinv(self.shifts)
+        )
+        for step in sorted(itertools.product((0, -1, 1), repeat=len(self.shifts)), key=np.count_nonzero):
+            yield places - (turns + step) @ self.shifts
+
+    def copies(self, points: Array, reach: float) -> Array:
+        """All images (m, d) of points (n, d) that the mesh, or what is nearer to it than `reach`, holds."""
+        if not len(self.shifts):
+            return points
+        found = np.vstack(list(self.images(points)))
+        near = (found > self._low - reach) & (found < self._high + reach)
+        return np.asarray(found[near.all(axis=1)])

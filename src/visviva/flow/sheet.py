@@ -9,6 +9,8 @@ Array = NDArray[np.float64]
 
 AROUND, THIN = 2.5, 1.0
 """In edges of cells: how far around a place points of a body are looked at, and how thick a thin body is at most."""
+SIGHT = 2 * AROUND
+"""So many edges away points still take part in a normal."""
 
 
 def normals(points: Array, at: Array, edge: float) -> Array:

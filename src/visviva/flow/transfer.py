@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+EDGE = np.tan(np.radians(12.5)) ** 2
+"""Walls that meet at an angle of 25 degrees, the bend halved, run along two directions from there."""
+
 
 class Transfer:
     """Interpolation that is exact for quadratic velocities, on linear cells too.
@@ -46,35 +49,36 @@ class Transfer:
         if not self._linear:
             return np.ascontiguousarray(places.unknowns), places.weights
         rows = self._rows(places)
-        nodes, weights = np.zeros((2, rows.shape[0], self.width))
-        nodes[:] = rows.indices[rows.indptr[:-1], None]  # what a place has less than others weighs nothing
+        numbers, weights = np.zeros((2, rows.shape[0], self.width))
+        numbers[:] = rows.indices[rows.indptr[:-1], None]  # what a place has less than others weighs nothing
         count = np.diff(rows.indptr)
         place, number = np.repeat(np.arange(rows.shape[0]), count), np.arange(rows.nnz)
         number -= np.repeat(rows.indptr[:-1], count)
-        nodes[place, number], weights[place, number] = rows.indices, rows.data
-        return np.ascontiguousarray(self.fluid.node_unknowns(nodes.astype(int))), weights
+        numbers[place, number], weights[place, number] = rows.indices, rows.data
+        return np.ascontiguousarray(self.fluid.number_unknowns(numbers.astype(int))), weights
 
     def within(self, n: int, points: NDArray[np.int64], cells: NDArray[np.int64]) -> tuple[Ints, Ints]:
         """First unknowns that `n` points refer to in cells, those of one in pairs: starts (n + 1), and unknowns."""
         import scipy.sparse as sp
 
         shape = (n, self._stencils.shape[0])
-        nodes = sp.csr_array(
+        numbers = sp.csr_array(
             sp.coo_array((np.ones(len(cells)), (points, cells)), shape=shape) @ self._stencils
         )
-        return nodes.indptr.astype(np.int32), self.fluid.node_unknowns(nodes.indices)
+        return numbers.indptr.astype(np.int32), self.fluid.number_unknowns(numbers.indices)
 
     def _rows(self, found: Place) -> sp.csr_array:
-        """Weights (n, n_nodes) of nodal velocities."""
+        """Weights (n, n_numbers) of nodal velocities."""
         import scipy.sparse as sp
 
-        places, X = found.places, self.fluid.grid.points
-        n, k = found.nodes.shape
-        place, shape = np.repeat(np.arange(n), k), (n, len(X))
-        away = 0.5 * (places[:, None, :] - X[found.nodes])
+        X, (n, k) = self.fluid.grid.points, found.nodes.shape
+        place, number = np.repeat(np.arange(n), k), self.fluid.number[found.nodes].ravel()
+        away = 0.5 * (
+            found.of_nodes(X)[:, None, :] - X[found.nodes]
+        )  # in the mesh, wherever a place itself is
 
         def spread(weights: Array) -> sp.csr_array:
-            return sp.coo_array((weights.ravel(), (place, found.nodes.ravel())), shape=shape).tocsr()
+            return sp.coo_array((weights.ravel(), (place, number)), shape=(n, self.fluid.n_numbers)).tocsr()
 
         rows = spread(found.weights)
         for i, gradient in enumerate(self._gradients):
@@ -84,7 +88,7 @@ class Transfer:
 
     @cached_property
     def _stencils(self) -> sp.csr_array:
-        """Nodes that places in a cell refer to (n_cells, n_nodes)."""
+        """Nodes by number that places in a cell refer to (n_cells, n_numbers)."""
         import scipy.sparse as sp
 
         mesh = self.fluid.grid
@@ -92,31 +96,58 @@ class Transfer:
             [np.repeat(k, mesh.cells[c].shape[1]) for c, k in cell_numbers(mesh.cells).items()]
         )
         node = np.concatenate([nodes.ravel() for nodes in mesh.cells.values()])
-        of = sp.csr_array((np.ones(len(node)), (cell, node)), shape=(mesh.n_cells, mesh.n_nodes))
+        number, shape = self.fluid.number[node], (mesh.n_cells, self.fluid.n_numbers)
+        of = sp.csr_array((np.ones(len(node)), (cell, number)), shape=shape)
         return of + of @ sum(abs(g) for g in self._gradients) if self._linear else of
 
     @cached_property
     def _gradients(self) -> list[Any]:
-        return nodal_gradients(self.fluid.grid)
+        import scipy.sparse as sp
+
+        found = nodal_gradients(self.fluid.grid, self.fluid.number)
+        away = self._away_from_walls()
+        return [sum(sp.diags_array(p) @ g for p, g in zip(row, found, strict=True)) for row in away.T]
+
+    def _away_from_walls(self) -> Array:
+        """Projectors (n_numbers, d, d) onto directions along which no wall runs from a node.
+
+        Where the fluid sticks its velocity does not change along the wall. Gradients averaged over the cells around a
+        node, which touch the wall there alone or stand around an edge of it, would say that it does, and move bodies
+        through the wall.
+        """
+        n, d = self.fluid.n_numbers, self.fluid.dimension
+        squares = np.zeros((n, d, d))
+        for faces in (c.chosen for c in self.fluid.conditions.listed if c.rank == 0):
+            for nodes in faces.cells.values():
+                along = self.fluid.grid.points[np.roll(nodes, 1, axis=1)] - self.fluid.grid.points[nodes]
+                along /= np.linalg.norm(along, axis=2, keepdims=True)
+                for ends in (nodes, np.roll(nodes, 1, axis=1)):
+                    np.add.at(squares, self.fluid.number[ends], along[..., :, None] * along[..., None, :])
+        size, axes = np.linalg.eigh(squares)
+        off = size <= EDGE * size[:, -1:]
+        return np.asarray(np.einsum("nik,nk,njk->nij", axes, off.astype(float), axes))
 
 
-def nodal_gradients(mesh: Mesh) -> list[Any]:
-    """Matrices (n_nodes, n_nodes), one per direction, from nodal values to their gradients, averaged by volume.
+def nodal_gradients(mesh: Mesh, number: NDArray[np.int64]) -> list[Any]:
+    """Matrices (n, n), one per direction, from nodal values to their gradients, averaged by volume.
+
+    Nodes that stand for each other have the same of `n` numbers (n_nodes,), and the cells around all of them.
 
     Examples
     --------
     >>> import visviva as vv
     >>> mesh = vv.RectangleMesh(size=(2, 1), counts=(2, 2)).build()
-    >>> nodal_gradients(mesh)[0] @ (3 * mesh.points[:, 0])
+    >>> nodal_gradients(mesh, np.arange(9))[0] @ (3 * mesh.points[:, 0])
     array([3., 3., 3., 3., 3., 3., 3., 3., 3.])
     """
     import scipy.sparse as sp
 
-    n, d = mesh.points.shape
+    n, d = int(number.max()) + 1, mesh.points.shape[1]
     volume, total = np.zeros(n), [sp.csr_array((n, n)) for _ in range(d)]
-    for name, nodes in mesh.cells.items():
+    for name, cells in mesh.cells.items():
+        nodes = number[cells]
         dN = CELLS[name].dN(CELLS[name].nodes)
-        J = np.einsum("mkc,qkj->mqcj", mesh.points[nodes], dN)
+        J = np.einsum("mkc,qkj->mqcj", mesh.points[cells], dN)
         gradients = np.einsum("qkj,mqjc->mqkc", dN, np.linalg.inv(J))
         weight = np.linalg.det(J)
         np.add.at(volume, nodes, weight)
