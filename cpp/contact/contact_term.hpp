@@ -104,7 +104,7 @@ class ContactTerm : public Term {
     bool read_search(const double*& memory);
     int beyond(const double* X, double margin) const;
     Refusal refused(int vertex, const std::string& why) const;
-    int passes();
+    int passes(const std::vector<Approach>&, int n_parts);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();

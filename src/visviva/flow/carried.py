@@ -86,7 +86,7 @@ class Carried(Component):
     def _edge(self) -> float:
         """Edge of a square or cube as large as the cells around its points at the start."""
         cells = self._located(self._places()).cells
-        return float(np.median(self.fluid.grid.volumes[cells])) ** (1 / self.fluid.dimension)
+        return float(np.median(self.fluid.grid.volumes[cells]) ** (1 / self.fluid.dimension))
 
     @cached_property
     def may_be_thin(self) -> bool:

@@ -39,7 +39,7 @@ def normals(points: Array, at: Array, edge: float) -> Array:
 
 
 def thin(extents: Array, thickness: float) -> NDArray[np.bool_]:
-    """Where points of the least of these extents (n, d) lie in a layer of a thickness, and not about a line or point."""
+    """Which of these extents (n, d) are those of a layer of less than a thickness, and not of a line or point."""
     return np.asarray((extents[:, 0] < thickness) & (extents[:, 1] > 2 * extents[:, 0]))
 
 
