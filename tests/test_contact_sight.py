@@ -127,7 +127,7 @@ def test_thickness_of_a_ball() -> None:
 
 @pytest.mark.parametrize("first", [1e-2, 1e-6])
 def test_rays_of_facets_small_beside_their_body(first: float) -> None:
-    """Facets graded to 1e-6 of a unit box see its thickness; rays in pieces of a facet's size were as many as fit along it."""
+    """Facets graded to 1e-6 of a unit box see its thickness; rays went in pieces of their size."""
     a = np.concatenate([[0.0], np.geomspace(first, 1.0, 20)])
     n, (y, z) = len(a), np.meshgrid(a, a, indexing="ij")
     corner = (n * np.arange(n - 1)[:, None] + np.arange(n - 1)).ravel()

@@ -487,6 +487,8 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
+    const bool mass_alone = c.step.theta == 0 && c.step.theta_g == 0 && c.step.motion[0][0] == 0;
+    if (mass_alone) return;  // at an instant, where the augmentation of closed gaps would be taken for mass
     const Stopwatch watch(costs_.forces);
     // a restart makes this tangent again
     gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
