@@ -13,6 +13,7 @@ from immersed_parts import body, box, carried, flap, immersed, part, patch, thin
 
 import visviva as vv
 from visviva.errors import InputError, RunError
+from visviva.flow.overlap import covered_by_body
 from visviva.run import run
 
 
@@ -101,6 +102,49 @@ def test_bodies_beside_a_fluid_are_no_matter() -> None:
     wall = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
     block = vv.RigidBody(shape=vv.Box(size=(0.2, 0.2, 1.0)), density=1.0, position=(-0.1, 0.5, 0.0))
     vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), wall, block])
+
+
+def tube(inner: float, outer: float, **options: Any) -> vv.RigidBody:
+    """A square tube of length 1 about (0.5, 0.5), closed by rings at its ends."""
+    square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    points = [(*(r * xy), z) for z in (-0.5, 0.5) for r in (inner, outer) for xy in square]
+    quads = []
+    for k in range(4):
+        n = (k + 1) % 4
+        quads += [(4 + k, 4 + n, 12 + n, 12 + k), (k, 8 + k, 8 + n, n)]  # outside, inside
+        quads += [(8 + k, 12 + k, 12 + n, 8 + n), (k, n, 4 + n, 4 + k)]  # above, below
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    shape = vv.SurfaceMesh(points=points, triangles=triangles)
+    return vv.RigidBody(**{"shape": shape, "density": 1.5, "position": (0.5, 0.5, 0.0), **options})
+
+
+def test_a_casing_around_a_fluid_is_no_matter() -> None:
+    """The inner side of a hollow body, drawn to its middle, was taken for the body."""
+    fluid = box()
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), tube(0.5, 0.6)])
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), tube(0.51, 0.6)])
+
+
+@pytest.mark.parametrize("outer", [0.26, 0.3, 0.45])
+def test_a_hollow_body_that_is_not_immersed_is_refused(outer: float) -> None:
+    """Where its wall alone is, not its cavity: with a fluid around it and none within."""
+    whole = vv.RectangleMesh(size=(1, 1), counts=(8, 8)).build()
+    away = np.abs(whole.points[whole.cells["quad4"]].mean(axis=1) - 0.5).max(axis=1) > 0.25
+    mesh = vv.Mesh(whole.points, {"quad4": whole.cells["quad4"][away]}).without_orphans()
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    with pytest.raises(InputError, match=r"lies within Fluid.*allow it by Fluid\(dry=True\)"):
+        vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), tube(0.24, outer)])
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), tube(0.2, 0.25)])  # within the hole
+
+
+def test_an_immersed_body_in_the_cavity_of_another() -> None:
+    """Neither is in the way of the other, and walls that a casing touches are not covered by it."""
+    fluid, around = box(n=12), tube(0.25, 0.4)
+    inner = vv.RigidBody(shape=vv.Box(size=(0.2, 0.2, 1.0)), density=1.5, position=(0.5, 0.5, 0.0))
+    wet = [vv.ImmersedBody(body=b, fluid=fluid) for b in (around, inner)]
+    vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), around, inner, *wet])
+    casing = tube(0.5, 0.7)
+    assert len(covered_by_body(fluid, casing, *casing.shape.surface())) == 0
 
 
 BAD: dict[str, tuple[Callable[[], Any], str]] = {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +13,7 @@ from contact_parts import RUBBER, contact_of
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva import _core
 from visviva.component import Component
 from visviva.contact.surface import Surface, surface_of
 from visviva.errors import InputError
@@ -120,6 +123,26 @@ def test_thickness_of_a_ball() -> None:
     behind = surface(solid(vv.SphereMesh(radius=1.0, counts=(4, 4))), "outer").sights[:, 0]
     assert behind.max() <= 2.0
     assert behind.min() > 1.5
+
+
+@pytest.mark.parametrize("first", [1e-2, 1e-6])
+def test_rays_of_facets_small_beside_their_body(first: float) -> None:
+    """Facets graded to 1e-6 of a unit box see its thickness; rays went in pieces of their size."""
+    a = np.concatenate([[0.0], np.geomspace(first, 1.0, 20)])
+    n, (y, z) = len(a), np.meshgrid(a, a, indexing="ij")
+    corner = (n * np.arange(n - 1)[:, None] + np.arange(n - 1)).ravel()
+    quads = np.stack([corner, corner + n, corner + n + 1, corner + 1], axis=1)
+    places, facets = [], []
+    for axis, side in itertools.product(range(3), (0.0, 1.0)):
+        face = np.stack([np.full(n * n, side), y.ravel(), z.ravel()], axis=1)
+        places.append(np.roll(face, axis, axis=1))
+        facets.append(n * n * len(facets) + (quads if side else quads[:, ::-1]))
+    begin = time.perf_counter()
+    found = _core.sights(3, np.concatenate(places).ravel(), np.concatenate(facets).astype(np.int32).ravel())
+    behind, ahead = np.asarray(found).reshape(-1, 2).T
+    np.testing.assert_allclose(behind, 1.0, rtol=1e-12)
+    assert np.isinf(ahead).all()
+    assert time.perf_counter() - begin < 2.0
 
 
 def test_a_face_alone_does_not_know_its_body() -> None:
@@ -236,3 +259,11 @@ def test_the_message_says_where_they_pass() -> None:
         StepFailure, match=r"Contact '.*': the surfaces pass through each other within the step, near \("
     ):
         vv.System(bullet()).step(0.01, vv.EnergyMomentum())
+
+
+def test_a_step_that_goes_too_far_to_be_followed_is_refused() -> None:
+    """Its way is 300 times the reach: gaps were evaluated at 600 places along it."""
+    parts = bullet(reach=0.02)
+    parts[0].velocity = np.array([0.0, 0.0, -600.0])
+    with pytest.raises(StepFailure, match="come nearer by more than can be followed in a step, near"):
+        vv.System(parts).step(0.01, vv.EnergyMomentum())

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import pytest
 from rotating import MECHANISMS, RATE, run
 
 import visviva as vv
+from visviva.component import Component
+from visviva.instant import Instant
+from visviva.linear import missing_pardiso
 
 
 def speed(system: vv.System) -> float:
@@ -82,19 +89,120 @@ def test_both_formulations_rotate_alike() -> None:
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["heavy top", "slider-crank"])
+def block(**options: Any) -> vv.Solid:
+    given = {"material": vv.NeoHooke(young=1e4, poisson=0.3), "cell": "hex8", **options}
+    mesh = vv.BoxMesh(size=(3, 1, 1), counts=(3, 1, 1), cell=given.pop("cell"))
+    return vv.Solid(mesh=mesh, density=10.0, **given)
+
+
+def on_a_block(**options: Any) -> vv.System:
+    """A heavy deformable arm with a body at its tip, on a pivot."""
+    arm, ground = block(**options), vv.Ground()
+    body = vv.RigidBody(mass=1.0, inertia=(1, 2, 2.5), position=(3.5, 0.5, 0.5))
+    tip, root = vv.RigidCoupling(solid=arm, faces="x1"), vv.RigidCoupling(solid=arm, faces="x0")
+    held = vv.Spherical(a=ground, b=root, at=(0, 0.5, 0.5))
+    joint = vv.Revolute(a=tip, b=body, at=(3, 0.5, 0.5), axis=(0, 0, 1))
+    return vv.System([ground, arm, body, tip, root, held, joint, vv.Gravity(acceleration=(0, -9.81, 0))])
+
+
+def pendulum_on_a_floor(second: vv.Component, **options: Any) -> vv.System:
+    """A double pendulum that swings into a plane or block."""
+    ground = vv.Ground()
+    upper = vv.RigidBody(mass=1.0, inertia=(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+    ball = vv.RigidBody(shape=vv.Sphere(radius=0.3), density=10.0, position=(1.5, 0, 0))
+    pivot = vv.Revolute(a=ground, b=upper, at=(0, 0, 0), axis=(0, 0, 1))
+    elbow = vv.Revolute(a=upper, b=ball, at=(1, 0, 0), axis=(0, 0, 1))
+    contact = vv.Contact(first=ball, second=second, **options)
+    gravity = vv.Gravity(acceleration=(0, -9.81, 0))
+    return vv.System([ground, upper, ball, pivot, elbow, second, contact, gravity])
+
+
+@dataclass(eq=False, kw_only=True)
+class Drawn(Component):
+    """A rope of user code, which is drawn in as the clock says."""
+
+    ball: vv.PointMass
+
+    def declare(self, model: Any) -> None:
+        self.pull = model.multipliers(self, "pull", 1)
+
+    def contribute(self, model: Any) -> None:
+        unknowns = [u for f in model.fields if f.component is self.ball for u in f.unknowns]
+        model.term(self, Rope([*unknowns, *self.pull.unknowns]))
+
+
+class Rope(vv.Term):
+    def __init__(self, unknowns: Any) -> None:
+        super().__init__()
+        self.unknowns, self.order = np.array([unknowns], dtype=np.int32), np.array([2, 2, 2, 0])
+
+    def residual(self, s: Any) -> Any:
+        x = s.x0 + s.step.theta_g * (s.x1 - s.x0)
+        length = 1.0 - 0.1 * np.sin(2 * s.step.t1)
+        stretch = (s.x1[:, :3] ** 2).sum(axis=1, keepdims=True) - length**2
+        return np.hstack([2 * x[:, :3] * s.x1[:, 3:], stretch])
+
+
+def drawn_pendulum() -> vv.System:
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0), velocity=(-0.2, 0, 0.5))
+    return vv.System([ball, Drawn(ball=ball), vv.Gravity(acceleration=(0, -9.81, 0))])
+
+
+def floor() -> vv.Plane:
+    return vv.Plane(at=(0, -0.7, 0), normal=(0, 1, 0))
+
+
+def below() -> vv.Solid:
+    mesh = vv.BoxMesh(size=(4, 1, 2), counts=(4, 1, 2), origin=(-2, -1.7, -1))
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e4, poisson=0.3), density=10.0)
+
+
+PARDISO = pytest.mark.skipif(bool(missing_pardiso()), reason="PARDISO is not installed")
+PROJECTED: list[Any] = [
+    pytest.param(MECHANISMS["heavy top"], id="heavy top"),
+    pytest.param(MECHANISMS["slider-crank"], id="slider-crank"),
+    pytest.param(on_a_block, id="solid"),
+    pytest.param(lambda: on_a_block(cell="hex27"), id="wide rows", marks=PARDISO),
+    pytest.param(
+        lambda: on_a_block(material=vv.NeoHooke(young=1e4, poisson=0.5), formulation="mixed", cell="hex27"),
+        id="pressures",
+    ),
+    pytest.param(lambda: pendulum_on_a_floor(floor(), stiffness=1e4, enforcement="penalty"), id="penalty"),
+    pytest.param(lambda: pendulum_on_a_floor(floor(), stiffness=1e4), id="multipliers"),
+    pytest.param(lambda: pendulum_on_a_floor(below()), id="on a solid"),
+    pytest.param(drawn_pendulum, id="user term"),
+]
+
+
+@pytest.mark.parametrize("make", PROJECTED)
 @pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(rho=0.8), vv.VariationalMidpoint()], ids=str)
 def test_projections_in_core_and_in_python_agree(
-    scheme: vv.Scheme, name: str, monkeypatch: pytest.MonkeyPatch
+    scheme: vv.Scheme, make: Callable[[], vv.System], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Systems that the core's projection is not made for take another one."""
     ends = []
-    for _ in range(2):
-        system = MECHANISMS[name]()
-        vv.simulate(system, until=0.5, step=0.01, scheme=scheme)
+    for in_core in (True, False):
+        system = make()
+        assert system.core.projects_rates == in_core
+        vv.simulate(system, until=0.3, step=0.01, scheme=scheme)
         ends.append(np.concatenate([system.x[system.order == 2], system.v, system.core.a]))
         monkeypatch.setattr(vv.System, "_project_in_core", lambda *_: None)
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-8)
+
+
+def test_contact_is_no_mass() -> None:
+    """The augmentation of closed gaps was added to the mass by which rates are projected and accelerations found."""
+    system, free = (
+        pendulum_on_a_floor(vv.Plane(at=(0, y, 0), normal=(0, 1, 0)), stiffness=1e4) for y in (-0.7, -9)
+    )
+    pressed = next(c for c in system.components if isinstance(c, vv.Contact))
+    for _ in vv.march(system, until=1.0, step=0.01):
+        if pressed.pressures.max() > 0:
+            break
+    assert pressed.pressures.max() > 0
+    free.x[:], free.v[:] = system.x, system.v
+    free.touch()
+    assert abs(Instant(system).M - Instant(free).M).max() == 0.0
 
 
 CONSERVING = (vv.EnergyMomentum(), vv.Midpoint())

@@ -318,6 +318,10 @@ static void bind_system(nb::module_& m) {
                  solver->regularization = regularization;
                  s.set_rate_solver(std::move(solver), flags_of(constraint));
              })
+        .def("use_rate_linear",
+             [](System& s, const std::vector<LinearChoice>& choices, const Ints& constraint) {
+                 s.set_rate_solver(make_linear(choices), flags_of(constraint));
+             })
         .def_prop_ro("projects_rates", &System::projects_rates)
         .def("set_modes",
              [](System& s, const Doubles& modes) {

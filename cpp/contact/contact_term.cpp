@@ -22,6 +22,7 @@ constexpr double least_cover = 1e-3;
 // Parts of the reach by which surfaces may leave what the search has swept, until it is done again, and at
 // all; and by which the end of a step may move until stencils are made again.
 constexpr double again = 0.125, too_far = 0.35, moved = 0.03;
+constexpr double most_parts = 100;  // of a step, at which surfaces are looked at on their way
 
 Map vector_of(const std::vector<double>& a) { return {a.data(), static_cast<Eigen::Index>(a.size())}; }
 
@@ -120,9 +121,18 @@ Refusal ContactTerm::refuse(const Context& c) {
     gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
     if (const int v = beyond(X1_.data(), too_far * reach_); v >= 0)
         return refused(v, "the surfaces moved farther in the step than their search had reached,");
-    const int A = passes();
-    if (A < 0) return {};
-    return refused(A, "the surfaces pass through each other within the step,");
+    std::vector<Approach> approach;
+    gaps_->approaches(X0_.data(), X1_.data(), approach);
+    auto ways = [](const Approach& a) { return a.way > 0 ? a.way / a.sight : 0; };
+    const auto fastest = std::max_element(approach.begin(), approach.end(),
+                                          [&](auto& a, auto& b) { return ways(a) < ways(b); });
+    const double parts = fastest == approach.end() ? 0 : std::ceil(2 * ways(*fastest));
+    if (parts > most_parts)
+        return refused(static_cast<int>(fastest - approach.begin()),
+                       "the surfaces come nearer by more than can be followed in a step,");
+    if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
+        return refused(A, "the surfaces pass through each other within the step,");
+    return {};
 }
 
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {
@@ -141,20 +151,13 @@ double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vect
 // A gap at which the surfaces are deep in each other on the way, and neither where it began nor where it
 // ends, or so deep at its end that they soon do not see each other any more; -1: none. What comes nearer by
 // less than half of what is seen does not pass unseen.
-int ContactTerm::passes() {
+int ContactTerm::passes(const std::vector<Approach>& approach, int n_parts) {
     constexpr double shallow = 0.2, deep = 0.5, back = 0.1;  // of what is seen
-    constexpr double most_parts = 1e4;
-    std::vector<Approach> approach;
-    gaps_->approaches(X0_.data(), X1_.data(), approach);
-    double longest = 0;
-    for (const Approach& a : approach)
-        if (a.way > 0) longest = std::max(longest, a.way / a.sight);
     auto gained = [&](int A, const std::vector<double>& gap, const std::vector<double>& area) {
         return (depth(A, gap, area) - depth(A, gap0_, area0_)) / approach[A].sight;
     };
     for (int A = 0; A < gaps_->n(); ++A)
         if (gained(A, gap1_, area1_) > 0 && depth(A, gap1_, area1_) > deep * approach[A].sight) return A;
-    const int n_parts = static_cast<int>(std::min(std::ceil(2 * longest), most_parts));
     std::vector<double> X(X0_.size()), gap(gaps_->n()), area(gaps_->n());
     for (int part = 1; part < n_parts; ++part) {
         const double s = static_cast<double>(part) / n_parts;
@@ -484,6 +487,8 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
+    const bool mass_alone = c.step.theta == 0 && c.step.theta_g == 0 && c.step.motion[0][0] == 0;
+    if (mass_alone) return;  // at an instant, where the augmentation of closed gaps would be taken for mass
     const Stopwatch watch(costs_.forces);
     // a restart makes this tangent again
     gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);

@@ -59,6 +59,7 @@ class ContactTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
+    bool is_lasting() const override { return false; }
 
     // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
     const std::vector<double>& pressures() const { return S_; }
@@ -104,7 +105,7 @@ class ContactTerm : public Term {
     bool read_search(const double*& memory);
     int beyond(const double* X, double margin) const;
     Refusal refused(int vertex, const std::string& why) const;
-    int passes();
+    int passes(const std::vector<Approach>&, int n_parts);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();

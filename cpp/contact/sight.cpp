@@ -13,9 +13,10 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
+constexpr double slack = 1e-9;  // rays through edges meet one of the simplices beside it
+
 // Where a ray meets a simplex, as a distance along it; infinite if it does not.
 double crossing(const FacetShape& facet, int simplex, const Vector3& origin, const Vector3& direction) {
-    constexpr double slack = 1e-9;  // rays through edges meet one of the simplices beside it
     const Vector3 normal = facet.normal(simplex), &a = facet.corner[facet.vertex(simplex, 0)];
     const double across = normal.dot(direction);
     if (across == 0) return HUGE_VAL;
@@ -30,16 +31,13 @@ class Rays {
   public:
     Rays(int dim, const std::vector<double>& X, const std::vector<int>& facets) {
         skin_.dim = dim, skin_.facets = facets;
-        Box all;
         std::vector<Box> boxes;
         std::vector<double> centres;
         for (int f = 0; f < skin_.n_facets(); ++f) {
             shapes_.push_back(shape(X, f));
-            boxes.push_back(swept(skin_, f, X.data(), X.data(), 0));
+            boxes.push_back(swept(skin_, f, X.data(), X.data(), slack * size(f)));
             for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes[f].low[i] + boxes[f].high[i]));
-            f == 0 ? all = boxes[0] : (all.include(boxes[f]), all);
         }
-        for (int i = 0; i < 3 && !boxes.empty(); ++i) extent_ = std::hypot(extent_, all.high[i] - all.low[i]);
         tree_.build(centres), tree_.refit(boxes);
     }
 
@@ -48,24 +46,17 @@ class Rays {
         int facet = -1;
     };
 
-    // The first facet that looks along the ray, or against it. It is searched for piece by piece, as the
-    // box of a long ray holds much else.
+    // The first facet that looks along the ray, or against it.
     Hit first(int own, const Vector3& origin, const Vector3& direction, bool along) const {
         Hit hit;
-        std::vector<int> found;
-        const double piece = 4 * size(own);
-        for (double begin = 0; begin < extent_ && hit.distance > begin; begin += piece) {
-            const Vector3 a = origin + begin * direction, b = a + piece * direction;
-            Box box;
-            for (int i = 0; i < 3; ++i) box.low[i] = std::min(a[i], b[i]), box.high[i] = std::max(a[i], b[i]);
-            tree_.query(box, found);
-            for (int f : found)
-                for (int s = 0; f != own && s < shapes_[f].n_simplices(); ++s) {
-                    if ((shapes_[f].normal(s).dot(direction) > 0) != along) continue;
-                    const double t = crossing(shapes_[f], s, origin, direction);
-                    if (t < hit.distance) hit = {t, f};
-                }
-        }
+        tree_.query({origin.data(), direction.data()}, [&](int f) {
+            for (int s = 0; f != own && s < shapes_[f].n_simplices(); ++s) {
+                if ((shapes_[f].normal(s).dot(direction) > 0) != along) continue;
+                const double t = crossing(shapes_[f], s, origin, direction);
+                if (t < hit.distance || (t == hit.distance && f < hit.facet)) hit = {t, f};
+            }
+            return hit.distance;
+        });
         return hit;
     }
 
@@ -91,7 +82,6 @@ class Rays {
     Skin skin_;
     std::vector<FacetShape> shapes_;
     BoxTree tree_;
-    double extent_ = 0;
 };
 
 // Calls f(point, normal) in the middle of a facet and half way to its corners.

@@ -158,6 +158,11 @@ class System {
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
     bool finish(const Step&, const Signals&, bool ledger);
     void analyze_rates();
+    void evaluate_lasting(const Context&);
+    void evaluate_rate_matrix(const Context&);
+    void evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change);
+    std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
+    void add_later(const Context&, double later, double factor, std::vector<double>& d);
     void drift(const Context&, std::vector<double>& d);
     bool project_rates(const Context&);
     void take_rates(const Step&);
@@ -210,7 +215,7 @@ class System {
     };
     std::vector<Segment> segments_;
     bool wants_rates_ = false, driven_ = false;
-    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_;
+    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none

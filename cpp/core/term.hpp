@@ -77,6 +77,10 @@ class Term {
     virtual void inner_tangent(const Context& c, double* values) { tangent(c, values); }
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
     virtual void accept(const Context&) {}
+    // Whether it may have a part in the rates at an instant: in mass or in lasting constraints.
+    virtual bool is_lasting() const { return true; }
+    // Whether it may depend on time otherwise than by signals.
+    virtual bool sees_clock() const { return false; }
     // After a step, whose end is now x: brings unknowns that belong to where the scheme evaluates forces to
     // the end.
     virtual void settle(const Step&, double* /*x*/) {}
@@ -175,6 +179,7 @@ class CallbackTerm : public Term {
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
     bool wants_rates() const override { return true; }
+    bool sees_clock() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;

@@ -298,9 +298,11 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
         x1 = system.x.copy()
-        system.x[:] = x0
-        impulse = 0.5 * step.h * (Instant(system).columns @ trial[at.multipliers])
-        system.x[:] = x1
+        system.x[:], system.core.dx[:] = x0, trial - x0
+        with_them = system.residual(step)
+        system.core.dx[at.multipliers] = -x0[at.multipliers]
+        impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
+        system.x[:], system.core.dx[:] = x1, 0.0
     at.factor()
     before = system.v[at.coordinates]
     after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())

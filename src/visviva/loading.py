@@ -148,17 +148,21 @@ class Equilibrium:
     def _search(self, time: float, d: Array, g0: float) -> Array | None:
         """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen.
 
-        Returns the residual there, or nothing where the search ended without an answer.
+        Returns the residual there, or nothing where the search ended without an answer. Then the work tells nothing,
+        as with friction, which has no potential, and the whole increment is taken where that is possible.
         """
-        s = 1.0
+        s, possible = 1.0, False
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)
+            possible = possible or (s == 1.0 and np.isfinite(g) and not self._refused(time))
             if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
                 return r
             shorter = s * np.clip(g0 / (g0 - g), 0.1, 0.5) if np.isfinite(g) and g0 != g else 0.25 * s
             self.dx[:] += (shorter - s) * d
             s = shorter
+        if possible:
+            self.dx[:] += (1 - s) * d
         return None
 
     def _refused(self, time: float) -> str:

@@ -20,7 +20,7 @@ from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
 from visviva.instant import NO_LENGTH
-from visviva.linear import Automatic
+from visviva.linear import Automatic, Direct, Problem
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
 from visviva.problem import problem_of, rigid_modes, uses_null_space
@@ -165,17 +165,29 @@ class System(metaclass=Named):
         core.set_modes(rigid_modes(self.model))
         choice = (options or Automatic()).choose(problem)
         core.use_linear(list(choice.in_order))
+        self._project_in_core(False)
         self.linear_explanation = choice.explanation
 
     def _project_in_core(self, by_blocks: bool) -> None:
-        """Let the core project rates, unless constraints see the clock otherwise than by signals."""
-        model = self.model
-        if model.terms or any(e.law.callback is not None for e in model.elements) or not self.n_constraints:
+        """Let the core project the rates of motion, the equations of which are symmetric: mass and constraints."""
+        if not self.has_lasting_constraints or np.any(self.order == 1):
             return
-        if any(a.kind in ("servo", "contact") for a in model.accounts) or np.any(self.order == 1):
+        if any(a.kind == "servo" for a in self.model.accounts):
             return
-        constraint = np.concatenate([np.full(f.size, f.multiplier and f.lasting) for f in model.fields])
-        self.core.use_rate_solver(by_blocks, self.newton.regularization, constraint.astype(np.int32))
+        constraint = self.is_lasting_constraint.astype(np.int32)
+        regularization = self.newton.regularization
+        row, col, _ = self.core.csr
+        rates = Problem(
+            n=len(row) - 1,
+            n_entries=len(col),
+            symmetric=True,
+            n_multipliers=int(constraint.sum()),
+            regularization=regularization,
+        )
+        if by_blocks or rates.is_small:
+            self.core.use_rate_solver(by_blocks, regularization, constraint)
+        else:
+            self.core.use_rate_linear(list(Direct().choose(rates).in_order), constraint)
 
     def _check_finite(self) -> None:
         if np.isfinite(self.x).all() and np.isfinite(self.v).all():
@@ -200,6 +212,17 @@ class System(metaclass=Named):
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
         return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.order > 0 and not f.is_local)
+
+    @cached_property
+    def is_lasting_constraint(self) -> NDArray[np.bool_]:
+        """Unknowns (n,) that are multipliers of constraints which hold at every instant."""
+        return np.concatenate([np.full(f.size, f.multiplier and f.lasting) for f in self.model.fields])
+
+    @property
+    def has_lasting_constraints(self) -> bool:
+        """Whether there are some."""
+        fixed = np.concatenate([f.fixed for f in self.model.fields])
+        return bool((self.is_lasting_constraint & ~fixed).any())
 
     @cached_property
     def scale(self) -> Array:
@@ -281,7 +304,7 @@ class System(metaclass=Named):
             refuse_other("System.step", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
             repeated = self._repeated = scheme, h, scheme.step(self.time, h)
         step = repeated[2].moved_to(self.time)
-        if scheme.projects_velocity and not self.core.projects_rates:
+        if self._projects(scheme):
             attempt = self.attempt(step)
             self.accept(attempt, scheme)
             return attempt.report
@@ -378,9 +401,7 @@ class System(metaclass=Named):
 
     def accept(self, attempt: Attempt, scheme: Scheme) -> None:
         """Make the increment of an attempt the new state."""
-        project = scheme.projects_velocity and not self.core.projects_rates
-        if scheme.needs_acceleration:
-            project = project and self.constrains_motion
+        project = self._projects(scheme)
         x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
         try:
             self.core.accept(attempt.step, attempt.signals, True)
@@ -390,6 +411,12 @@ class System(metaclass=Named):
         self._arrive(attempt.step, attempt.signals, scheme)
         if project:
             self._project_step(scheme, x0, dx)
+
+    def _projects(self, scheme: Scheme) -> bool:
+        """Whether rates are projected here, as the core does not."""
+        if not scheme.projects_velocity or self.core.projects_rates:
+            return False
+        return self.constrains_motion if scheme.needs_acceleration else self.has_lasting_constraints
 
     @cached_property
     def constrains_motion(self) -> bool:

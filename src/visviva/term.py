@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.component import Attachable
 from visviva.errors import RunError
+from visviva.instant import NO_LENGTH
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -150,7 +151,8 @@ class Term:
         args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
 
     def _tangent(self, *args: Any) -> None:
-        self.history_at_tangent = {name: value.copy() for name, value in self.history.items()}
+        if args[0].h > NO_LENGTH:  # that of an instant is not kept
+            self.history_at_tangent = {name: value.copy() for name, value in self.history.items()}
         args[7][:] = checked(self.label, "tangent", self.tangent(Stencils(*args[:6])), args[7].shape)
 
     def _ledger(self, *args: Any) -> None:

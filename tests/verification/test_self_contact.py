@@ -81,3 +81,31 @@ def test_hairpin_closes_and_opens_in_space() -> None:
     result = touch_and_part(system, contact, 0.15)
     momenta = [f"{kind}_{c}" for kind in ("momentum", "angular") for c in "xyz"]
     result.assert_conserved("energy", *momenta, tolerance=1e-11)
+
+
+def strip(step: float, **options: Any) -> Any:
+    """The largest pressure where a U's upper leg was pressed onto the lower one and drawn along it, in statics."""
+    unit = vv.RectangleMesh(size=(1, 1), counts=(24, 1)).build()
+    s, inwards = unit.points.T
+    radius, along = 0.3 - 0.15 * inwards, s * (4 + 0.3 * np.pi)
+    bent = np.clip((along - 2) / 0.3, 0, np.pi)
+    x = np.clip(2 - along, 0, None) + np.clip(along - 2 - 0.3 * np.pi, 0, None) - radius * np.sin(bent)
+    mesh = vv.Mesh(np.column_stack([x, radius * np.cos(bent)]), unit.cells, face_sets=unit.face_sets)
+    legs = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=100.0, poisson=0.3), density=1.0)
+    contact = vv.Contact(first=legs, formulation="node-to-segment", enforcement="penalty", **options)
+    upper, lower = (
+        np.flatnonzero((mesh.points[:, 0] > 1.9) & (way * mesh.points[:, 1] > 0)) for way in (1, -1)
+    )
+    drawn = vv.Prescribed(solid=legs, nodes=upper, motion=("-0.3*t", "-0.42*t", None))
+    vv.quasi_static(
+        vv.System([legs, contact, drawn, vv.Fixed(solid=legs, nodes=lower)]), until=1.0, step=step
+    )
+    return contact.pressures.max()
+
+
+@pytest.mark.parametrize("step", [0.0625, 0.25])
+@pytest.mark.parametrize("stiffness", [None, 30.0, 200.0, 1000.0])
+def test_a_strip_rubs_on_itself_in_statics(stiffness: float | None, step: float) -> None:
+    """The stiffness of the augmentation changes no result, and there is one; a search for descent, which friction does
+    not have, shortened increments to a hundredth for ever."""
+    assert strip(step, friction=0.3, tangential_stiffness=stiffness) == pytest.approx(3.7151, rel=1e-4)

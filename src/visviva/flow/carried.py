@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from visviva.errors import InputError
 from visviva.flow.fluid import Fluid
 from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
+from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ Mask = NDArray[np.bool_]
 
 THIN_DAMPING, THIN_TANGENTS = 0.05, 2
 """What bodies thinner than a cell take by default, see `Immersed` and `Newton`."""
+BARELY = 2.0
+"""Bodies thicker than this times a thin one everywhere are taken not to become thin."""
 NEARBY = 1e-5
 """Part of a cell's edge over which changes of the velocity along the way of a point are measured."""
 AHEAD, MARGIN = 3, 0.45
@@ -76,6 +80,22 @@ class Carried(Component):
     def is_thin(self) -> bool:
         """Whether it is thinner than the cells of the fluid around it."""
         return False
+
+    def _places(self) -> Array:
+        """Its points (n, d) at the start."""
+        raise NotImplementedError
+
+    @cached_property
+    def _edge(self) -> float:
+        """Edge of a square or cube as large as the cells around its points at the start."""
+        cells = self._located(self._places()).cells
+        return float(np.median(self.fluid.grid.volumes[cells]) ** (1 / self.fluid.dimension))
+
+    @cached_property
+    def may_be_thin(self) -> bool:
+        """Whether at the start it is anywhere as thin as a thin body, or has not much more than its thickness."""
+        extents, _ = extents_around(self._places(), self._edge)
+        return bool(thin(extents, BARELY * THIN * self._edge).any())
 
     @property
     def used_damping(self) -> float:
@@ -231,7 +251,8 @@ class Carried(Component):
     def _reached(self, unknowns: Ints, places: Array) -> None:
         if self.sealing > 1:
             self.fluid.seal(self, self.sealing, unknowns)
-        self.fluid.blind(self, unknowns, places)
+        if self.may_be_thin:
+            self.fluid.blind(self, unknowns, places)
 
     def _outside(self, place: Array) -> str:
         where = ", ".join(f"{c:.4g}" for c in place)

@@ -123,6 +123,9 @@ class Immersed(Carried):
     def carried(self) -> Component:
         return self.solid
 
+    def _places(self) -> Array:
+        return np.asarray(self.solid.grid.points)
+
     def declare(self, model: Model) -> None:
         super().declare(model)
         self.solid.is_carried_thin = self.is_thin
@@ -160,10 +163,8 @@ class Immersed(Carried):
     @cached_property
     def is_thin(self) -> bool:
         """Whether it is so at most of its nodes."""
-        d, points = self.solid.dimension, self.solid.grid.points
-        cells = self._located(points).cells
-        edge = float(np.median(self.fluid.grid.volumes[cells])) ** (1 / d)
-        return bool(np.mean(normals(points, points, edge).any(axis=1)) > 0.5)
+        points = self._places()
+        return self.may_be_thin and bool(np.mean(normals(points, points, self._edge).any(axis=1)) > 0.5)
 
     def remarks(self) -> list[str]:
         """What was chosen for a thin solid, and what only the user can choose."""

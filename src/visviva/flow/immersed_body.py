@@ -126,6 +126,9 @@ class ImmersedBody(Carried):
     def carried(self) -> Component:
         return self.body
 
+    def _places(self) -> Array:
+        return np.asarray((self.body.position + self.marks @ self.body.rotation.T)[:, : self.fluid.dimension])
+
     def declare(self, model: Model) -> None:
         super().declare(model)
         d = self.fluid.dimension

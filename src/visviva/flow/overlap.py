@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Component
@@ -21,8 +23,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WITHIN = 0.9
-"""Points of a rigid body's surface are looked for in a fluid after they were drawn to its middle by this factor."""
+DEPTHS = 0.1, 0.5
+"""Points below a rigid body's surface, in parts of its thickness there, are looked for in a fluid."""
+TOUCHING = 1e-6
+"""In extents of a body: what is no deeper within it touches it only."""
 INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
 
@@ -32,10 +36,19 @@ def places_within(body: Component, dimension: int) -> Array:
     if isinstance(body, Solid) and body.dimension == dimension == body.grid.points.shape[1]:
         return np.asarray(body.grid.centres)
     if isinstance(body, RigidBody) and body.shape is not None:
-        X = body.shape.surface()[0]
-        X = X.mean(axis=0) + WITHIN * (X - X.mean(axis=0))
+        X = below(*body.shape.surface())
         return np.asarray((body.position + X @ body.rotation.T)[:, :dimension])
     return np.zeros((0, dimension))
+
+
+def below(points: Array, triangles: NDArray[np.int64]) -> Array:
+    """Places (n, 3) within a closed surface, below each of its triangles; of a hollow body they are in its wall."""
+    facets = np.pad(triangles, ((0, 0), (0, 1)), constant_values=-1).astype(np.int32)
+    sights = np.asarray(_core.sights(3, np.ascontiguousarray(points).ravel(), facets.ravel()))
+    corners, behind = points[triangles], sights.reshape(-1, 2)[:, :1]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    return np.vstack([corners.mean(axis=1) - part * behind * normals for part in DEPTHS])
 
 
 def refuse_dry(fluid: Fluid, model: Model) -> None:
@@ -81,10 +94,17 @@ def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDA
     X = X @ body.rotation
     if flat:
         X[:, 2] = points[:, 2].mean()
-    near = np.all((points.min(axis=0) < X) & (points.max(axis=0) > X), axis=1)
-    middle = points.mean(axis=0)
-    drawn = middle + (X[near] - middle) * (1 + 1e-6)  # what only touches is not covered
-    return np.asarray(places[near][winding(points[triangles], drawn) > 0.5])
+    near = np.flatnonzero(np.all((points.min(axis=0) < X) & (points.max(axis=0) > X), axis=1))
+    return np.asarray(places[near[deep_within(points, triangles, X[near])]])
+
+
+def deep_within(points: Array, triangles: NDArray[np.int64], places: Array) -> NDArray[np.bool_]:
+    """Which places (n, 3) lie within a closed surface, and not on it."""
+    inside = np.ones(len(places), dtype=bool)
+    reach = TOUCHING * float(np.ptp(points, axis=0).max())
+    for way in itertools.product((-reach, reach), repeat=3):
+        inside[inside] = winding(points[triangles], places[inside] + way) > 0.5
+    return inside
 
 
 def refuse_covering(label: str, body: Component, fluid: Fluid, places: Array) -> None:
