@@ -45,6 +45,7 @@ class Component(metaclass=Validated):
 
     name: str | None = None
 
+    contributes_last = False  # since it asks what others hold
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 
     @property

@@ -97,7 +97,7 @@ class System(metaclass=Named):
             self.components, key=lambda c: not isinstance(c, Attachable)
         ):  # joints attach to bodies
             c.declare(self.model)
-        for c in self.components:
+        for c in sorted(self.components, key=lambda c: c.contributes_last):
             c.contribute(self.model)
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")

@@ -59,6 +59,7 @@ class Carried(Component):
     sealing: float = 1.0
     over_walls: bool = False
     leaves: bool = False
+    contributes_last = True
 
     def __post_init__(self) -> None:
         if not 1.0 <= self.sealing < np.inf:

@@ -16,11 +16,12 @@ from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
 from visviva.component import Component, settings
 from visviva.errors import InputError
-from visviva.flow.carried import Carried, Cells
+from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
 from visviva.flow.overlap import covered_by_solid, refuse_covering
 from visviva.flow.sheet import normals
+from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+WALL = 1e-9
+"""Share of what can move in the fluid's velocity at a place, below which it lies on a wall."""
 LEAKY = 1.5
 """Elements of solids that are larger than the cells around them by this factor let the fluid pass."""
 
@@ -140,8 +143,9 @@ class Immersed(Carried):
             refuse_covering(self.label, self.solid, self.fluid, covered)
         motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)
-        model.hold(self.force, np.flatnonzero(~follows))
-        self._nodes = np.flatnonzero(follows.reshape(-1, d).any(axis=1))
+        pressed = follows | self._seen(places)
+        model.hold(self.force, np.flatnonzero(~pressed))
+        self._nodes = np.flatnonzero(pressed.reshape(-1, d).any(axis=1))
         self._follow(
             model,
             self.solid.node_unknowns(self._nodes),
@@ -152,6 +156,13 @@ class Immersed(Carried):
             model.depend(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
         self._compare_sizes(places.cells)
+
+    def _seen(self, places: Place) -> Mask:
+        """Whether (n d,) the fluid can move along each axis where nodes are: held ones hold it there, but at walls."""
+        flow, d = self.fluid.flow, self.fluid.dimension
+        unknowns, weights = Transfer(self.fluid).at(places)
+        free = ~flow.fixed[unknowns[:, :, None] - flow.start + np.arange(d)]
+        return np.asarray(np.einsum("nk,nkc->nc", np.abs(weights), free) > WALL).ravel()
 
     def follow_start(self, system: System) -> None:
         """The velocities of the fluid have been made free of divergence: nodes that kept the old ones would swing."""
