@@ -431,3 +431,18 @@ def test_statics_that_stops_in_contact_says_how_to_go_on() -> None:
     system, _ = pushed(2)
     with pytest.raises(vv.NoEquilibrium, match=r"If it snaps here, .* vv.arc_length, .* vv.simulate"):
         vv.quasi_static(system, until=1.0, step=0.5, scheme=vv.Static(max_iterations=1, halvings=0))
+
+
+@pytest.mark.parametrize("n", [4, 2])
+def test_edges_along_each_other_do_not_keep_steps_from_converging(n: int) -> None:
+    """Gaps jump by 1e-8 of a facet where edges of both meshes lie along each other, and increments then alternate
+    at some 1e-9: steps failed, however short."""
+    above = vv.BoxMesh(size=(1, 1, 0.5), counts=(4, 4, 1))
+    below = vv.BoxMesh(size=(1, 1, 0.5), counts=(n, n, 1), origin=(0, 0, -0.5))
+    one, two = (vv.Solid(mesh=m, material=RUBBER, density=1.0) for m in (above, below))
+    drawn = vv.Prescribed(solid=one, nodes="z1", motion=("0.05*t", "0", "-0.1*t"))
+    contact = vv.Contact(first=one, second=two, first_faces="z0", second_faces="z1")
+    system = vv.System([one, two, vv.Fixed(solid=two, nodes="z0"), drawn, contact])
+    result = vv.simulate(system, until=0.7, step=0.05)
+    assert contact.gaps[contact.pressures > 0] == pytest.approx(0.0, abs=1e-8)
+    result.assert_conserved("energy", tolerance=1e-9)

@@ -60,6 +60,7 @@ class ContactTerm : public Term {
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
     bool is_lasting() const override { return false; }
+    double resolution() const override { return gaps_->resolution(); }
 
     // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
     const std::vector<double>& pressures() const { return S_; }

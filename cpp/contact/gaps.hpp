@@ -65,6 +65,8 @@ class Gaps {
     /// Of every gap, between two configurations that stencils were made for; way and sight are those of the
     /// facets that come nearest to pass each other unseen.
     virtual void approaches(const double* from, const double* to, std::vector<Approach>& out) const = 0;
+    /// Part of a facet by which positions may change where gaps jump by as much.
+    virtual double resolution() const { return 0; }
     /// Gradients of the gaps that are wanted.
     virtual void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) = 0;
     /// The sum of S times the second derivatives, shared out over the gaps' `hessian`, and with a `direction`

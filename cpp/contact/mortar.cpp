@@ -63,6 +63,7 @@ class Mortar : public Gaps {
     bool narrow(const double* from, const double* to) override;
     bool settle(const double* X) override;
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
+    double resolution() const override { return along_each_other; }
     void values(const double* X, double* gap, double* area) override;
     void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
     void seconds(const double* X, const std::vector<double>& S, const double* direction,

@@ -6,6 +6,10 @@
 
 namespace visviva {
 
+/// Edges that lie along each other within this part of the facet do not cross: their crossing would slide by
+/// their shift divided by their angle, which areas do not feel, but derivatives do by rounding.
+inline constexpr double along_each_other = 1e-8;
+
 inline constexpr int facet_corners = 4, segment_corners = 2 * facet_corners;
 inline constexpr int segment_size = 3 * segment_corners;
 

@@ -134,10 +134,6 @@ inline void corner_shapes(int n, const Local<T>& l, T* N) {
     }
 }
 
-/// Edges that lie along each other within this part of the facet do not cross: their crossing would slide by
-/// their shift divided by their angle, which areas do not feel, but derivatives do by rounding.
-inline constexpr double along_each_other = 1e-8;
-
 /// The common polygon of two convex ones, the second given clockwise (Sutherland & Hodgman 1974). Behind its
 /// corners stands its centroid, about which it is cut into triangles: they change smoothly where corners come
 /// and go, and so do integrals that are not exact.

@@ -46,10 +46,12 @@ class Convergence {
     double enough(int k) const { return latest_ == k ? 0 : std::min(0.05, 0.1 * ratio_); }
 
     /// Whether the error is small enough. Contraction that stops at the rounding of the constraints, or with
-    /// the tangent just made, has met rounding.
-    bool is_there(double tolerance, double noise) const {
+    /// the tangent just made, has met rounding, or a jump of the residual where it is finer than the
+    /// `resolution` of terms.
+    bool is_there(double tolerance, double noise, double resolution) const {
         const bool renewed = first_ < k_ && latest_ >= k_ - 1;
-        const bool stops = ratio_ > 0.5 && (size_ < noise || (renewed && size_ < 1e-10));
+        const bool stops =
+            ratio_ > 0.5 && (size_ < noise || (renewed && size_ < std::max(1e-10, resolution)));
         const bool settled = k_ > 0 || latest_ == 0 || size_ == 0;
         return settled && (stops || error_ <= tolerance);
     }

@@ -106,6 +106,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // Velocities are increments by the step length: errors are judged against the increment of the whole
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
+    double resolution = 0;
+    for (const auto& term : terms_) resolution = std::max(resolution, term->resolution());
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
         evaluate_residual(context, !solver_->keeps_rigidity(), fused);
@@ -140,7 +142,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
         // converging.
         const bool holds = !outdated && constraint_error() <= 100 * size + noise_;
-        const bool done = convergence.is_there(tolerance, noise_) && holds;
+        const bool done = convergence.is_there(tolerance, noise_, resolution) && holds;
         // At rounding increments rise and fall, and two in a row need not be as small.
         if ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12))
             return succeeded(std::move(report), context, convergence.has_tangent());

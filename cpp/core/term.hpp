@@ -55,6 +55,8 @@ class Term {
     // changed.
     virtual void write_memory(std::vector<double>&) const {}
     virtual bool read_memory(const double*& /*memory*/) { return false; }
+    // Relative increments below which its residual may jump, so that they do not shrink any further.
+    virtual double resolution() const { return 0; }
     // Asked after convergence, about the last residual.
     virtual Refusal refuse(const Context&) { return {}; }
     // (row, column) unknowns of every tangent entry, in the order of `positions`.
