@@ -225,11 +225,44 @@ def test_a_held_solid_at_rest_weighs_less_by_the_fluid_it_displaces(density: flo
     clamp = vv.Fixed(solid=solid, nodes="y0")
     gravity = vv.Gravity(acceleration=(0, -2.0, 0))
     system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, clamp, immersed, gravity])
-    vv.simulate(system, until=4.0, step=0.2, scheme=vv.BackwardEuler())
+    vv.simulate(system, until=8.0, step=0.2, scheme=vv.BackwardEuler())
     force = vv.SupportForce(solid=solid, nodes="y0")(system)
     assert immersed.total_mass == pytest.approx(-0.06)
     assert force[1] == pytest.approx((density - 1.0) * 0.06 * 2.0, rel=5e-3)
     assert force[0] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("held", ["some", "all"])
+def test_held_nodes_hold_the_fluid(held: str) -> None:
+    """In whatever order components are named; nothing flows through a block that is clamped in a stream."""
+
+    def stream(order: int) -> tuple[vv.System, Any, vv.Solid]:
+        fluid = vv.Fluid(
+            mesh=vv.RectangleMesh(size=(2, 1), counts=(20, 10), cell="quad9"),
+            density=1.0,
+            viscosity=1.0,
+            speed=1.0,
+        )
+        inlet = vv.VelocityBoundary(fluid=fluid, faces="x0", velocity=("smoothstep(t/0.2)", 0, 0))
+        sides = [vv.FreeSlip(fluid=fluid, faces=side) for side in ("y0", "y1")]
+        block = vv.RectangleMesh(size=(0.3, 0.3), counts=(3, 3), origin=(0.55, 0.35)).build()
+        solid = vv.Solid(mesh=block, material=vv.NeoHooke(young=1e4, poisson=0.4), density=2.0)
+        nodes = "all" if held == "all" else block.select_nodes(lambda X: X[:, 0] < 0.7)
+        parts = [vv.Fixed(solid=solid, nodes=nodes), vv.Immersed(solid=solid, fluid=fluid)]
+        return (
+            vv.System([fluid, inlet, *sides, vv.Outlet(fluid=fluid, faces="x1"), solid, *parts[::order]]),
+            fluid,
+            solid,
+        )
+
+    ends = []
+    for order in (1, -1):
+        system, fluid, solid = stream(order)
+        vv.simulate(system, until=0.3, step=0.05)
+        speeds = fluid.at(solid.points[:, :2]).velocities(system.x)
+        assert np.abs(speeds).max() < 0.02
+        ends.append(speeds)
+    np.testing.assert_allclose(*ends, atol=1e-9)
 
 
 # --- solution -----------------------------------------------------------------------------------------------

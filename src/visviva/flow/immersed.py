@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WALL = 1e-9
-"""Share of what can move in the fluid's velocity at a place, below which it lies on a wall."""
+WALL = 0.1
+"""Share of what can move in the fluid's velocity at a place, below which a wall beside it holds it there."""
 LEAKY = 1.5
 """Elements of solids that are larger than the cells around them by this factor let the fluid pass."""
 
