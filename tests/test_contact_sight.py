@@ -254,6 +254,22 @@ def test_a_step_in_which_bodies_would_pass_each_other_is_halved(name: str) -> No
     assert body.nodal_mass @ body.velocities(system.v)[:, 2] > -60 * body.mass
 
 
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_a_block_does_not_jump_over_a_plate_thinner_than_its_vertices_see(enforcement: Any) -> None:
+    """Sixteen times the plate's thickness in the first step: it would be below as a whole, and untouched."""
+    material = vv.NeoHooke(young=1e5, poisson=0.3)
+    plate = solid(vv.BoxMesh(size=(1, 1, 0.05), counts=(6, 6, 1)), material=material)
+    above = vv.BoxMesh(size=(0.2, 0.2, 0.2), counts=(2, 2, 2), origin=(0.42, 0.42, 0.36))
+    block = solid(above, material=material, velocity=(0, 0, -10))
+    contact = vv.Contact(first=block, second=plate, formulation="node-to-segment", enforcement=enforcement)
+    system = vv.System([plate, block, contact])
+    result = vv.simulate(system, until=0.08, step=0.08)
+    assert result.statistics.rejected > 0
+    heights = [body.positions(system.x)[:, 2].mean() for body in (plate, block)]
+    assert heights[0] < 0.0 < 0.1 < heights[1] - heights[0]
+    result.assert_conserved("momentum_z", tolerance=1e-10)
+
+
 def test_the_message_says_where_they_pass() -> None:
     with pytest.raises(
         StepFailure, match=r"Contact '.*': the surfaces pass through each other within the step, near \("

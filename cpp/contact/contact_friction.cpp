@@ -32,7 +32,9 @@ double ContactTerm::tangential(int A, const Context& c) const {
 }
 
 Sliding ContactTerm::sliding(int A) const {
-    return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D_), gaps_->skin().dim};
+    Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
+    turning.head(gaps_->n_turning(A)).setOnes();
+    return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D_), turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {

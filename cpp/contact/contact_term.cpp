@@ -27,14 +27,13 @@ constexpr double most_parts = 100;  // of a step, at which surfaces are looked a
 Map vector_of(const std::vector<double>& a) { return {a.data(), static_cast<Eigen::Index>(a.size())}; }
 
 // Forces along the relative motion that complete the work of the gradient to the change of the gap, and how
-// much of them: (gap1 - gap0 - g . D) / |p|^2, see the theory of contact in the documentation.
+// much of them: (gap1 - gap0 - g . D) / p . D, see the theory of contact in the documentation.
 struct Correction {
     Complement complement;
     double size, c = 0;
-    Correction(const Eigen::VectorXd& x, const Eigen::VectorXd& D, int dim)
-        : complement(x, D, dim), size(complement.motion().squaredNorm()) {
-        const Eigen::VectorXd arms = x.array() - x.mean();
-        if (size <= 1e-14 * arms.squaredNorm()) size = 0;  // what would be mended is less than rounding
+    Correction(const Eigen::VectorXd& x, const Eigen::VectorXd& D, const Eigen::VectorXd& masses, int dim)
+        : complement(x, D, masses, dim), size(complement.size()) {
+        if (size <= 1e-14 * complement.spread()) size = 0;  // what would be mended is less than rounding
     }
     void complete(double defect) { c = size > 0 ? defect / size : 0; }
 };
@@ -57,7 +56,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
-    at_theta_.resize(n), at_end_.resize(n);
+    at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
@@ -105,14 +104,14 @@ bool ContactTerm::search(const double* x0, const double* x1) {
         to_[i] = from_[i] + (std::abs(step) > std::abs(ahead) ? step : ahead);
     }
     const bool changed = gaps_->search(from_.data(), to_.data());
-    known_at_.clear();
+    known_at_.clear(), massed_.clear();
     narrow();
     return changed;
 }
 
 // Stencils for the present step.
 void ContactTerm::narrow() {
-    if (gaps_->narrow(X0_.data(), X1_.data())) known_at_.clear();
+    if (gaps_->narrow(X0_.data(), X1_.data())) known_at_.clear(), massed_.clear();
     narrowed_ = X1_;
 }
 
@@ -145,7 +144,11 @@ Refusal ContactTerm::refused(int vertex, const std::string& why) const {
 }
 
 double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const {
-    return area[A] > least_cover * options_.area[A] ? std::max(-gap[A] / area[A], 0.0) : 0;
+    return is_covered(A, area) ? std::max(-gap[A] / area[A], 0.0) : 0;
+}
+
+bool ContactTerm::is_covered(int A, const std::vector<double>& area) const {
+    return area[A] > least_cover * options_.area[A];
 }
 
 // A gap at which the surfaces are deep in each other on the way, and neither where it began nor where it
@@ -200,7 +203,7 @@ bool ContactTerm::read_search(const double*& m) {
     if (*m++ == 0) return false;
     from_.assign(m, m + n), to_.assign(m + n, m + 2 * n), known_.clear();
     m += 2 * n;
-    known_at_.clear();
+    known_at_.clear(), massed_.clear();
     return gaps_->search(from_.data(), to_.data());
 }
 
@@ -303,9 +306,30 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     if (at_theta) segments([&] { gaps_->values(Xt_.data(), gapt_.data(), area.data()); });
     if (chooses && has_multipliers()) choose_active(c);
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
+    if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
     segments([&] { gaps_->grips(Xt_.data(), active_, gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
+}
+
+// Those of the start of the step; where surfaces hardly face each other then, with those of its end. Whatever
+// else is in the stencils, forces follow from both ends of the step.
+void ContactTerm::find_masses(bool gradients) {
+    std::vector<char> before(gaps_->n()), fresh(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) {
+        before[A] = !gaps_->stencil(A).empty() && is_covered(A, area0_);
+        fresh[A] = active_[A] && !before[A];
+    }
+    if (massed_ != X0_) {
+        for (Grip& g : masses_) g.weight_gradient.resize(0, 0);
+        gaps_->masses(X0_.data(), before, false, masses_), massed_ = X0_;
+    }
+    if (std::none_of(fresh.begin(), fresh.end(), [](char f) { return f; })) return;
+    std::vector<Grip> start(gaps_->n());
+    gaps_->masses(X0_.data(), fresh, false, start);
+    gaps_->masses(X1_.data(), fresh, gradients, masses_);
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (fresh[A]) masses_[A].weight += start[A].weight;
 }
 
 // The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
@@ -337,9 +361,8 @@ bool ContactTerm::wants_pressure(int A, const Context& c) const {
 void ContactTerm::cover(const Context& c) {
     const bool holds = options_.conserving && c.step.motion[0][0] != 0;
     for (int A = 0; A < gaps_->n(); ++A) {
-        const double least = least_cover * options_.area[A];
-        if (changes_ < 0) covered_[A] = area0_[A] > least;
-        if (!holds && area1_[A] > least) covered_[A] = 1;
+        if (changes_ < 0) covered_[A] = is_covered(A, area0_);
+        if (!holds && is_covered(A, area1_)) covered_[A] = 1;
     }
 }
 
@@ -374,8 +397,9 @@ double ContactTerm::augmentation(int A, const Context& c) const {
 void ContactTerm::press(int A, const Context& c, double gap_theta) {
     const double k = options_.stiffness[A];
     S_[A] = dS_gap_[A] = R_[A] = 0;
-    if (!has_multipliers() && gaps_->stencil(A).empty()) {
-        active_[A] = 0;  // closed before, but nothing is near any more
+    const bool alone = gaps_->stencil(A).empty() || (area0_[A] == 0 && area1_[A] == 0);
+    if (!has_multipliers() && alone) {
+        active_[A] = 0;  // no gap of nothing is closed
         return;
     }
     if (!has_multipliers() && is_discrete(c.step)) {
@@ -433,9 +457,9 @@ void ContactTerm::force(int A, const Context& c, Eigen::VectorXd& f) const {
     f = vector_of(at_theta_[A].gradient);
     if (!is_discrete(c.step)) return;
     const Eigen::VectorXd D = stencil_of(A, D_);
-    Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
+    Correction correction(stencil_of(A, Xt_), D, masses_[A].weight, gaps_->skin().dim);
     correction.complete(gap1_[A] - gap0_[A] - f.dot(D));
-    f += correction.c * correction.complement.motion();
+    f += correction.c * correction.complement.momentum();
 }
 
 void ContactTerm::residual(const Context& c, double* r) {
@@ -474,13 +498,18 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
     if (dS_gap_[A] != 0) K.noalias() += (dS_gap_[A] * f) * g1.transpose();
     if (S_[A] == 0 || !is_discrete(c.step)) return K;
     const Eigen::VectorXd D = stencil_of(A, D_);
-    Correction correction(stencil_of(A, Xt_), D, gaps_->skin().dim);
+    Correction correction(stencil_of(A, Xt_), D, masses_[A].weight, gaps_->skin().dim);
     correction.complete(gap1_[A] - gap0_[A] - g.dot(D));
     if (correction.size == 0) return K;
-    const Eigen::MatrixXd dp = correction.complement.derivative(t);
-    const Eigen::VectorXd& p = correction.complement.motion();
-    const Eigen::VectorXd dc =
-        (g1 - g - t * vector_of(gap.along) - 2 * correction.c * (dp.transpose() * p)) / correction.size;
+    const Eigen::VectorXd p = correction.complement.momentum(), &m = masses_[A].weight;
+    Eigen::MatrixXd dp = correction.complement.derivative(t);
+    for (Eigen::Index v = 0; v < m.size(); ++v) dp.middleRows<3>(3 * v) *= m[v];
+    Eigen::VectorXd d_size = 2 * (dp.transpose() * correction.complement.motion());
+    if (const Eigen::MatrixXd& dm = masses_[A].weight_gradient; dm.size() > 0) {
+        dp += correction.complement.by_masses() * dm;
+        d_size += dm.transpose() * correction.complement.size_by_masses();
+    }
+    const Eigen::VectorXd dc = (g1 - g - t * vector_of(gap.along) - correction.c * d_size) / correction.size;
     K.noalias() += (S_[A] * p) * dc.transpose();
     K += (S_[A] * correction.c) * dp;
     return K;

@@ -120,6 +120,8 @@ class ContactTerm : public Term {
     double least_gap(int A, const Context&) const;
     double slack(int A, const Context&) const;
     void cover(const Context&);
+    bool is_covered(int A, const std::vector<double>& area) const;
+    void find_masses(bool gradients);
     double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
     void recall();
     void keep(const Context&);
@@ -164,7 +166,8 @@ class ContactTerm : public Term {
     bool unsettled_ = false;
     std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_theta_, at_end_;
-    std::vector<Grip> grips_;
+    std::vector<Grip> grips_, masses_;
+    std::vector<double> massed_;         // the start of the step for which masses were made
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
     std::vector<Eigen::Vector2d> slid_;  // weighted displacements in the step
     std::vector<Traction> traction_;

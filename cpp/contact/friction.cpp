@@ -19,14 +19,15 @@ Traction coulomb(const Vector2& trial, double limit) {
     return t;
 }
 
-Sliding::Sliding(const Grip& grip, const Eigen::VectorXd& x, const Eigen::VectorXd& D, int dim)
-    : grip_(grip), x_(x), dim_(dim), relative_(x, D, dim), q_(x.size(), 2) {
+Sliding::Sliding(const Grip& grip, const Eigen::VectorXd& x, const Eigen::VectorXd& D,
+                 const Eigen::VectorXd& masses, int dim)
+    : grip_(grip), x_(x), masses_(masses), dim_(dim), relative_(x, D, masses, dim), q_(x.size(), 2) {
     for (Eigen::Index v = 0; v < grip.weight.size(); ++v)
         q_.middleRows<3>(3 * v) = grip.weight[v] * grip.tangent;
 }
 
 Eigen::VectorXd Sliding::force(const Vector2& traction) const {
-    return Complement(x_, q_ * traction, dim_).motion();
+    return Balanced(x_, q_ * traction, masses_, dim_).force();
 }
 
 Matrix Sliding::directions() const {
@@ -47,14 +48,15 @@ Matrix Sliding::displacement_gradient(double theta) const {
 }
 
 Matrix Sliding::force_gradient(const Vector2& traction, double theta) const {
-    const Complement forces(x_, q_ * traction, dim_);
-    const Matrix project = forces.derivative(0);
     const Eigen::Vector3d t = grip_.tangent * traction;
     const Matrix turn = traction[0] * grip_.tangent_gradient[0] + traction[1] * grip_.tangent_gradient[1];
     Matrix dq(q_.rows(), q_.rows());
     for (Eigen::Index v = 0; v < grip_.weight.size(); ++v)
         dq.middleRows<3>(3 * v) = t * grip_.weight_gradient.row(v) + grip_.weight[v] * turn;
-    return theta * (forces.derivative(1) - project + project * dq);
+    Matrix balanced = Balanced(x_, q_ * traction, masses_, dim_).derivative();
+    for (Eigen::Index i = 0; i < dq.cols(); ++i)
+        balanced.col(i) += Balanced(x_, dq.col(i), masses_, dim_).force();
+    return theta * balanced;
 }
 
 }  // namespace visviva

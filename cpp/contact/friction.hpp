@@ -19,14 +19,15 @@ struct Traction {
 Traction coulomb(const Eigen::Vector2d& trial, double limit);
 
 /// The displacement g = q . P D of a gap's stencil from increments D about the positions x = x0 + theta D,
-/// with the grip's weights times tangents q and without the stencil's rigid motion (P); and forces P q t,
-/// whose work is t . g.
+/// with the grip's weights times tangents q and without the rigid motion of the vertices that have `masses`
+/// (P); and forces P^T q t, whose work is t . g.
 class Sliding {
   public:
-    Sliding(const Grip& grip, const Eigen::VectorXd& x, const Eigen::VectorXd& D, int dim);
+    Sliding(const Grip& grip, const Eigen::VectorXd& x, const Eigen::VectorXd& D,
+            const Eigen::VectorXd& masses, int dim);
     Eigen::Vector2d displacement() const { return q_.transpose() * relative_.motion(); }
     Eigen::VectorXd force(const Eigen::Vector2d& traction) const;
-    /// P q
+    /// P^T q
     Eigen::MatrixXd directions() const;
     /// dg/dD and, at constant traction, d(force)/dD
     Eigen::MatrixXd displacement_gradient(double theta) const;
@@ -34,7 +35,7 @@ class Sliding {
 
   private:
     const Grip& grip_;
-    Eigen::VectorXd x_;
+    Eigen::VectorXd x_, masses_;
     int dim_;
     Complement relative_;
     Eigen::MatrixXd q_;

@@ -79,6 +79,13 @@ class Gaps {
         throw std::logic_error("friction is not known for these gaps");
     }
 
+    /// Masses of a gap's vertices, with derivatives if wanted, that belong to the configuration alone and not
+    /// to what else is in the stencil: forces that mend its work are those of the relative motion of these.
+    virtual void masses(const double* /*X*/, const std::vector<char>& wanted, bool gradients,
+                        std::vector<Grip>& out);
+    /// So many vertices at the beginning of the stencil are those whose rigid motion friction does not feel.
+    virtual int n_turning(int gap) const { return static_cast<int>(stencils_[gap].size()); }
+
   protected:
     Skin skin_;
     int n_ = 0;

@@ -1,4 +1,4 @@
-// Tangent planes for friction.
+// Tangent planes for friction, and masses where all vertices count the same.
 #include "gaps.hpp"
 #include "skew.hpp"
 
@@ -6,6 +6,15 @@ namespace visviva {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
+
+void Gaps::masses(const double*, const std::vector<char>& wanted, bool, std::vector<Grip>& out) {
+    for (int A = 0; A < n_; ++A) {
+        const Eigen::Index k = stencils_[A].size();
+        if (!wanted[A]) continue;
+        out[A].weight.setOnes(k);
+        out[A].weight_gradient.resize(0, 0);
+    }
+}
 
 void set_tangents(int dim, const Vector3& n, const Eigen::MatrixXd* N, const Vector3& edge, int tail,
                   int head, Grip& out) {

@@ -70,6 +70,9 @@ class Mortar : public Gaps {
                  std::vector<Gap>& out) override;
     void grips(const double* X, const std::vector<char>& wanted, bool gradients,
                std::vector<Grip>& out) override;
+    void masses(const double* X, const std::vector<char>& wanted, bool gradients,
+                std::vector<Grip>& out) override;
+    int n_turning(int A) const override { return static_cast<int>(ring_size(A)); }
 
   private:
     // Dual functions of a facet's corners by their shapes.
@@ -104,6 +107,7 @@ class Mortar : public Gaps {
     std::vector<Matrix3> normal_gradient(const double* X, int A) const;
     void add_normal_curvature(int A, const Vector3& g, Eigen::Ref<RowMatrix> H) const;
     void second(const double* X, int A, double S, const double* direction, Gap& out) const;
+    void find_weights(const double* X, const std::vector<char>& wanted, bool gradients);
     void set_weights(int A, bool gradients, Grip& out) const;
     void set_tangents(const double* X, int A, bool gradients, Grip& out) const;
 
@@ -557,7 +561,7 @@ void Mortar::second(const double* X, int A, double S, const double* direction, G
 
 // --- friction
 // ----------------------------------------------------------------------------------------------
-void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradients, std::vector<Grip>& out) {
+void Mortar::find_weights(const double* X, const std::vector<char>& wanted, bool gradients) {
     find_near(X, &wanted);
     weights_.resize(near_.size());
     if (gradients) weight_gradients_.resize(near_.size());
@@ -569,6 +573,23 @@ void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradie
             segment_kernels().weights(x, weights_[k]);
         s.any = weights_[k].any;
     });
+}
+
+// What a vertex has of the integrals of the gap, which fades out where stencils end.
+void Mortar::masses(const double* X, const std::vector<char>& wanted, bool gradients,
+                    std::vector<Grip>& out) {
+    find_weights(X, wanted, gradients);
+    parallel_for(n_, [&](int A) {
+        if (!wanted[A]) return;
+        set_weights(A, gradients, out[A]);
+        for (Eigen::Index v = 0; gradients && v < out[A].weight.size(); ++v)
+            if (out[A].weight[v] < 0) out[A].weight_gradient.row(v) *= -1;
+        out[A].weight = out[A].weight.cwiseAbs().eval();
+    });
+}
+
+void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradients, std::vector<Grip>& out) {
+    find_weights(X, wanted, gradients);
     parallel_for(n_, [&](int A) {
         if (!wanted[A]) return;
         set_weights(A, gradients, out[A]);

@@ -59,6 +59,7 @@ class NodeToSegment : public PointGaps {
     void make_stencil(int A, const std::vector<int>& facets);
     FacetShape shape(const double* X, int facet) const;
     double sight(int A, int facet) const;
+    double seen_inside(int A, int facet) const;
     Found pick(const double* X, int A, bool only_facing) const;
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
@@ -374,11 +375,17 @@ double NodeToSegment::sight(int A, int facet) const {
     return std::min(options_.reach + options_.radius, deepest(options_.behind[A], there));
 }
 
+// What is thinner than the vertex sees is left on its other side.
+double NodeToSegment::seen_inside(int A, int facet) const {
+    const double there = skin_.behind.empty() ? HUGE_VAL : skin_.behind[facet];
+    return std::min(sight(A, facet), there + options_.radius);
+}
+
 void NodeToSegment::approaches(const double* from, const double* to, std::vector<Approach>& out) const {
     out.assign(n_, {});
     for (int A = 0; A < n_; ++A)
         for (const Candidate& c : candidates_[A]) {
-            Approach a{sight(A, c.facet), 0};
+            Approach a{seen_inside(A, c.facet), 0};
             for (const double* X : {from, to}) {
                 const Vector3 n = shape(X, c.facet).normal(0);
                 Vector3 own;

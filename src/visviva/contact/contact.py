@@ -13,6 +13,7 @@ from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
 from visviva.contact.check import check_multipliers, check_sides, check_stiffness, refuse_overlap
+from visviva.contact.doubles import refuse_doubles
 from visviva.contact.fields import record
 from visviva.contact.obstacle import frame_surface
 from visviva.contact.resolve import resolve
@@ -155,6 +156,7 @@ class Contact(Component):
         if self.second is not None:
             model.index(self.second)
         check_sides(self)
+        refuse_doubles(self, model)
         self._started = False
         self._facing: Surface | None = None
         self._see()

@@ -1,0 +1,70 @@
+"""Surfaces that two components hold apart or together at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from visviva.body.solid import Solid
+from visviva.component import Component
+from visviva.contact.tying import Tie
+from visviva.errors import InputError
+from visviva.mesh.faces import Faces
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+    from visviva.model import Model
+
+Side = tuple[Component, str | Faces]
+"""A body and which part of its surface."""
+
+
+def refuse_doubles(contact: Contact, model: Model) -> None:
+    """Refuse surfaces that are in contact twice, which doubles penalties and makes multipliers redundant, or tied."""
+    before = model.components[: model.index(contact)]
+    for other in before:
+        if isinstance(other, type(contact)) and _meet(_sides(contact), _sides(other)):
+            raise InputError(
+                f"{contact.label} holds surfaces of {contact.first.label} and {_sides(contact)[1][0].label} apart that "
+                f"{other.label} does as well: leave one of them out, or give them other faces"
+            )
+    for tie in model.components:
+        if isinstance(tie, Tie) and _meet(
+            _sides(contact), [(tie.first, _tied(tie)), (tie.second, tie.second_faces)]
+        ):
+            raise InputError(
+                f"{contact.label} holds faces of {tie.first.label} and {tie.second.label} apart that {tie.label} "
+                "ties to each other: give the contact other faces, those that are free"
+            )
+
+
+def _sides(contact: Contact) -> list[Side]:
+    first = (contact.first, contact.first_faces)
+    return [first, first if contact.second is None else (contact.second, contact.second_faces)]
+
+
+def _tied(tie: Tie) -> Faces:
+    """Those of the first faces whose nodes are all tied."""
+    faces = tie.first.faces(tie.first_faces)
+    nodes = tie._nodes[tie._tied]
+    return faces.where(np.concatenate([np.isin(rows, nodes).all(axis=1) for rows in faces.cells.values()]))
+
+
+def _meet(one: list[Side], two: list[Side]) -> bool:
+    """Whether two pairs of surfaces have faces in common, in either order."""
+    (a, b), (c, d) = one, two
+    return (_share(a, c) and _share(b, d)) or (_share(a, d) and _share(b, c))
+
+
+def _share(one: Side, two: Side) -> bool:
+    (body, faces), (other, others) = one, two
+    if body is not other:
+        return False
+    if isinstance(body, Solid):
+        return not _nodes(body.faces(faces)).isdisjoint(_nodes(body.faces(others)))
+    return "all" in (faces, others) or faces == others
+
+
+def _nodes(faces: Faces) -> set[tuple[int, ...]]:
+    return {tuple(row) for rows in faces.cells.values() for row in np.sort(rows, axis=1).tolist()}
