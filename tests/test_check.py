@@ -357,6 +357,25 @@ def test_tangents_agree_with_differences() -> None:
     assert driven_bar()[0].check().tangent.error < 1e-8
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("below", [False, True])
+def test_tangents_of_a_cylinder_at_touch_are_not_called_wrong(
+    below: bool, enforcement: str, friction: float
+) -> None:
+    """Gaps bend and have kinks within long differences."""
+    drum = vv.RigidBody(
+        shape=vv.Cylinder(radius=0.5, length=1.0), density=1000.0, position=(0, 0, 0.5 * (not below))
+    )
+    box = vv.RigidBody(shape=vv.Box(size=(0.4, 0.4, 0.4)), density=1000.0, position=(0, 0, 0.7))
+    first, second = (box, drum) if below else (drum, vv.Plane())
+    contact = vv.Contact(
+        first=first, second=second, enforcement=enforcement, friction=friction, stiffness=1e5
+    )
+    report = vv.System([first, second, contact, vv.Gravity()]).check()
+    assert report.tangent.error < 1e-5, report.tangent
+
+
 def test_wrong_tangent_is_named() -> None:
     class Wrong(vv.Term):
         def __init__(self, unknown: int) -> None:

@@ -78,6 +78,10 @@ class Component(metaclass=Validated):
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
+    def unfit_for_modes(self) -> str:
+        """Why small motions about the last evaluation do not vibrate linearly, and a cure; empty if they do or may."""
+        return ""
+
     @property
     def least_tangents(self) -> int:
         """So many iterations of a step should make tangents of their own where `Newton` does not say."""

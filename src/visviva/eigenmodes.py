@@ -15,6 +15,7 @@ from visviva.consistency import accelerations
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, REDUNDANT, Instant, equilibration, instant, typical
 from visviva.linear import Direct, Problem
+from visviva.stability import bears
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -28,6 +29,10 @@ DENSE = 600
 """Up to this many coordinates all modes are computed at once."""
 ZERO = 1e-11
 """Squares of frequencies smaller than this part of the largest are round-off."""
+UNSYMMETRIC = 1e-7
+"""Difference of the stiffness from its transpose, relative to its rows, from which on forces have no potential."""
+STIFF = 1e-12
+"""Compliances smaller than this, beside that of all else, are those of constraints."""
 
 
 @dataclass
@@ -87,8 +92,8 @@ class Modes:
 def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     """Undamped eigenmodes of small vibrations about the present configuration, which must be an equilibrium.
 
-    ``K z = omega^2 M z`` with ``G z = 0``; `K` contains the geometric stiffness of the reactions. Dampers are
-    left out, velocities are taken as zero.
+    ``K z = omega^2 M z`` with ``G z = 0``; `K` contains the geometric stiffness of the reactions, of prestress and of
+    dead loads.
 
     Parameters
     ----------
@@ -105,7 +110,21 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     Raises
     ------
     InputError
-        If the configuration is no equilibrium, forces have no potential, or something moves without mass.
+        If the configuration is no equilibrium, or something in it has no undamped modes; the message names it.
+
+    Notes
+    -----
+    Supported are bodies, joints, springs, solids of every formulation, incompressible ones among them, ties and dead
+    loads. Dampers are left out, velocities are taken as zero, prescribed motions and loads keep their present values.
+
+    Contact counts as it is: gaps closed by multipliers are constraints, those of a penalty springs, open ones nothing.
+    Friction that sticks holds along the surface, by constraints or by its tangential stiffness. Fibres that only pull
+    have the stiffness of one side where they are just slack.
+
+    Refused, by name, are fluids, heat and what else is of first order in time, with all that is immersed; forces
+    without potential (follower loads, torques about fixed axes on bodies free to turn, servos, friction that slips or
+    whose sticking tractions make the stiffness unsymmetric); surfaces that touch without pressure; motion without
+    mass.
 
     Examples
     --------
@@ -125,37 +144,61 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
         raise InputError(
             "all that moves is held or prescribed: there are no modes; leave something free to move"
         )
+    refuse_first_order(system)
     at = Instant(system)
     at.factor()
     balance(system, at, tolerance)
-    K = condensed(system.tangent(instant(system.time, theta=1.0))[1], at)
-    lack = abs(K - K.T).max() if K.nnz else 0.0
-    if lack > 1e-7 * abs(K).max():
-        raise InputError(
-            f"the stiffness is not symmetric (by {lack:.2g}): follower or other loads without potential "
-            "act; modes are defined for conservative systems"
-        )
-    K = 0.5 * (K + K.T)
+    linear = linearized(at)
+    refuse_lossy(linear)
     solve = dense_modes if len(at.coordinates) <= DENSE else sparse_modes
-    squared, z = solve(at, K, n)
+    squared, z = solve(linear, n)
     shapes = np.zeros((len(squared), len(system.x)))
     shapes[:, at.coordinates] = z.T
     return Modes(system, squared, shapes)
 
 
-def condensed(A: sp.csr_array, at: Instant) -> sp.csr_array:
-    """Stiffness of the coordinates, with unknowns of no motion (pressures, enhanced strains) in their equilibrium."""
-    import scipy.sparse.linalg as spl
+@dataclass
+class Linearized:
+    """The equations ``K u + B^T p = omega^2 M u``, ``B u + D p = 0`` of coordinates u and forces p.
 
-    q, rest = at._q, np.setdiff1d(np.arange(A.shape[0]), np.concatenate([at._q, at._m]))
-    element = at.system.local[at.system.free_unknowns[rest]]
-    own, rest = rest[element >= 0], rest[element < 0]
-    K = A[q][:, q].tocsr()
+    Attributes
+    ----------
+    K : sparse array (n, n)
+        Stiffness of the coordinates, what elements have alone (enhanced strains, pressures) being in equilibrium.
+    B, D : sparse arrays (p, n), (p, p)
+        Of what has no mass: multipliers of constraints and of contact, pressures, tractions. The rows of D vanish for
+        constraints, among them closed contacts, and not for pressures of what is compressible or stabilised.
+    column : sparse array (n, p)
+        How p acts upon u; the transpose of B where forces have a potential.
+    unknowns : array of int (p,)
+        Of the system; those that stand for forces come last.
+    n_forces : int
+        How many do.
+    """
+
+    at: Instant
+    K: sp.csr_array
+    B: sp.csr_array
+    D: sp.csr_array
+    column: sp.csr_array
+    unknowns: NDArray[np.int64]
+    n_forces: int
+
+
+def linearized(at: Instant) -> Linearized:
+    """The equations about the state of an instant."""
+    system, q = at.system, at._q
+    A = system.tangent(instant(system.time, theta=1.0))[1]
+    element, forces = (of[system.free_unknowns] for of in (system.local, bears(system)))
+    rest = np.setdiff1d(np.arange(A.shape[0]), q)
+    own = rest[element[rest] >= 0]
+    p = rest[element[rest] < 0]
+    p = p[np.argsort(forces[p], kind="stable")]
+    K = A[q][:, q]
     if len(own):
-        K = K - A[q][:, own] @ (inverse_by_element(A[own][:, own], element[element >= 0]) @ A[own][:, q])
-    if len(rest):
-        K = K - A[q][:, rest] @ spl.spsolve(A[rest][:, rest].tocsc(), A[rest][:, q].tocsc())
-    return K.tocsr()
+        K = K - A[q][:, own] @ (inverse_by_element(A[own][:, own], element[own]) @ A[own][:, q])
+    B, D, column = A[p][:, q].tocsr(), A[p][:, p].tocsr(), A[q][:, p].tocsr()
+    return Linearized(at, K.tocsr(), B, D, column, system.free_unknowns[p], int(forces[p].sum()))
 
 
 def inverse_by_element(A: sp.csr_array, element: NDArray[np.int32]) -> sp.csr_array:
@@ -171,6 +214,48 @@ def inverse_by_element(A: sp.csr_array, element: NDArray[np.int32]) -> sp.csr_ar
     row, column = np.broadcast_arrays(first[:, None, None] + k[:, None], first[:, None, None] + k)
     used = np.maximum(k[:, None], k) < count[:, None, None]
     return sp.csr_array((np.linalg.inv(blocks)[used], (row[used], column[used])), shape=A.shape)
+
+
+def symmetric(A: sp.csr_array) -> sp.csr_array:
+    """What of a matrix rounding has not made unsymmetric."""
+    return (0.5 * (A + A.T)).tocsr()
+
+
+def refuse_first_order(system: System) -> None:
+    """Refuse what flows or conducts: fields of first order in time decay, they do not vibrate."""
+    for f in system.model.fields:
+        if f.order == 1 and not np.all(f.fixed):
+            raise InputError(
+                f"modes: {f.name} of {f.component.label} is of first order in time: it decays or is carried along, and "
+                "does not vibrate; leave it out, or simulate the system"
+            )
+
+
+def refuse_lossy(linear: Linearized) -> None:
+    """Refuse forces without potential, named by whose they are or by what they act on."""
+    system, coordinates = linear.at.system, linear.at.coordinates
+    for component in system.components:
+        if reason := component.unfit_for_modes():
+            raise InputError(f"modes: {component.label}: {reason}")
+    pairs = (
+        (linear.K, linear.K.T, coordinates),
+        (linear.column, linear.B.T, coordinates),
+        (linear.D, linear.D.T, linear.unknowns),
+    )
+    for A, B, unknowns in pairs:
+        if not A.nnz + B.nnz:
+            continue
+        size = abs(A).max(axis=1).toarray().ravel(), abs(B).max(axis=0).toarray().ravel()
+        lack = abs(A - B).tocoo()
+        lack.data /= np.maximum(size[0][lack.row], size[1][lack.col]) + 1e-300
+        if lack.data.max(initial=0.0) > UNSYMMETRIC:
+            k = int(np.argmax(lack.data))
+            owner, unknown = system.describe(int(unknowns[lack.row[k]]))
+            raise InputError(
+                f"modes: the stiffness of {unknown} of {owner} is not symmetric (by {lack.data[k]:.1g} of it): "
+                "follower loads, servos, friction that sticks under load (tie the surfaces instead) or other forces "
+                "without potential act; modes are defined for conservative systems"
+            )
 
 
 def balance(system: System, at: Instant, tolerance: float) -> None:
@@ -194,66 +279,109 @@ def balance(system: System, at: Instant, tolerance: float) -> None:
     system.touch()
 
 
-def dense_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
-    """All modes in a basis of the constraints' null space, the lowest `n` returned."""
+def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
+    """All modes in a basis of what the constraints leave free, the lowest `n` returned."""
 
     import scipy.linalg as sla
+    import scipy.sparse as sp
 
+    at = linear.at
     q = len(at.coordinates)
-    Z = at._s[:q, None] * free_directions(at)
-    M, stiffness = Z.T @ (at.M @ Z), Z.T @ (K @ Z)
+    s = at._s[:q]
+    S = sp.diags_array(s)
+    K, rows = without_forces(
+        (S @ symmetric(linear.K) @ S).toarray(), (linear.B @ S).toarray(), linear.D.toarray()
+    )
+    free = free_directions(rows)
+    Z = s[:, None] * free
     if Z.shape[1] == 0:
         return np.zeros(0), np.zeros((q, 0))
+    M = Z.T @ (at.M @ Z)
     light, direction = np.linalg.eigh(M)
     if light[0] <= 1e-13 * light[-1]:
-        system = at.system
-        k = int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale))
-        component, unknown = system.describe(int(at.coordinates[k]))
-        raise InputError(
-            f"{unknown} of {component} moves without mass, its frequency is infinite; give it mass"
-        )
-    squared, y = sla.eigh(stiffness, M)
-    squared[np.abs(squared) < ZERO * np.abs(squared).max()] = 0.0
+        raise massless(at, int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale)))
+    squared, y = sla.eigh(free.T @ K @ free, M)
+    rounding = 4 * np.finfo(float).eps * np.abs(K).sum(axis=1).max()
+    squared[np.abs(squared) < max(ZERO * np.abs(squared).max(), rounding)] = 0.0
     return squared[:n], Z @ y[:, :n]
 
 
-def free_directions(at: Instant) -> Array:
-    """Orthonormal directions (n, freedoms) that the scaled constraints allow."""
+def massless(at: Instant, k: int) -> InputError:
+    """The refusal of a coordinate that moves without mass."""
+    component, unknown = at.system.describe(int(at.coordinates[k]))
+    return InputError(f"{unknown} of {component} moves without mass, its frequency is infinite; give it mass")
 
-    import scipy.sparse as sp
 
-    q = len(at.coordinates)
-    G = (sp.diags_array(at._s[q:]) @ at.G @ sp.diags_array(at._s[:q])).toarray()
-    if len(G) == 0:
-        return np.eye(q)
-    _, length, V = np.linalg.svd(G)
+def without_forces(K: Array, B: Array, D: Array) -> tuple[Array, Array]:
+    """Stiffness (n, n) with the forces ``p = -D^-1 B u`` in it, and the rows (r, n) that vanish instead.
+
+    Combinations of forces that D gives no compliance, beside that of K, are those of constraints.
+    """
+    if len(B) == 0:
+        return K, B
+    size = np.abs(B).max(axis=1)
+    r = 1 / np.where(size > 0, size, np.sqrt(np.abs(D.diagonal())) + (size == 0))
+    compliance, V = np.linalg.eigh(0.5 * r[:, None] * (D + D.T) * r)
+    B = V.T @ (r[:, None] * B)
+    largest = np.abs(compliance).max()
+    held = np.abs(compliance) * max(np.abs(K).max(), 1 / largest if largest > 0 else 0.0) <= STIFF
+    soft = B[~held]
+    return K - soft.T @ (soft / compliance[~held, None]), B[held]
+
+
+def free_directions(rows: Array) -> Array:
+    """Orthonormal directions (n, freedoms) that rows of constraints allow."""
+    if len(rows) == 0:
+        return np.eye(rows.shape[1])
+    _, length, V = np.linalg.svd(rows)
     return V[int(np.sum(length > REDUNDANT)) :].T.copy()
 
 
-def sparse_modes(at: Instant, K: sp.csr_array, n: int) -> tuple[Array, Array]:
+def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
     """Modes of squares nearest to zero, by inverse iteration with a small shift below zero."""
 
     import scipy.sparse as sp
     import scipy.sparse.linalg as spl
 
-    q, m = len(at.coordinates), len(at.multipliers)
-    n = min(n, q - m - 1) if q - m > 1 else 1
+    at, K = linear.at, symmetric(linear.K)
+    q, p = linear.B.shape[1], len(linear.unknowns)
+    held = abs(linear.D).sum(axis=1) == 0
+    light = (abs(at.M).sum(axis=1) == 0) & (abs(linear.B[held]).sum(axis=0) == 0)
+    if light.any():
+        raise massless(at, int(np.argmax(light)))
+    n = max(min(n, q - int(held.sum()) - 1), 1)
     largest = typical(abs(K.diagonal())) / typical(at.M.diagonal())
     shift = -1e-6 * largest  # close to the low modes of thin bodies: few iterations
-    A = sp.block_array([[K - shift * at.M, at.G.T], [at.G, sp.csr_array((m, m))]], format="csr")
+    A = sp.block_array([[K - shift * at.M, linear.B.T], [linear.B, symmetric(linear.D)]], format="csr")
     s = equilibration(A)
     S = sp.diags_array(s)
-    solve = factored(S @ A @ S - sp.diags_array(np.r_[np.zeros(q), np.full(m, COMPLIANCE)]), m, at.system)
-    B = sp.block_diag([at.M, sp.csr_array((m, m))], format="csr")
+    soft = np.r_[np.zeros(q + p - linear.n_forces), np.full(linear.n_forces, COMPLIANCE)]
+    unknowns = np.concatenate([at.coordinates, linear.unknowns])
+    solve = factored(S @ A @ S - sp.diags_array(soft), linear.n_forces, at.system, unknowns)
+    B = sp.block_diag([at.M, sp.csr_array((p, p))], format="csr")
     inverse = spl.LinearOperator(A.shape, matvec=lambda r: s * solve(s * np.ravel(r)), dtype=float)
-    start = inverse @ (B @ np.random.default_rng(0).standard_normal(q + m))
+    start = inverse @ (B @ np.random.default_rng(0).standard_normal(q + p))
     squared, z = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
     squared[np.abs(squared) < ZERO * largest] = 0.0
     order = np.argsort(squared)
     return squared[order], z[:q, order]
 
 
-def factored(A: sp.csr_array, n_constraints: int, system: System) -> Callable[[Array], Array]:
+def loosest(A: sp.csr_array) -> int:
+    """The row that moves most in what a singular symmetric matrix leaves free."""
+    import scipy.sparse as sp
+    import scipy.sparse.linalg as spl
+
+    lu = spl.splu((A + 1e-10 * sp.eye_array(A.shape[0])).tocsc())
+    z = np.random.default_rng(0).standard_normal(A.shape[0])
+    for _ in range(3):
+        z = lu.solve(z / np.linalg.norm(z))
+    return int(np.argmax(np.abs(z)))
+
+
+def factored(
+    A: sp.csr_array, n_constraints: int, system: System, unknowns: NDArray[np.int64]
+) -> Callable[[Array], Array]:
     """The inverse of a symmetric matrix, by the factors that the system's options name; constraints come last.
 
     Raises
@@ -275,7 +403,10 @@ def factored(A: sp.csr_array, n_constraints: int, system: System) -> Callable[[A
     except MemoryError as error:
         raise InputError(f"modes: {error}") from error
     if not done:
-        raise InputError(f"modes: {linear.message}")
+        component, unknown = system.describe(int(unknowns[loosest(A)]))
+        raise InputError(
+            f"modes: the equations are singular: nothing determines {unknown} of {component}; hold it, or give it mass"
+        )
 
     def solve(r: Array) -> Array:
         x = np.zeros(n)

@@ -35,6 +35,10 @@ AT_ONCE = 1 / 32
 """Part of a layer's mass that answers to the traction of one vertex: less than the share of a node, as consistent
 masses let one node move more easily than all together (by 3.5 across the surface and 1.7 along each direction), and
 nodes at edges and corners more easily still."""
+AT_LIMIT = 1e-6
+"""Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
+TOUCHING = 1e-9
+"""Gaps smaller than this part of a vertex' share of the surface are neither open nor closed without pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -384,6 +388,23 @@ class Contact(Component):
 
     def record(self, x: Array) -> Array:
         return record(self, x)
+
+    def unfit_for_modes(self) -> str:
+        presses = self.pressures > 0
+        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * np.sqrt(self.term.areas))
+        if touches.any():
+            return (
+                f"it touches without pressure at {int(touches.sum())} of its vertices, which are neither open nor "
+                "closed; press the surfaces together by a load, or move them apart"
+            )
+        limit = (1 - AT_LIMIT) * self.friction * self.pressures
+        slips = presses & (np.linalg.norm(self.tractions, axis=1) >= limit) & (self.friction > 0)
+        if slips.any():
+            return (
+                f"friction is at Coulomb's limit at {int(slips.sum())} of its vertices, which slip or are about to; "
+                "raise friction, or leave it out"
+            )
+        return ""
 
     def trouble(self, x: Array) -> str:
         vertices = self.term.unsettled
