@@ -154,3 +154,15 @@ def test_fluids_in_small_units() -> None:
     (large, _), (small, rejected) = end(1.0), end(1e6, speed=1e6)
     assert rejected == 0
     assert abs(large - small).max() < 1e-10
+
+
+def test_a_snap_in_statics_is_called_one() -> None:
+    """A shallow arch of two bars jumps past its limit point in one load step; its work is not that of a path."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, 0.2))
+    bars = [vv.Spring(a=ground.point((x, 0, 0)), b=ball.point(), stiffness=100.0) for x in (-1, 1)]
+    guide = vv.PointOnLine(a=ground.frame(axes=((1, 0, 0), (0, 1, 0), (0, 0, 1))), b=ball.point())
+    push = vv.Force(on=ball.point(), force=(0, 0, -1), times="t")
+    system = vv.System([ground, ball, *bars, guide, push])
+    result = vv.quasi_static(system, until=2.0, step=0.05)
+    assert system.x[2] < -0.1
+    assert "snapped" in energy_verdict(result)

@@ -64,3 +64,10 @@ def test_adaptive_steps_see_pulses_of_tables() -> None:
     result = vv.simulate(system, until=10.0, step=0.01, adaptive=vv.Adaptive(tolerance=1e-5))
     assert system.v[0] == pytest.approx(4.0, rel=1e-9)
     assert set(np.round([5, 5.01, 5.04, 5.05], 9)) <= set(np.round(result.times, 9))
+
+
+def test_functions_that_give_no_number() -> None:
+    ball = vv.PointMass(mass=1.0)
+    push = vv.Force(on=ball, force=(1, 0, 0), times=lambda t: np.array([t, t]))
+    with pytest.raises(vv.InputError, match=r"a function of time gave array.* which is no number"):
+        vv.simulate(vv.System([ball, push]), until=0.1, step=0.1)

@@ -14,6 +14,8 @@ CONSERVED = 1e-9
 """Relative errors up to this are those of rounding and of Newton's method."""
 LOOSE = 1e-6
 """Errors of schemes that conserve energy up to this may be those of loose tolerances, in many steps."""
+SNAPPED = 0.3
+"""Statics whose work misses more of the energies than this was not followed step by step."""
 OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
 
@@ -61,6 +63,11 @@ def energy_verdict(result: Result) -> str:
         return (
             "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
             "discrete gradient of its energy"
+        )
+    if not scheme.has_inertia and max(gained, lost) > SNAPPED:
+        return (
+            "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
+            "its path with vv.arc_length, or take the snap in steps of dynamics"
         )
     if not scheme.has_inertia:
         return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"

@@ -99,7 +99,7 @@ class TimeFunction:
     def __init__(self, source: Any) -> None:
         self.source: Source = source.source if isinstance(source, TimeFunction) else _plain(source)
         if callable(self.source):
-            self._value: Callable[[float], float] = self.source
+            self._value: Callable[[float], float] = self._called
             self.rate = self._difference
         elif isinstance(self.source, str):
             self._expression = _compile(self.source)
@@ -144,6 +144,15 @@ class TimeFunction:
         return forward_rate(self._value, t) if callable(self.source) else self.rate(t)
 
     # --- a Python function: rate by differences of fourth order ---------------------------------------------
+    def _called(self, t: float) -> float:
+        value = self.source(t)  # type: ignore[operator]
+        try:
+            return float(value)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"a function of time gave {value!r} at t = {t:g}, which is no number: {self.source!r}"
+            ) from None
+
     def _difference(self, t: float) -> float:
         d, f = 2e-4 * max(1.0, abs(t)), self._value
         return float((8 * (f(t + d) - f(t - d)) - (f(t + 2 * d) - f(t - 2 * d))) / (12 * d))

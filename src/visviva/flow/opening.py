@@ -98,7 +98,9 @@ class Outlet(Open):
     Notes
     -----
     ``mu dv/dn - p n = -pressure n``, and where fluid comes back ``- rho/2 (v.n)- v`` besides, which takes off the
-    kinetic energy that it would bring (the directional do-nothing condition of Braack & Mucha 2014).
+    kinetic energy that it would bring (the directional do-nothing condition of Braack & Mucha 2014). Where fluid comes
+    in through such an opening for good, a part ``rho v^2/2`` of the pressure accelerates it: a channel between two
+    outlets carries less than one between given pressures. `FluidTraction` gives the pressure alone.
 
     Examples
     --------

@@ -29,7 +29,8 @@ class FlowForce(Reading):
 
     It is the residual of the equations that the held velocities leave unanswered, which is as exact as the energy of
     the flow and in exact balance with all other forces, and not an integral of tractions. Forces are those of the last
-    step: of the midpoint schemes, those that acted in its middle.
+    step: of the midpoint schemes, those that acted in its middle. Nodes at the rim of the faces that other faces hold,
+    too, such as the corners of an inlet and a wall, bring a share of the force on those, of first order in the mesh.
 
     Parameters
     ----------
