@@ -134,6 +134,22 @@ def test_tilted_rod_slaps_down_and_rests() -> None:
     result.assert_conserved("energy", tolerance=1e-11)
 
 
+@pytest.mark.parametrize("start", [0.5, 0.55, 0.475, 0.525, 0.50001])
+@pytest.mark.parametrize("cells", [2, 4])
+def test_point_does_not_pass_a_plate_in_steps_of_twice_its_thickness(start: float, cells: int) -> None:
+    """Nor if a step ends on a face of the plate, from 0 to -0.05, or in its middle."""
+    mesh = vv.BoxMesh(size=(0.05, 1, 1), counts=(1, cells, cells), origin=(-0.05, -0.5, -0.5))
+    plate = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
+    point = vv.PointMass(mass=1e-3, position=(start, 0.013, 0.021), velocity=(-5, 0, 0))
+    contact = vv.Contact(
+        first=point, second=plate, formulation="node-to-segment", impact="conserving", stiffness=1e5
+    )
+    system = vv.System([plate, point, contact])
+    result = vv.simulate(system, until=0.3, step=0.02)
+    assert system.value(point.point().position)[0] > 0
+    result.assert_conserved("energy", "momentum_x", tolerance=1e-10)
+
+
 # --- redundant pressures ------------------------------------------------------------------------------------
 @pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
 @pytest.mark.parametrize("friction", [0.0, 0.4])

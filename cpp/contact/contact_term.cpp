@@ -142,7 +142,8 @@ double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vect
 // ends, or so deep at its end that they soon do not see each other any more; -1: none. What comes nearer by
 // less than half of what is seen does not pass unseen.
 int ContactTerm::passes() {
-    constexpr double shallow = 0.2, deep = 0.5, back = 0.1;  // of what is seen
+    // Parts of what is seen; in the middle of a body its far side is as close.
+    constexpr double shallow = 0.2, deep = 0.5 - 1e-6, back = 0.1;
     constexpr double most_parts = 1e4;
     std::vector<Approach> approach;
     gaps_->approaches(X0_.data(), X1_.data(), approach);
