@@ -298,6 +298,7 @@ def test_schemes_that_remember_accelerations_are_refused(scheme: vv.Scheme) -> N
         ({"restitution": 1.2}, "restitution = 1.2 is not a share"),
         ({"restitution": -0.1}, "restitution = -0.1 is not a share"),
         ({"restitution": 0.5, "enforcement": "penalty"}, r"needs enforcement='multipliers'.*damping"),
+        ({"restitution": 0.5, "initial": "press"}, "pushes out what an impact leaves"),
         ({"restitution": 0.5, "impact": "conserving"}, "leave one of them out"),
     ],
 )

@@ -103,7 +103,7 @@ class ContactTerm : public Term {
     bool has_history() const { return has_friction() && !has_tangential(); }
     std::vector<int> multipliers(int A) const;
     int n_multipliers() const;
-    bool rebounds() const { return options_.rigid && has_multipliers(); }
+    bool rebounds() const { return options_.rigid && has_multipliers() && !options_.presses_out; }
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const {
         return (options_.conserving || rebounds()) && c.step.motion[0][0] != 0;

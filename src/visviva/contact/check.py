@@ -72,6 +72,11 @@ def check_restitution(contact: Contact) -> None:
         raise InputError(
             f"{label}: impact='conserving' is restitution 1, not {share:g}; leave one of them out"
         )
+    if contact.initial == "press":
+        raise InputError(
+            f"{label}: restitution = {share:g} with initial='press', which pushes out what an impact leaves as well; "
+            "move the bodies apart and leave out initial"
+        )
     if isinstance(contact.first, Solid):
         raise InputError(
             f"{label}: restitution = {share:g} is for rigid bodies and points, and {contact.first.label} is a solid, "
