@@ -54,9 +54,9 @@ void ContactTerm::segments(F f) {
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
     const std::size_t n = gaps_->n();
-    for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
+    for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
-    at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
+    at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
@@ -155,7 +155,8 @@ bool ContactTerm::is_covered(int A, const std::vector<double>& area) const {
 // ends, or so deep at its end that they soon do not see each other any more; -1: none. What comes nearer by
 // less than half of what is seen does not pass unseen.
 int ContactTerm::passes(const std::vector<Approach>& approach, int n_parts) {
-    constexpr double shallow = 0.2, deep = 0.5, back = 0.1;  // of what is seen
+    // Parts of what is seen; in the middle of a body its far side is as close.
+    constexpr double shallow = 0.2, deep = 0.5 - 1e-6, back = 0.1;
     auto gained = [&](int A, const std::vector<double>& gap, const std::vector<double>& area) {
         return (depth(A, gap, area) - depth(A, gap0_, area0_)) / approach[A].sight;
     };
@@ -304,6 +305,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
     std::vector<double> area(gap1_.size());
     if (at_theta) segments([&] { gaps_->values(Xt_.data(), gapt_.data(), area.data()); });
+    if (rebounds() && holds(c)) find_rates(c);
     if (chooses && has_multipliers()) choose_active(c);
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
@@ -332,10 +334,35 @@ void ContactTerm::find_masses(bool gradients) {
         if (fresh[A]) masses_[A].weight += start[A].weight;
 }
 
+// At the start of the step; what is held must not open by rounding.
+bool ContactTerm::closed(int A) const {
+    const double rounding = rebounds() ? touching * reach_ * area0_[A] : 0;
+    return area0_[A] > 0 && gap0_[A] <= rounding;
+}
+
+// How fast closed gaps close when the step begins.
+void ContactTerm::find_rates(const Context& c) {
+    gaps_->skin().increments(c.vectors.v0, V0_);
+    if (rates_at_ == X0_ && rates_of_ == V0_) return;
+    rates_at_ = X0_, rates_of_ = V0_;
+    std::vector<char> wanted(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) wanted[A] = closed(A);
+    segments([&] { gaps_->gradients(X0_.data(), wanted, at_start_); });
+    for (int A = 0; A < gaps_->n(); ++A)
+        rate0_[A] = wanted[A] ? vector_of(at_start_[A].gradient).dot(stencil_of(A, V0_)) : 0.0;
+}
+
+// What a gap has to change by so that the scheme's rate at the end is the restitution times that of closing.
+double ContactTerm::rebound(int A, const Context& c) const {
+    const double* v1 = c.step.motion[2];
+    return -(options_.restitution + v1[1]) / v1[0] * std::min(rate0_[A], 0.0);
+}
+
 // The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
 // give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.motion[0][0] == 0) return 0;
+    if (rebounds()) return gap0_[A] + rebound(A, c);
     const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
@@ -347,8 +374,7 @@ double ContactTerm::slack(int A, const Context& c) const {
 }
 
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
-    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
-    if (area1_[A] == 0 || !covered_[A] || (holds && gap0_[A] > 0)) return false;
+    if (area1_[A] == 0 || !covered_[A] || (holds(c) && !closed(A))) return false;
     const double lambda = c.vectors.x1[options_.multiplier[A]];
     const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
@@ -359,10 +385,10 @@ bool ContactTerm::wants_pressure(int A, const Context& c) const {
 // Once covered in the iterations of a step, a vertex may carry until its end. Conserving impact asks for its
 // start alone.
 void ContactTerm::cover(const Context& c) {
-    const bool holds = options_.conserving && c.step.motion[0][0] != 0;
+    const bool by_start = holds(c);
     for (int A = 0; A < gaps_->n(); ++A) {
         if (changes_ < 0) covered_[A] = is_covered(A, area0_);
-        if (!holds && is_covered(A, area1_)) covered_[A] = 1;
+        if (!by_start && is_covered(A, area1_)) covered_[A] = 1;
     }
 }
 
@@ -571,6 +597,16 @@ bool ContactTerm::amend(const Context& c, double* values) {
     return true;
 }
 
+// Four corners of a box press on a plane where three would do, and what sticks may be held by a support as
+// well. So little give in the tangent, and none in the residual, leaves alone what changes nothing.
+double ContactTerm::ease(int A, const Context& c) const {
+    constexpr double little = 1e-10;
+    if (!options_.rigid && !has_tangential()) return 0;
+    const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
+    const double stiffness = augmentation(A, c) + mass;
+    return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
+}
+
 // Without friction; where there is no contact multipliers vanish.
 ContactTerm::Border ContactTerm::border(int A, const Context& c, const Eigen::VectorXd& g1,
                                         const Eigen::VectorXd& f) const {
@@ -580,6 +616,7 @@ ContactTerm::Border ContactTerm::border(int A, const Context& c, const Eigen::Ve
     if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
     for (int i = normal; i < m; ++i) b.square(i, i) = -1 / tangential(A, c);
     if (!active_[A]) return b;
+    for (int i = 0; i < m; ++i) b.square(i, i) -= ease(A, c);
     b.row.setZero(m, g1.size()), b.column.setZero(g1.size(), m);
     if (normal) b.row.row(0) = -g1.transpose(), b.column.col(0) = -f;
     return b;

@@ -27,8 +27,12 @@ struct ContactOptions {
     std::vector<double> stiffness;  // of each gap: pressure per weighted gap
     std::vector<double> area;       // of each vertex at rest
     bool conserving = false;        // gaps that are closed must not close further, open ones may
-    bool presses_out = false;       // in time too, what overlaps at the start of a step is pushed apart
-    std::vector<double> damping;    // of each gap: pressure per rate of penetration, beside a penalty
+    // The first surface is that of a rigid body or of points: they leave with a share of the velocity that
+    // they came with, and several of their vertices may press where fewer would do.
+    bool rigid = false;
+    double restitution = 0;
+    bool presses_out = false;     // in time too, what overlaps at the start of a step is pushed apart
+    std::vector<double> damping;  // of each gap: pressure per rate of penetration, beside a penalty
     FrictionOptions friction;
 };
 
@@ -101,6 +105,11 @@ class ContactTerm : public Term {
     bool has_history() const { return has_friction() && !has_tangential(); }
     std::vector<int> multipliers(int A) const;
     int n_multipliers() const;
+    bool rebounds() const { return options_.rigid && has_multipliers() && !options_.presses_out; }
+    // Whether gaps close freely, and are held from then on.
+    bool holds(const Context& c) const {
+        return (options_.conserving || rebounds()) && c.step.motion[0][0] != 0;
+    }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     bool read_search(const double*& memory);
@@ -118,6 +127,10 @@ class ContactTerm : public Term {
     void choose_active(const Context&);
     bool wants_pressure(int A, const Context&) const;
     double least_gap(int A, const Context&) const;
+    double rebound(int A, const Context&) const;
+    bool closed(int A) const;
+    double ease(int A, const Context&) const;
+    void find_rates(const Context&);
     double slack(int A, const Context&) const;
     void cover(const Context&);
     bool is_covered(int A, const std::vector<double>& area) const;
@@ -157,6 +170,7 @@ class ContactTerm : public Term {
     std::vector<double> known_at_;  // where the gradients of at_theta_ were evaluated,
     std::vector<char> known_of_;    // and of which gaps
     ContactCosts costs_;
+    std::vector<double> rate0_, V0_, rates_at_, rates_of_;  // of closed gaps, where X0_ and V0_ were these
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
@@ -165,7 +179,7 @@ class ContactTerm : public Term {
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
     bool unsettled_ = false;
     std::vector<int> unsettled_gaps_;
-    std::vector<Gap> at_theta_, at_end_;
+    std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;
     std::vector<double> massed_;         // the start of the step for which masses were made
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers

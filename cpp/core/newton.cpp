@@ -90,7 +90,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     Report report;
     report.increments.reserve(8);
     start(step);
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
     if (!lead(context)) return failed(std::move(report), singular(), solver_->singular_unknown());
     const bool full = options.keep_factor <= 0;

@@ -31,6 +31,7 @@ struct Signals {
 struct Vectors {
     const double *x0 = nullptr, *x1 = nullptr;
     const double *rate = nullptr, *second_rate = nullptr;  // at the evaluation point
+    const double* v0 = nullptr;                            // rates at the start of the step
 };
 
 }  // namespace visviva

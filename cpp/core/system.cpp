@@ -393,7 +393,7 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
 }
 
 bool System::finish(const Step& step, const Signals& signals, bool ledger) {
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
     const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
                new_w = end_of_step(step, 4, w, w_next_);
@@ -434,7 +434,7 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
     if (!on) return 0;
     std::vector<double> residual(n_);
     assemble(step, signals, residual.data(), nullptr);
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
 }
 
@@ -457,7 +457,7 @@ void System::evaluate(const Step& step, const Signals& signals, bool with_first_
     stale_begin_ = false;
     set_base_rates(step);
     update_vectors(step);
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     evaluate_residual({step, vectors, signals}, true, with_first_tangents);
 }
 
@@ -465,7 +465,7 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     evaluate(step, signals, values != nullptr);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     evaluate_tangent({step, vectors, signals}, false, true);
     std::copy(values_.begin(), values_.end() - 1, values);
     stale_factor_ = true;

@@ -49,7 +49,7 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
     search();
     evaluate(step, signals, true);
     std::copy(r_.begin(), r_.begin() + n_, residual);
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const bool regular = refactor({step, vectors, signals}, step, true);
     stale_factor_ = true;  // not a tangent that time steps may keep
     return regular;
@@ -66,7 +66,7 @@ bool System::linear_solve(const Step& step, const double* residual, double* d, d
 }
 
 std::string System::refuse(const Step& step, const Signals& signals) {
-    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data()};
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     for (const auto& term : terms_)
         if (const Refusal no = term->refuse({step, vectors, signals}); !no.reason.empty()) return no.reason;
     return {};

@@ -72,6 +72,13 @@ CONTACT = [
         h=0.01,
         steps=15,
     ),
+    Entry(
+        "contact, rigid balls, restitution",
+        partial(balls, away=0.15, enforcement="multipliers", tangential="multipliers", restitution=0.5),
+        MOMENTA,
+        0.01,
+        60,
+    ),
     *(
         Entry(f"contact, exact {name}, {kind}", partial(on_shape, name, **options), what, h=0.01, steps=30)
         for name in SHAPES

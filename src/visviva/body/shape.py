@@ -206,6 +206,8 @@ class Sphere(Shape):
 class Cylinder(Shape):
     """Circular cylinder along e3, its centre at the origin; its faces are 'z0', 'z1' and 'side'.
 
+    As the first surface of a `Contact` it is a polygon of 32 corners, which rolls and rubs by its rims; see there.
+
     Parameters
     ----------
     radius, length : lengths

@@ -15,6 +15,7 @@ from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
+    from visviva.scheme import Scheme
 
 Array = NDArray[np.float64]
 
@@ -53,6 +54,47 @@ def check_multipliers(contact: Contact) -> None:
         raise InputError(
             f"{label}: standard multipliers of mortar contact press on the nodes beside their own as well and cannot "
             "be condensed; give multipliers='dual'"
+        )
+
+
+def check_restitution(contact: Contact) -> None:
+    """Refuse a restitution that no impact can have, or where it is not for the contact to choose."""
+    label, share = contact.label, contact.restitution
+    if share is None:
+        return
+    if not 0 <= share <= 1:
+        raise InputError(f"{label}: restitution = {share:g} is not a share of velocity from 0 to 1")
+    if contact.enforcement != "multipliers":
+        raise InputError(
+            f"{label}: restitution = {share:g} needs enforcement='multipliers'; with a penalty give damping"
+        )
+    if contact.impact == "conserving":
+        raise InputError(
+            f"{label}: impact='conserving' is restitution 1, not {share:g}; leave one of them out"
+        )
+    if contact.initial == "press":
+        raise InputError(
+            f"{label}: restitution = {share:g} with initial='press', which pushes out what an impact leaves as well; "
+            "move the bodies apart and leave out initial"
+        )
+    if isinstance(contact.first, Solid):
+        raise InputError(
+            f"{label}: restitution = {share:g} is for rigid bodies and points, and {contact.first.label} is a solid, "
+            "whose waves take the energy of an impact; leave it out"
+        )
+
+
+def check_schemes(contact: Contact, scheme: Scheme) -> None:
+    """Refuse schemes under which contact would not do what it promises."""
+    label = contact.label
+    if contact.damping > 0 and scheme.has_inertia and not scheme.discrete_gradient:
+        raise InputError(
+            f"{label}: damping = {contact.damping:g} needs the scheme EnergyMomentum(), not {scheme!r}"
+        )
+    if contact.enforcement == "multipliers" and scheme.has_inertia and scheme.needs_acceleration:
+        raise InputError(
+            f"{label}: {scheme!r} remembers accelerations, which an impact by multipliers makes wrong, and adds energy "
+            "then; take EnergyMomentum() or BackwardEuler(), or enforcement='penalty'"
         )
 
 

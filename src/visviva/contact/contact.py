@@ -12,7 +12,14 @@ from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component import Attachable, Component, settings
-from visviva.contact.check import check_multipliers, check_sides, check_stiffness, refuse_overlap
+from visviva.contact.check import (
+    check_multipliers,
+    check_restitution,
+    check_schemes,
+    check_sides,
+    check_stiffness,
+    refuse_overlap,
+)
 from visviva.contact.doubles import refuse_doubles
 from visviva.contact.fields import record
 from visviva.contact.obstacle import frame_surface
@@ -60,6 +67,7 @@ class Contact(Component):
         facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly. Then rigid
         shapes are exact: balls touch by their centre, capsules by the centres of their ends, others by vertices; balls,
         capsules, cylinders and boxes are touched where they are. Planes and obstacles are always touched like this.
+        As `first`, cylinders and cones are the vertices of polygons of 32 corners: see the notes.
     enforcement : {'multipliers', 'penalty'}
         'multipliers': gaps are not negative, pressures are unknowns, with an active set. 'penalty': pressures are
         `stiffness` times penetration, a potential.
@@ -79,9 +87,14 @@ class Contact(Component):
         booked as work of contact: of a body of mass m on a spring k alone, the share of velocity that is left follows
         from damping / 2 sqrt(k m). Needs the scheme `EnergyMomentum`.
     impact : {'dissipative', 'conserving'}
-        With multipliers in dynamics: 'dissipative' closes gaps exactly, which takes the energy of impact of the
-        surface's nodes; 'conserving' lets a gap close freely within the step in which it does and only then holds
-        it, so that energy is exact.
+        With multipliers in dynamics. Of solids: 'dissipative' closes gaps exactly, which takes the energy of impact of
+        the surface's nodes, less with finer meshes; 'conserving' lets a gap close freely within the step in which it
+        does and only then holds it, so that energy is exact. Of rigid bodies and points: 'dissipative' is restitution
+        0, 'conserving' 1.
+    restitution : float
+        Of a rigid body or point as `first`, with multipliers in dynamics: the share, 0 to 1, of the normal velocity
+        that an impact leaves, by default as `impact` says. What it takes is booked as work of contact. Gaps close
+        freely within the step in which they do, so that bodies may overlap by one and a half step's approach.
     friction : float
         Coulomb's coefficient: tractions are at most this times the pressure. Balls roll on what they rub.
     tangential : {'multipliers', 'penalty'}
@@ -92,8 +105,9 @@ class Contact(Component):
         default that of a layer of elements, ten times that for a penalty.
     initial : {'touch', 'press', 'resolve'}
         'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
-        pushes out; in dynamics that adds energy, in the ledger's share of contact. 'resolve': nodes of solids are moved
-        apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
+        pushes out; in dynamics that adds energy, in the ledger's share of contact, and rigid bodies have no restitution
+        then: what an impact leaves depends on where in the step it falls. 'resolve': nodes of solids are moved apart,
+        by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet. Whatever it is,
         facets do not see each other through their own bodies.
@@ -102,7 +116,14 @@ class Contact(Component):
     -----
     Linear and angular momentum are exact with every scheme; with `EnergyMomentum` the work of contact is that of the
     change of the gaps: nothing while contact persists, never a gain. Friction takes energy and never gives any, booked
-    as its own work. See :doc:`/theory/contact`.
+    as its own work. Schemes that remember accelerations (`GeneralizedAlpha`, `BDF2`) would gain energy in impacts by
+    multipliers, and are refused. See :doc:`/theory/contact`.
+
+    A cylinder or cone that is `first` touches by its vertices: 32 on each rim and one in the middle of each flat face.
+    So it rolls as a polygon, by a small impact at each vertex, after which it may hop; and on its flat face it presses
+    and rubs along the rim: spinning there friction has the torque 32/33 mu M g R, not the 2/3 mu M g R of a uniform
+    pressure. Balls and capsules roll exactly. For more vertices, also within the flat faces, give the shape as a
+    `SurfaceMesh`; ``Cylinder(...).surface(128)`` are points and triangles with finer rims.
 
     Examples
     --------
@@ -129,6 +150,7 @@ class Contact(Component):
     stiffness: Number | None = None
     damping: Number = 0.0
     impact: Literal["dissipative", "conserving"] = "dissipative"
+    restitution: Number | None = None
     friction: Number = 0.0
     tangential: Literal["multipliers", "penalty"] = "multipliers"
     tangential_stiffness: Number | None = None
@@ -146,6 +168,7 @@ class Contact(Component):
                 "formulation='node-to-segment'"
             )
         check_multipliers(self)
+        check_restitution(self)
         if not self.damping >= 0:
             raise InputError(f"{self.label}: damping = {self.damping:g} is negative: it would add energy")
         if self.damping > 0 and self.enforcement != "penalty":
@@ -208,6 +231,8 @@ class Contact(Component):
             normal / self._surface.areas,
             self._surface.areas,
             self.impact == "conserving",
+            not isinstance(self.first, Solid),
+            self._share_left,
             self.initial == "press",
             self.friction,
             np.array(along, dtype=np.int32),
@@ -226,6 +251,13 @@ class Contact(Component):
         model.batch(self.term)
         if self.condensed:
             self._condense(model)
+
+    @property
+    def _share_left(self) -> float:
+        """Share of the velocity of approach that an impact of rigid bodies leaves."""
+        if self.restitution is None:
+            return 1.0 if self.impact == "conserving" else 0.0
+        return float(self.restitution)
 
     def _condense(self, model: Model) -> None:
         assert isinstance(self.first, Solid)
@@ -282,10 +314,7 @@ class Contact(Component):
         return pair
 
     def start(self, system: System, scheme: Scheme) -> None:
-        if self.damping > 0 and scheme.has_inertia and not scheme.discrete_gradient:
-            raise InputError(
-                f"{self.label}: damping = {self.damping:g} needs the scheme EnergyMomentum(), not {scheme!r}"
-            )
+        check_schemes(self, scheme)
         if self._started or self.initial == "press" or system.time > 0:
             return
         self._started = True
