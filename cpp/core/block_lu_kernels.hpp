@@ -56,8 +56,7 @@ void fetch(const LuView& view, const LuPivot& pivot, double regularization, Diag
     const double* from = view.upper + pivot.data;
     for (int c = 0; c < d.padded(); c += W) {
         VISVIVA_UNROLL
-        for (int i = 0; i < n; ++i)
-            vstore(&d.u[i][c], head(vload(from + i * (n + pivot.r) + c), n - c));
+        for (int i = 0; i < n; ++i) vstore(&d.u[i][c], head(vload(from + i * (n + pivot.r) + c), n - c));
     }
     VISVIVA_UNROLL
     for (int i = 0; i < n; ++i) {
