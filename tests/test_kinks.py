@@ -71,3 +71,31 @@ def test_functions_that_give_no_number() -> None:
     push = vv.Force(on=ball, force=(1, 0, 0), times=lambda t: np.array([t, t]))
     with pytest.raises(vv.InputError, match=r"a function of time gave array.* which is no number"):
         vv.simulate(vv.System([ball, push]), until=0.1, step=0.1)
+
+
+def test_each_drive_books_its_own_impulses() -> None:
+    """A motor that rests does no work, whichever is named first; short times are seen, fine samples are no kinks."""
+
+    def works(order: int, unit: float) -> tuple[float, float]:
+        mesh = vv.RectangleMesh(size=(1, 0.2), counts=(2, 1))
+        solid = vv.Solid(
+            mesh=mesh, material=vv.LinearElastic(young=100.0 / unit**2, poisson=0.0), density=1.0
+        )
+        push = vv.Prescribed(
+            solid=solid, nodes="x0", motion=([[0, 0], [0.4 * unit, 0], [0.8 * unit, 0.1]], 0, None)
+        )
+        ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+        axle = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1))
+        still = vv.Motor(joint=axle, motion=0.0)
+        system = vv.System([solid, ground, wheel, axle, *[push, still][::order]])
+        result = vv.simulate(system, until=unit, step=0.02 * unit)
+        ledger = result.ledger
+        return ledger.size("work_drive") * unit**2, ledger.size("work_prescribed motion") * unit**2
+
+    seconds = works(1, 1.0)
+    assert seconds[0] < 1e-12 < 1e-4 < seconds[1]
+    assert works(-1, 1.0) == pytest.approx(seconds, abs=1e-12)
+    assert works(1, 1e-9) == pytest.approx(seconds, rel=1e-6, abs=1e-12)
+    times = np.linspace(0, 2, 2001)
+    sampled = vv.TimeFunction(np.column_stack([times, 0.1 * np.sin(times)]))
+    assert len(sampled.kinks) <= 2

@@ -43,6 +43,19 @@ def test_sticking_box_slides_rocks_and_twists_on_its_springs() -> None:
     assert vv.modes(system).squared == pytest.approx(exact, rel=1e-9)
 
 
+def test_four_corners_hold_a_box_as_a_plane_does() -> None:
+    """One of them is redundant; left are two ways along the plane and the turn across it, on springs."""
+    box, plane = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, position=(0, 0, 0.5)), vv.Plane()
+    hold = vv.Bushing(
+        a=vv.Ground(), b=box, at=(0, 0, 0.5), stiffness=(5, 7, 1), rotational_stiffness=(1, 1, 3)
+    )
+    parts = [ground, box, plane, hold, vv.Gravity()]
+    contact = vv.Contact(first=box, second=plane, stiffness=1e3)
+    system = vv.System([*parts, contact])
+    vv.equilibrium(system)
+    assert vv.modes(system, n=3).squared == pytest.approx([5, 7, 18], rel=1e-6)
+
+
 @pytest.mark.parametrize("contact", [{**ELASTIC, "stiffness": 1e8}, {"stiffness": 1e8}])
 def test_masses_of_an_instant_contain_no_contact(contact: dict[str, Any]) -> None:
     def mass(*more: vv.Component, box: vv.RigidBody) -> np.ndarray:

@@ -168,14 +168,25 @@ PROJECTED: list[Any] = [
         id="pressures",
     ),
     pytest.param(lambda: pendulum_on_a_floor(floor(), stiffness=1e4, enforcement="penalty"), id="penalty"),
-    pytest.param(lambda: pendulum_on_a_floor(floor(), stiffness=1e4), id="multipliers"),
-    pytest.param(lambda: pendulum_on_a_floor(below()), id="on a solid"),
     pytest.param(drawn_pendulum, id="user term"),
 ]
+PRESSED: list[Any] = [
+    pytest.param(lambda: pendulum_on_a_floor(floor(), stiffness=1e4), id="multipliers"),
+    pytest.param(lambda: pendulum_on_a_floor(below()), id="on a solid"),
+]
+PROJECTING = vv.GeneralizedAlpha(rho=0.8), vv.VariationalMidpoint()
+PAIRS: list[Any] = [
+    *(
+        pytest.param(scheme, *p.values, id=f"{scheme}-{p.id}", marks=p.marks)
+        for scheme in PROJECTING
+        for p in PROJECTED
+    ),
+    *(pytest.param(PROJECTING[1], *p.values, id=f"{PROJECTING[1]}-{p.id}") for p in PRESSED),
+]
+"""The other one is refused where contact presses by multipliers."""
 
 
-@pytest.mark.parametrize("make", PROJECTED)
-@pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(rho=0.8), vv.VariationalMidpoint()], ids=str)
+@pytest.mark.parametrize(("scheme", "make"), PAIRS)
 def test_projections_in_core_and_in_python_agree(
     scheme: vv.Scheme, make: Callable[[], vv.System], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -66,7 +66,7 @@ class Clock:
 
     def advance(self, h: float) -> None:
         """A step of length `h` was taken; one of another length begins a new count."""
-        if abs(h - self.length) <= self._near(self.time):
+        if abs(h - self.length) <= self.rounding(self.time):
             self.count += 1
         else:
             self.restart(self.time + h)
@@ -85,14 +85,15 @@ class Clock:
     def next(self, until: float) -> float:
         """Length of the next step on the way to `until`: the last one is stretched if it left a sliver."""
         left, h = until - self.time, self.length
-        whole = abs(left - h) <= self._near(until) or left > (1 + SLIVER) * h
+        whole = abs(left - h) <= self.rounding(until) or left > (1 + SLIVER) * h
         return h if whole else left
 
     def has_reached(self, until: float) -> bool:
         """Whether nothing but rounding is left of the way to `until`."""
-        return until - self.time <= self._near(until)
+        return until - self.time <= self.rounding(until)
 
-    def _near(self, until: float) -> float:
+    def rounding(self, until: float) -> float:
+        """By so much two times near `until` may differ and be the same."""
         return max(ROUNDING * self.step, 1e-15 * max(abs(until), abs(self.start)))
 
     def refuse_sliver(self, until: float, step: float) -> None:

@@ -62,7 +62,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
-    kinks: set[float] = field(default_factory=set)
+    kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
     dependences: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -191,7 +191,7 @@ class Model:
         account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.prescribed.append(Prescription(component, unknowns, values, rates, account, moved.supply))
-        self.kinks.update(kinks)
+        self._bend(kinks, account)
 
     def supplied(self) -> tuple[NDArray[np.int32], ...]:
         """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
@@ -322,11 +322,16 @@ class Model:
         account = self.account(
             component, "drive" if driven else "constraint", "work" if driven else "constraint"
         )
-        self.kinks.update(t for s in signals if s >= 0 for t in self.signals[s].kinks)
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
+        self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
         self._element(component, strains, law, numbers, signals, account, shift)
+
+    def _bend(self, times: Iterable[float], account: int) -> None:
+        """Note at which times what is driven gets another rate at once, by the work of an account."""
+        for t in times:
+            self.kinks.setdefault(t, set()).add(account)
 
     def depend(self, unknown: int, multiplier: int) -> None:
         """Let an unknown leave the equations with a multiplier whose constraint, linear in it, gives it by others.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import weakref
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -278,11 +279,15 @@ class System(metaclass=Named):
         return what.value(self.x)
 
     # --- stepping ------------------------------------------------------------------------------------------
+    @cached_property
+    def _kinks(self) -> list[float]:
+        """All known kinks of prescribed functions, of loads too, in order."""
+        return sorted({t for f in self.model.signals for t in f.kinks} | set(self.model.kinks))
+
     def next_kink(self, until: float) -> float:
-        """The next time at which a prescribed function may have a kink, `until` at most."""
-        known = {t for f in self.model.signals for t in f.kinks} | self.model.kinks
-        near = self.time + 1e-9 * max(1.0, abs(self.time))
-        return min((t for t in known if near < t < until), default=until)
+        """The next time at which a prescribed function has a kink, `until` at most."""
+        k = bisect.bisect_right(self._kinks, self.time + self.clock.rounding(self.time))
+        return min(self._kinks[k], until) if k < len(self._kinks) else until
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
@@ -318,12 +323,13 @@ class System(metaclass=Named):
         self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
         if self.model.kinks and scheme.keeps_swinging:
-            start = self.time - step.h
-            if any(start < t - 1e-9 * step.h <= self.time for t in self.model.kinks):
-                self._follow_kink()
+            near = self.clock.rounding(self.time)
+            passed = [t for t in self.model.kinks if self.time - step.h + near < t <= self.time + near]
+            if passed:
+                self._follow_kinks(set().union(*(self.model.kinks[t] for t in passed)))
 
-    def _follow_kink(self) -> None:
-        """Give what is driven the rates behind a kink of its motion, by an impulse whose work is that of the drive."""
+    def _follow_kinks(self, accounts: set[int]) -> None:
+        """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share."""
         from visviva.consistency import project_velocities
 
         last, before = self._last, self.core.energy.sum()
@@ -332,10 +338,7 @@ class System(metaclass=Named):
             project_velocities(self)
         work = self.core.work.copy()
         self.take_stock()
-        driven = next(
-            k for k, a in enumerate(self.model.accounts) if a.kind in ("drive", "prescribed motion", "servo")
-        )
-        work[driven] += self.core.energy.sum() - before
+        work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
         self.core.work[:] = work
         self._last, self.is_edited = last, False
 

@@ -29,6 +29,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.UAdd: operator.pos,
 }
 NAMES = {"pi": math.pi}
+NOTICEABLE = 0.05
+"""Part of the largest slope of a table by which the slope jumps at a kink; what was sampled finely bends by less."""
 MAX_LENGTH, MAX_DEPTH = 10_000, 300
 CURE = "give a table, or in Python a function"
 
@@ -129,8 +131,12 @@ class TimeFunction:
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Times at which its rate may jump, as far as they are known: those of a table."""
-        return tuple(self._times) if isinstance(self.source, list) else ()
+        """Times at which its rate jumps, as far as they are known: points of a table where it bends noticeably."""
+        if not isinstance(self.source, list):
+            return ()
+        slopes = [0.0, *((b - a) / (t1 - t0) for (t0, a), (t1, b) in pairwise(self.source)), 0.0]
+        least = NOTICEABLE * max(map(abs, slopes))
+        return tuple(t for t, (a, b) in zip(self._times, pairwise(slopes), strict=True) if abs(b - a) > least)
 
     def rate_after(self, t: float) -> float:
         """Rate just after time `t`: where a function has a kink, what it goes on with."""
