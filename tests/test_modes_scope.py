@@ -45,13 +45,11 @@ def test_sticking_box_slides_rocks_and_twists_on_its_springs() -> None:
 
 def test_four_corners_hold_a_box_as_a_plane_does() -> None:
     """One of them is redundant; left are two ways along the plane and the turn across it, on springs."""
-    box, plane = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, position=(0, 0, 0.5)), vv.Plane()
-    hold = vv.Bushing(
-        a=vv.Ground(), b=box, at=(0, 0, 0.5), stiffness=(5, 7, 1), rotational_stiffness=(1, 1, 3)
-    )
-    parts = [ground, box, plane, hold, vv.Gravity()]
+    ground, plane = vv.Ground(), vv.Plane()
+    box = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, position=(0, 0, 0.5))
+    hold = vv.Bushing(a=ground, b=box, at=(0, 0, 0.5), stiffness=(5, 7, 1), rotational_stiffness=(1, 1, 3))
     contact = vv.Contact(first=box, second=plane, stiffness=1e3)
-    system = vv.System([*parts, contact])
+    system = vv.System([ground, box, plane, hold, vv.Gravity(), contact])
     vv.equilibrium(system)
     assert vv.modes(system, n=3).squared == pytest.approx([5, 7, 18], rel=1e-6)
 
