@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 import visviva as vv
+from visviva.run import run
 
 G = 9.81
 
@@ -315,3 +317,21 @@ def test_restitution_of_solids_is_refused() -> None:
     )
     with pytest.raises(vv.InputError, match="is a solid, whose waves take"):
         vv.Contact(first=block, second=vv.Plane(), restitution=0.5)
+
+
+@pytest.mark.parametrize("end", [0.1, 0.3, 0.52])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("kind", FALLING)
+def test_runs_are_resumed_to_the_bit(kind: str, friction: float, end: float, tmp_path: Path) -> None:
+    """Before, in and after impacts."""
+
+    def study(until: float) -> vv.Study:
+        body, plane = FALLING[kind](0.2), vv.Plane()
+        contact = vv.Contact(first=body, second=plane, stiffness=1e4, restitution=0.5, friction=friction)
+        return vv.Study(vv.System([body, plane, contact, vv.Gravity()]), until, 0.01)
+
+    whole = run(study(0.6), tmp_path / "whole", pictures=False)
+    run(study(end), tmp_path / "parts", pictures=False)
+    parts = run(study(0.6), tmp_path / "parts", resume=True, pictures=False)
+    for name in ("x", "v"):
+        np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))

@@ -141,7 +141,7 @@ bool System::project_rates(const Context& c) {
     if (c.step.theta_g == 0) impulse = constraint_impulse(c, without);
     x1_ = without;
     const Step step = instant_after(c.step);
-    const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data()};
+    const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
     const Context instant{step, end_of_step, c.signals};
     drift(instant, change);
     // parts of the kept tangent may be written anew in steps to come

@@ -54,7 +54,7 @@ void System::remember(const std::vector<double>& memory) {
         update_vectors(s);
         const std::size_t k = n_signals_;
         const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
-        refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data()}, signals}, s);
+        refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()}, signals}, s);
         x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
         solver_->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;

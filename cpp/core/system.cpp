@@ -351,7 +351,7 @@ void System::book_path(const Context& c) {
     LedgerSums there = sums;
     Step back = c.step;
     back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
-    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate};
+    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
     for (const auto& term : terms_) term->begin(c.vectors.x1);
     book_step({back, vectors, signals, true}, still_.data(), -1);
@@ -424,7 +424,7 @@ void System::take_stock(const Step& step, const Signals& signals, bool moves) {
     for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);
-    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data()};
+    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data(), v.data()};
     book({step, vectors, signals}, moves ? v.data() : still_.data());
 }
 
