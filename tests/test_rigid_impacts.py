@@ -335,3 +335,17 @@ def test_runs_are_resumed_to_the_bit(kind: str, friction: float, end: float, tmp
     parts = run(study(0.6), tmp_path / "parts", resume=True, pictures=False)
     for name in ("x", "v"):
         np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))
+
+
+def test_steps_that_grow_in_flight_are_bounded() -> None:
+    """A ball from a tenth of a metre over the floor went as deep into it as its longest step took it."""
+
+    def system() -> vv.System:
+        body, plane = FALLING["ball"](0.1), vv.Plane()
+        return vv.System([body, plane, vv.Contact(first=body, second=plane, stiffness=1e4), vv.Gravity()])
+
+    with pytest.raises(vv.InputError, match="Contact.*deep into an impact.*max_step"):
+        vv.simulate(system(), until=0.5, step=0.001, adaptive=vv.Adaptive())
+    bounded = system()
+    vv.simulate(bounded, until=0.5, step=0.001, adaptive=vv.Adaptive(max_step=0.002))
+    assert bounded.x[2] > 0.09

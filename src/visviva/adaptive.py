@@ -38,7 +38,8 @@ class Adaptive(metaclass=Validated):
         Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for
         directors).
     min_step, max_step : float
-        Bounds; without them 1e-6 and 100 times the given step.
+        Bounds; without them 1e-6 and 100 times the given step. Impacts of rigid bodies by multipliers ask for the upper
+        one: they end as deep as the body flies in a step.
     easy : int
         The step grows only after solutions that took at most this many iterations.
     """
@@ -104,6 +105,11 @@ def adaptive_steps(
     ``system.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
+    if hitting := [c.label for c in system.components if c.collides and rule.max_step is None]:
+        raise InputError(
+            f"{hitting[0]}: rigid bodies that fly make steps grow, which take them deep into an impact by multipliers; "
+            "bound steps to what impacts allow with Adaptive(max_step=...), or take enforcement='penalty'"
+        )
     has_means = np.count_nonzero(scheme.transport(1.0)[2]) == 1
     estimate = _Estimate(
         np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)

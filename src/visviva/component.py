@@ -78,6 +78,11 @@ class Component(metaclass=Validated):
         """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
+    @property
+    def collides(self) -> bool:
+        """Whether velocities may jump in a step without a trace in how the motion bends before."""
+        return False
+
     def unfit_for_modes(self) -> str:
         """Why small motions about the last evaluation do not vibrate linearly, and a cure; empty if they do or may."""
         return ""

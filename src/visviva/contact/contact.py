@@ -418,6 +418,10 @@ class Contact(Component):
     def record(self, x: Array) -> Array:
         return record(self, x)
 
+    @property
+    def collides(self) -> bool:
+        return self.enforcement == "multipliers" and not isinstance(self.first, Solid)
+
     def unfit_for_modes(self) -> str:
         presses = self.pressures > 0
         touches = ~presses & (np.abs(self.gaps) <= TOUCHING * np.sqrt(self.term.areas))
