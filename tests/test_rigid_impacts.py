@@ -344,7 +344,7 @@ def test_steps_that_grow_in_flight_are_bounded() -> None:
         body, plane = FALLING["ball"](0.1), vv.Plane()
         return vv.System([body, plane, vv.Contact(first=body, second=plane, stiffness=1e4), vv.Gravity()])
 
-    with pytest.raises(vv.InputError, match="Contact.*deep into an impact.*max_step"):
+    with pytest.raises(vv.InputError, match=r"Contact.*deep into an impact.*max_step"):
         vv.simulate(system(), until=0.5, step=0.001, adaptive=vv.Adaptive())
     bounded = system()
     vv.simulate(bounded, until=0.5, step=0.001, adaptive=vv.Adaptive(max_step=0.002))
