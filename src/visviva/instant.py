@@ -83,22 +83,13 @@ class Instant:
         self._m = np.flatnonzero(is_multiplier[unknown])
         self.coordinates, self.multipliers = unknown[self._q], unknown[self._m]
         A = self._tangent(leading=1.0)
-        mass = self._mass() if any(a.kind == "contact" for a in system.model.accounts) else A
-        self.M = mass[self._q][:, self._q].tocsr() if len(self._q) < A.shape[0] else mass
+        self.M = A[self._q][:, self._q].tocsr() if len(self._q) < A.shape[0] else A
         self.G = A[self._m][:, self._q].tocsr()
         self.columns = A[self._q][:, self._m].tocsr()
         scale = system.scale[self.coordinates]
         self.scale = np.where(scale > 0, scale, 1.0)
         self.reach = abs(self.G) @ np.maximum(self.scale, np.abs(system.x[self.coordinates]))
         self.reach[self.reach == 0] = 1.0
-
-    def _mass(self) -> sp.csr_array:
-        """Masses where more than they is in the tangent of an instant: contact augments it, elastic slip stiffens it.
-
-        Both see the size of the factor of masses at most. It is so large that their digits outweigh stiffnesses.
-        """
-        leading = 2.0**40
-        return (self._tangent(leading=leading) - self._tangent(leading=-leading)) / (2 * leading)
 
     def _tangent(self, **step: Any) -> sp.csr_array:
         return self.system.tangent(instant(self.system.time, **step))[1]

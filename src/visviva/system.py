@@ -336,10 +336,8 @@ class System(metaclass=Named):
         self.follow_prescribed()
         if self.n_constraints:
             project_velocities(self)
-        work = self.core.work.copy()
-        self.take_stock()
-        work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
-        self.core.work[:] = work
+        self._take_stock_again()
+        self.core.work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
         self._last, self.is_edited = last, False
 
     def prescribe(self, step: Any) -> None:
@@ -439,6 +437,10 @@ class System(metaclass=Named):
         assert self._last is not None
         step = self._last[0]
         project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
+        self._take_stock_again()
+
+    def _take_stock_again(self) -> None:
+        """The sums of the present state after its rates were changed; the works of the step stay."""
         work = self.core.work.copy()
         self.take_stock()
         self.core.work[:] = work

@@ -190,9 +190,8 @@ def mass_matrix(properties: MassProperties) -> Array:
     M = np.empty((4, 4))
     M[0, 0], M[0, 1:], M[1:, 0] = m, m * centre, m * centre
     M[1:, 1:] = euler_tensor(J) + m * centre[:, None] * centre
-    reach = np.sqrt(
-        M[1:, 1:].diagonal().max() / m
-    )  # masses and moments of inertia do not compare, in no units
+    # masses and moments of inertia compare in no units, but by a length
+    reach = np.sqrt(M[1:, 1:].diagonal().max() / m)
     size = np.sqrt(m) * np.array([1.0, reach, reach, reach])
     M[np.abs(M) < 1e-15 * np.outer(size, size)] = 0.0
     return M
