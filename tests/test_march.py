@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.loading import Equilibrium, NoEquilibrium
+from visviva.load_steps import Equilibrium, NoEquilibrium
 
 
 def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ from catalogue import CATALOGUE, Entry
 import visviva as vv
 from visviva.eigenmodes import factored
 from visviva.instant import Instant, instant
-from visviva.scheme import Static
+from visviva.scheme import load_step
 
 STEEL = vv.NeoHooke(young=1e3, poisson=0.3)
 ELASTIC: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}
@@ -216,7 +216,7 @@ def by_differences(system: vv.System) -> tuple[np.ndarray, float]:
     """Eigenvalues where all that is without mass is in equilibrium, and how unsymmetric the tangent is."""
     moves = system.order[system.free_unknowns] > 0
     order, n = np.argsort(~moves, kind="stable"), int(moves.sum())
-    A = differences(system, Static().step(system.time, 0.0))[np.ix_(order, order)]
+    A = differences(system, load_step(system.time, 0.0))[np.ix_(order, order)]
     factor = 2.0**30
     masses = [differences(system, instant(system.time, leading=sign * factor)) for sign in (1, -1)]
     M = ((masses[0] - masses[1]) / (2 * factor))[np.ix_(order[:n], order[:n])]

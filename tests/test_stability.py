@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.loading import Unstable
+from visviva.load_steps import Unstable
 from visviva.run import run
 from visviva.stability import Stability
 

@@ -251,6 +251,8 @@ static void bind_step(nb::module_& m) {
         .def_ro("t1", &Step::t1)
         .def_ro("te", &Step::te)
         .def_ro("h", &Step::h)
+        .def_prop_ro("has_length", &Step::has_length)
+        .def_prop_ro_static("NO_LENGTH", [](nb::handle) { return Step::no_length; })
         .def_ro("theta", &Step::theta)
         .def_ro("theta_g", &Step::theta_g)
         .def_prop_ro("discrete_gradient", [](const Step& s) { return s.stress == Stress::discrete_gradient; })

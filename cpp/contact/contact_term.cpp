@@ -601,7 +601,7 @@ bool ContactTerm::amend(const Context& c, double* values) {
 // well. So little give in the tangent of a step, and none in the residual, leaves alone what changes nothing.
 double ContactTerm::ease(int A, const Context& c) const {
     constexpr double little = 1e-10;
-    const bool instant = c.step.h > 0 && c.step.h <= 1e-90;  // where modes take closed gaps for constraints
+    const bool instant = c.step.h > 0 && !c.step.has_length();  // where modes take closed gaps for constraints
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
     const double stiffness = augmentation(A, c) + mass;

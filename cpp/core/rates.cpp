@@ -39,7 +39,7 @@ namespace {
 
 // What `length` stands for an instant at the end of a step: no clock notices it, and users may divide by it.
 Step instant_after(const Step& step) {
-    constexpr double length = 1e-100;
+    constexpr double length = Step::no_length;
     Step instant;
     instant.t0 = instant.t1 = instant.te = step.t1, instant.h = length;
     instant.theta = 0, instant.theta_g = 1;

@@ -9,6 +9,9 @@ enum class Stress : int {
 };
 
 struct Step {
+    // Of the step that stands for an instant: no clock notices it, and users may divide by it.
+    static constexpr double no_length = 1e-100;
+
     double t0 = 0, t1 = 0, te = 0, h = 0;  // ends, evaluation time of loads, length
     double theta = 1;                      // x_theta = x0 + theta (x1 - x0): strain gradients and loads
     double theta_g = 1;                    // the same for constraint gradients
@@ -19,6 +22,7 @@ struct Step {
     double motion[5][4] = {};
     double transport[5][4] = {};
 
+    bool has_length() const { return h > no_length; }
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
 };
 

@@ -1,5 +1,6 @@
 # Public names, and where they are: each module is loaded when one of its names is first used.
 from .adaptive import Adaptive
+from .arc_length import ArcLength, arc_length
 from .body.coupling import DistributedCoupling, RigidCoupling
 from .body.point_mass import Ground, PointMass
 from .body.rigid import RigidBody
@@ -32,7 +33,7 @@ from .joint.lower_pairs import (
     Spherical,
     Universal,
 )
-from .joint.servo import Servo
+from .joint.servo import Servo, ServoInputs
 from .linear import Automatic, Direct, Iterative
 from .load.bushing import Bushing
 from .load.distributed import BodyForce
@@ -43,7 +44,7 @@ from .load.spring import Damper, Spring
 from .load.support import Fixed, Prescribed, SymmetryPlane
 from .load.surface import ElasticFoundation, Pressure, Traction
 from .load.torque import FollowerTorque, Torque, TorquePair
-from .loading import NoEquilibrium, arc_length, quasi_static
+from .load_steps import NoEquilibrium, Static, quasi_static
 from .material.base import Material
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from .material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
@@ -83,17 +84,15 @@ from .probe import (
     Velocity,
     Volume,
 )
-from .reactions import ReactionForce, ReactionTorque, ServoInputs, reaction
+from .reactions import ReactionForce, ReactionTorque, reaction
 from .result import Result
 from .scheme import (
     BDF2,
-    ArcLength,
     BackwardEuler,
     EnergyMomentum,
     GeneralizedAlpha,
     Midpoint,
     Scheme,
-    Static,
     VariationalMidpoint,
 )
 from .solve import march, simulate

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from visviva.progress import gauge_text
-
 if TYPE_CHECKING:
     from visviva.result import Result
     from visviva.system import System
@@ -110,3 +108,19 @@ def axes_of(system: System) -> tuple[str, str]:
     if moving and all(f.node == 2 for f in moving):
         return "xy", "z"
     return "xyz", "xyz"
+
+
+def gauge_text(system: System) -> str:
+    """What components show of the last step, behind a bar or an audit's line.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> square = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+    >>> stream = {"velocity": (2, 0, 0), "periodic": (("x0", "x1"), ("y0", "y1"))}
+    >>> system = vv.System([vv.Fluid(mesh=square, density=1.0, viscosity=1.0, **stream)])
+    >>> _ = vv.simulate(system, until=0.1, step=0.1)
+    >>> gauge_text(system)
+    ', CFL 0.8'
+    """
+    return "".join(f", {name} {value:.2g}" for name, value in system.gauges().items())

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.component import Attachable
 from visviva.consistency import (
     Correction,
     descend,
@@ -24,6 +23,7 @@ from visviva.consistency import (
 )
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, Instant, instant
+from visviva.point import Attachable
 from visviva.scheme import EnergyMomentum
 
 if TYPE_CHECKING:

@@ -12,24 +12,21 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import Validated, place
+from visviva.arguments import Validated
 from visviva.errors import InputError
+from visviva.field import Vectors
 from visviva.form import Vector
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.body.shape import Core
     from visviva.model import Model
-    from visviva.point import Frame
     from visviva.scheme import Scheme
-    from visviva.system import System
+    from visviva.state import State
 
-    Outline = tuple[Core, Frame]
     RateConstraints = tuple[NDArray[np.int64], sp.csr_array, NDArray[np.float64]]
 
 Array = NDArray[np.float64]
-Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
 
 settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True, defer_build=True)
 """How the constructors of components validate: unknown arguments are refused."""
@@ -59,13 +56,13 @@ class Component(metaclass=Validated):
     def contribute(self, model: Model) -> None:
         """Add the terms."""
 
-    def start(self, system: System, scheme: Scheme) -> None:
+    def start(self, state: State, scheme: Scheme) -> None:
         """Before the first step of a run with a scheme."""
 
-    def follow_start(self, system: System) -> None:
+    def follow_start(self, state: State) -> None:
         """After the check has moved the start of other components onto their constraints."""
 
-    def rate_constraints(self, system: System) -> RateConstraints | None:
+    def rate_constraints(self, state: State) -> RateConstraints | None:
         """What accelerations have to satisfy besides the constraints of an instant, for schemes that start from them.
 
         Returns
@@ -96,7 +93,7 @@ class Component(metaclass=Validated):
         """What a user should know about its accuracy before the first step, in sentences that the check prints."""
         return []
 
-    def gauges(self, system: System) -> dict[str, float]:
+    def gauges(self, state: State) -> dict[str, float]:
         """Numbers about the last step that are shown while a run goes on, by name."""
         return {}
 
@@ -123,12 +120,16 @@ class Component(metaclass=Validated):
             if e.weights:
                 model.potential(self, "gravity", e, linear(1.0))
 
+    def vectors(self, model: Model) -> Vectors | None:
+        """What carries the component, see `Owner`; None for what has no points."""
+        return None
+
     def surface(self) -> Any:
         """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None
 
-    def outline(self) -> Outline | None:
-        """Its exact shape and the frame of that, for contact; None if only triangles of it are known."""
+    def outline(self) -> Any:
+        """Its exact shape and the frame of that (`Outline`), for contact; None if only triangles of it are known."""
         return None
 
     def record(self, x: Array) -> Array | None:
@@ -138,80 +139,6 @@ class Component(metaclass=Validated):
     def lines(self) -> list[tuple[Vector, Vector]]:
         """Lines that are drawn of it, from point to point (ropes, rods, springs)."""
         return []
-
-
-class Attachable(Component):
-    """A component that others can be attached to: its material points are linear forms of its unknowns."""
-
-    has_directions = True
-    is_massless = False  # frames that go with another component
-
-    def place(self, X: Array) -> Vector:
-        """Position of the material point `X` (3,), given in the component's own coordinates."""
-        raise NotImplementedError
-
-    def turn(self, direction: Array) -> Vector:
-        """A material direction (3,), given in the component's own coordinates."""
-        raise InputError(f"{self.label} has no directions to attach a frame to; attach a point instead")
-
-    def local(self, x: Array) -> Array:
-        """Own coordinates of the material point that is at `x` initially."""
-        raise NotImplementedError
-
-    def local_direction(self, d: Array) -> Array:
-        """Own coordinates of a direction given in space initially."""
-        return d
-
-    def vectors(self, model: Model) -> Vectors | None:
-        """What carries the component: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
-
-        Positions move along under a translation, directors do not. None for what cannot move.
-        """
-        nodes = model.nodes.get(self)
-        if nodes is None:
-            return None
-        starts, is_position = zip(*nodes, strict=True)
-        return np.array(starts), np.array(is_position), 3
-
-    def wrench(self, system: System, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
-        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
-        vectors = self.vectors(system.model)
-        if vectors is None:
-            return None
-        starts, is_position, width = vectors
-        by_unknown = np.zeros(len(system.x))
-        by_unknown[list(force)] = list(force.values())
-        index, beyond = starts[:, None] + np.arange(width), ((0, 0), (0, 3 - width))
-        f, x = np.pad(by_unknown[index], beyond), np.pad(system.x[index], beyond)
-        arms = x - np.where(is_position[:, None], about, 0.0)
-        return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
-
-    def feelers(self) -> tuple[Array, float] | None:
-        """Where it touches others: points (n, 3) in own coordinates, and the radius of balls about them."""
-        return None
-
-    def point(self, X: Any = (0.0, 0.0, 0.0)) -> Any:
-        """The material point with own coordinates `X` (3,)."""
-        from visviva.point import Point
-
-        return Point(self, place(self.label, "X", X))
-
-    def point_at(self, x: Any) -> Any:
-        """The material point that is at `x` (3,) in the initial configuration."""
-        return self.point(self.local(place(self.label, "x", x)))
-
-    def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Any:
-        """Point and three orthonormal directions, given by rows in own coordinates."""
-        from visviva.point import Frame
-
-        return Frame(self, place(self.label, "X", X), place(self.label, "axes", axes, (3, 3)))
-
-    def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Any:
-        """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
-        from visviva.point import triad
-
-        axes = np.array([self.local_direction(d) for d in triad(axis, first)])
-        return self.frame(self.local(place(self.label, "x", x)), axes)
 
 
 def name_components(components: Sequence[Component]) -> None:

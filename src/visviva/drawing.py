@@ -11,19 +11,17 @@ from scipy import sparse
 
 from visviva.body.fields import QUANTITIES
 from visviva.body.solid import Solid
-from visviva.component import Attachable
 from visviva.contact import fields as of_contact
 from visviva.contact.contact import Contact
 from visviva.errors import InputError, nearest
 from visviva.flow.fields import FIELDS
 from visviva.form import Vector
-from visviva.measure import Position
 from visviva.mesh.cells import CELLS
 from visviva.meshed import Meshed
 from visviva.output.surface import Surface
+from visviva.point import Attachable
 
 if TYPE_CHECKING:
-    from visviva.study import Probe, Study
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -181,27 +179,3 @@ def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_arra
     row, column, weight = zip(*entries, strict=True) if entries else ((), (), ())
     matrix = sparse.csr_array((weight, (row, column)), shape=(len(forms), n_unknowns), dtype=float)
     return matrix, np.array([form.constant for form in forms])
-
-
-def draw(study: Study) -> Drawing:
-    """What is drawn of a study: its system, and its trails where no component has their name."""
-    places = {name: place_of(study.probes[name]) for name in study.trails if name in study.probes}
-    spots = {name: place for name, place in places.items() if place is not None}
-    return Drawing(study.system, spots, study.fields)
-
-
-def place_of(probe: Probe) -> Vector | None:
-    """The point that a probe records, if it does."""
-    if isinstance(probe, Position) and probe.direction is None:
-        return probe.place
-    return probe if isinstance(probe, Vector) else None
-
-
-def trail_names(study: Study, drawing: Drawing) -> list[str]:
-    """Which surfaces leave a trail: those named in the study."""
-    return [s.name for s in drawing.surfaces if s.name in study.trails]
-
-
-def shown_field(study: Study, drawing: Drawing) -> str:
-    """The field by which pictures are coloured: the first of the study that there is."""
-    return next((name for name in study.fields if name in drawing.stored), "")

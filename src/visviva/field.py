@@ -4,17 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.form import Form, Vector
 
-if TYPE_CHECKING:
-    from visviva.component import Component
-
 Array = NDArray[np.float64]
+Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
+
+
+class Owner(Protocol):
+    """Whose fields and terms they are: a component, of which nothing but its name is asked here."""
+
+    @property
+    def label(self) -> str:
+        """How messages call it."""
+        ...
+
+    def vectors(self, model: Any) -> Vectors | None:
+        """What carries it: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+
+        Positions move along under a translation, directors do not. None for what cannot move.
+        """
+        ...
+
+    def weigh(self, model: Any, acceleration: Array) -> None:
+        """Add the potential of uniform gravity."""
+        ...
 
 
 @dataclass(eq=False)
@@ -51,7 +69,7 @@ class Field:
         Whether the component itself gave rates; what it is carried by or prescribed may add others later.
     """
 
-    component: Component
+    component: Owner
     name: str
     order: int
     start: int
@@ -119,7 +137,7 @@ class Prescription:
         See `Field.supply`.
     """
 
-    component: Component
+    component: Owner
     unknowns: NDArray[np.int32]
     values: Callable[[float], Array]
     rates: Callable[[float], Array]

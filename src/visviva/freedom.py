@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.body.solid import Solid
-from visviva.component import Attachable
 from visviva.errors import InputError
-from visviva.scheme import EnergyMomentum, Static
+from visviva.point import Attachable
+from visviva.scheme import EnergyMomentum, load_step
 
 if TYPE_CHECKING:
     from visviva.system import System
@@ -89,7 +89,7 @@ def refuse_free(system: System) -> None:
     >>> refuse_free(vv.System([block, vv.Fixed(solid=block, nodes="z0")]))
     """
     bodies = [c for c in system.components if isinstance(c, Attachable)]
-    if found := free_bodies(system, bodies, Static().step(system.time, 0.0)):
+    if found := free_bodies(system, bodies, load_step(system.time, 0.0)):
         raise InputError(
             f"nothing holds {', nor '.join(found)}: statics has no solution; hold it by vv.Fixed, "
             "vv.SymmetryPlane, a joint or a spring, or run it in time"

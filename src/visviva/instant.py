@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-NO_LENGTH = 1e-100
-"""Length of the step that stands for an instant: no clock notices it, and users may divide by it."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
 REDUNDANT = 1e-9
@@ -53,7 +51,7 @@ def instant(time: float, *, theta: float = 0.0, leading: float = 0.0, rates: boo
     motion, transport = np.zeros((5, 4)), np.zeros((5, 4))
     motion[0, 1] = float(rates)
     motion[1, 0] = transport[0, 0] = leading
-    return _core.Step(time, NO_LENGTH, time, theta, theta, False, motion, transport)
+    return _core.Step(time, _core.Step.NO_LENGTH, time, theta, theta, False, motion, transport)
 
 
 class Instant:

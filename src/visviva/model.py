@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from visviva import _core
 from visviva.batch import along, book, strain_batch
 from visviva.errors import InputError
-from visviva.field import Field, Prescription
+from visviva.field import Field, Owner, Prescription
 from visviva.form import Form, Strain, strain
 from visviva.law import Law, LawKind
 from visviva.timefunction import TimeFunction
 
 if TYPE_CHECKING:
-    from visviva.component import Component
     from visviva.term import Term
 
 Array = NDArray[np.float64]
@@ -53,7 +52,7 @@ class Element:
 class Model:
     """Collects fields and elements while components contribute; the system then hands them to the core."""
 
-    components: list[Component] = field(default_factory=list)
+    components: Sequence[Owner] = ()
     fields: list[Field] = field(default_factory=list)
     elements: list[Element] = field(default_factory=list)
     masses: list[tuple[Any, ...]] = field(default_factory=list)
@@ -66,14 +65,14 @@ class Model:
     dependences: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
-    nodes: dict[Component, list[tuple[int, bool]]] = field(default_factory=dict)
+    nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
     _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
 
-    def index(self, component: Component) -> int:
+    def index(self, component: Owner) -> int:
         """Number of a component."""
         if len(self._numbers) != len(self.components):
             self._numbers = {id(c): k for k, c in enumerate(self.components)}
@@ -87,7 +86,7 @@ class Model:
     # --- unknowns ------------------------------------------------------------------------------------------
     def field(
         self,
-        component: Component,
+        component: Owner,
         name: str,
         values: ArrayLike,
         rates: ArrayLike | None = None,
@@ -161,7 +160,7 @@ class Model:
 
     def prescribe(
         self,
-        component: Component,
+        component: Owner,
         moved: Field,
         numbers: ArrayLike,
         values: Callable[[float], Array],
@@ -211,7 +210,7 @@ class Model:
 
     def multipliers(
         self,
-        component: Component,
+        component: Owner,
         name: str,
         n: int,
         *,
@@ -230,7 +229,7 @@ class Model:
         return self.fields[-1].start + self.fields[-1].size if self.fields else 0
 
     # --- books ---------------------------------------------------------------------------------------------
-    def account(self, component: Component, kind: str, category: str) -> int:
+    def account(self, component: Owner, kind: str, category: str) -> int:
         """Number of the account of a component, a kind and a category, opened on first use."""
         key = self.index(component), kind, category
         if key not in self._opened:
@@ -246,7 +245,7 @@ class Model:
         return len(self.signals) - 1
 
     # --- physics -------------------------------------------------------------------------------------------
-    def inertia(self, component: Component, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
+    def inertia(self, component: Owner, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
         """Constant symmetric mass (k, k) between k nodes of three unknowns from `start` on.
 
         `positions` marks the nodes that move along under a translation (they make up linear momentum).
@@ -262,7 +261,7 @@ class Model:
         index = list(range(start, start + 3 * len(m)))
         self.masses.append((key, index, values, account, self.index(component)))
 
-    def potential(self, component: Component, kind: str, strains: Any, law: Law) -> None:
+    def potential(self, component: Owner, kind: str, strains: Any, law: Law) -> None:
         """Potential energy ``W(e)`` of one strain (or several, for a law that takes several).
 
         Raises
@@ -273,7 +272,7 @@ class Model:
         self._refuse_transport(component, strains)
         self._element(component, strains, law, (), (), self.account(component, kind, "potential"))
 
-    def _refuse_transport(self, component: Component, strains: Any) -> None:
+    def _refuse_transport(self, component: Owner, strains: Any) -> None:
         if not self._transport:
             return
         seen = {u for e in strains_of(strains) for u in e.unknowns}
@@ -285,22 +284,22 @@ class Model:
                     "make the field of order 0, where the energy is least, or 2, for motion"
                 )
 
-    def dissipate(self, component: Component, kind: str, strains: Any, law: Law) -> None:
+    def dissipate(self, component: Owner, kind: str, strains: Any, law: Law) -> None:
         """A law of strain rates."""
         self._element(component, strains, law, (), (), self.account(component, kind, "dissipation"))
 
-    def act(self, component: Component, kind: str, strains: Any, law: Law, times: Any = None) -> None:
+    def act(self, component: Owner, kind: str, strains: Any, law: Law, times: Any = None) -> None:
         """A law whose stresses do work on the system, driven by a function of time if it takes one."""
         account = self.account(component, kind, "work")
         self._element(component, strains, law, (), (self.signal(times),), account)
 
-    def load(self, component: Component, kind: str, strains: Any, amplitude: float, at: Any) -> None:
+    def load(self, component: Owner, kind: str, strains: Any, amplitude: float, at: Any) -> None:
         """Generalised force ``amplitude * at(t)`` conjugate to a strain; `at` None means constant."""
         self.act(component, kind, strains, Law(LawKind.LOAD, (amplitude, 0.0)), at)
 
     def constrain(
         self,
-        component: Component,
+        component: Owner,
         multipliers: Field,
         strains: Sequence[Strain | Form],
         *,
@@ -348,7 +347,7 @@ class Model:
         """
         self.nodal_multipliers.append((multiplier, unknown, size))
 
-    def term(self, component: Component, term: Term) -> None:
+    def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
 
@@ -357,7 +356,7 @@ class Model:
         self.batches.append(term)
 
     def strain_batch(
-        self, component: Component, kind: str, category: str, term: _core.StrainTerm, n: int
+        self, component: Owner, kind: str, category: str, term: _core.StrainTerm, n: int
     ) -> None:
         """A batch of `n` elements given by arrays, see `visviva.batch`."""
         term.name = component.label
@@ -365,7 +364,7 @@ class Model:
         book(term, [account] * n, [self.index(component)] * n, n)
         self.batch(term)
 
-    def dead_forces(self, component: Component, kind: str, first: NDArray[np.int32], force: Array) -> None:
+    def dead_forces(self, component: Owner, kind: str, first: NDArray[np.int32], force: Array) -> None:
         """Potential ``-f . x`` of constant forces (n, d) on nodes whose unknowns begin at `first` (n,)."""
         n, d = force.shape
         index = np.asarray(first)[:, None] + np.arange(d)
@@ -373,7 +372,7 @@ class Model:
         self.strain_batch(component, kind, "potential", term, n)
 
     def nodal_loads(
-        self, component: Component, kind: str, first: NDArray[np.int32], force: Array, times: Any
+        self, component: Owner, kind: str, first: NDArray[np.int32], force: Array, times: Any
     ) -> None:
         """Forces (n, d) times a function of time on nodes whose unknowns begin at `first` (n,)."""
         n, d = force.shape
@@ -383,7 +382,7 @@ class Model:
 
     def _element(
         self,
-        component: Component,
+        component: Owner,
         strains: Any,
         law: Law,
         multipliers: Sequence[int],

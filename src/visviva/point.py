@@ -3,18 +3,93 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.component import Attachable, Component
+from visviva.arguments import place
+from visviva.component import Component
 from visviva.errors import InputError
+from visviva.field import Vectors
 from visviva.form import Vector
 
+if TYPE_CHECKING:
+    from visviva.model import Model
+    from visviva.state import State
+
 Array = NDArray[np.float64]
+
+
+class Attachable(Component):
+    """A component that others can be attached to: its material points are linear forms of its unknowns."""
+
+    has_directions = True
+    is_massless = False  # frames that go with another component
+
+    def place(self, X: Array) -> Vector:
+        """Position of the material point `X` (3,), given in the component's own coordinates."""
+        raise NotImplementedError
+
+    def turn(self, direction: Array) -> Vector:
+        """A material direction (3,), given in the component's own coordinates."""
+        raise InputError(f"{self.label} has no directions to attach a frame to; attach a point instead")
+
+    def local(self, x: Array) -> Array:
+        """Own coordinates of the material point that is at `x` initially."""
+        raise NotImplementedError
+
+    def local_direction(self, d: Array) -> Array:
+        """Own coordinates of a direction given in space initially."""
+        return d
+
+    def vectors(self, model: Model) -> Vectors | None:
+        """What carries the component: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+
+        Positions move along under a translation, directors do not. None for what cannot move.
+        """
+        nodes = model.nodes.get(self)
+        if nodes is None:
+            return None
+        starts, is_position = zip(*nodes, strict=True)
+        return np.array(starts), np.array(is_position), 3
+
+    def wrench(self, state: State, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
+        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
+        vectors = self.vectors(state.model)
+        if vectors is None:
+            return None
+        starts, is_position, width = vectors
+        by_unknown = np.zeros(len(state.x))
+        by_unknown[list(force)] = list(force.values())
+        index, beyond = starts[:, None] + np.arange(width), ((0, 0), (0, 3 - width))
+        f, x = np.pad(by_unknown[index], beyond), np.pad(state.x[index], beyond)
+        arms = x - np.where(is_position[:, None], about, 0.0)
+        return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
+
+    def feelers(self) -> tuple[Array, float] | None:
+        """Where it touches others: points (n, 3) in own coordinates, and the radius of balls about them."""
+        return None
+
+    def point(self, X: Any = (0.0, 0.0, 0.0)) -> Point:
+        """The material point with own coordinates `X` (3,)."""
+        return Point(self, place(self.label, "X", X))
+
+    def point_at(self, x: Any) -> Point:
+        """The material point that is at `x` (3,) in the initial configuration."""
+        return self.point(self.local(place(self.label, "x", x)))
+
+    def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Frame:
+        """Point and three orthonormal directions, given by rows in own coordinates."""
+
+        return Frame(self, place(self.label, "X", X), place(self.label, "axes", axes, (3, 3)))
+
+    def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Frame:
+        """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
+        axes = np.array([self.local_direction(d) for d in triad(axis, first)])
+        return self.frame(self.local(place(self.label, "x", x)), axes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.audit import gauge_text
+
 if TYPE_CHECKING:
     from visviva.ledger import Ledger
     from visviva.study import Study
-    from visviva.system import System
 
 Show = Callable[[NDArray[np.float64]], None]
 INTERVAL = 0.1  # seconds between updates
@@ -55,22 +56,6 @@ def progress_bar(study: Study, ledger: Ledger, wanted: bool = True) -> Iterator[
                 bar.update(task, completed=row[0], error=error, gauges=gauges)
 
         yield show
-
-
-def gauge_text(system: System) -> str:
-    """What components show of the last step, behind a bar or an audit's line.
-
-    Examples
-    --------
-    >>> import visviva as vv
-    >>> square = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
-    >>> stream = {"velocity": (2, 0, 0), "periodic": (("x0", "x1"), ("y0", "y1"))}
-    >>> system = vv.System([vv.Fluid(mesh=square, density=1.0, viscosity=1.0, **stream)])
-    >>> _ = vv.simulate(system, until=0.1, step=0.1)
-    >>> gauge_text(system)
-    ', CFL 0.8'
-    """
-    return "".join(f", {name} {value:.2g}" for name, value in system.gauges().items())
 
 
 @contextmanager

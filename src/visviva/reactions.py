@@ -1,4 +1,4 @@
-"""Reaction forces and torques of joints and motors and inputs of servo constraints, from their multipliers."""
+"""Reaction forces and torques of joints and motors, from their multipliers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from visviva.arguments import refuse_other
 from visviva.component import settings
 from visviva.errors import InputError
 from visviva.joint.base import Joint
-from visviva.joint.servo import Servo
 from visviva.measure import Reading
 
 if TYPE_CHECKING:
@@ -70,14 +69,3 @@ class ReactionTorque(Reading):
     def __call__(self, system: System) -> Array:
         """Present value."""
         return reaction(system, self.joint)[1]
-
-
-@dataclass(config=settings, frozen=True, kw_only=True)
-class ServoInputs(Reading):
-    """Probe: inputs (n,) of the actuators of a servo constraint in the last step."""
-
-    servo: Servo
-
-    def __call__(self, system: System) -> Array:
-        """Present value."""
-        return self.servo.inputs(system)

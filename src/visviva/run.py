@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from visviva import restart
 from visviva.arguments import number, positive, whole
-from visviva.drawing import draw, shown_field, trail_names
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.interrupt import deferred_interrupt
 from visviva.ledger import Bookkeeper
@@ -27,6 +26,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.progress import progress_bar
 from visviva.result import Result, figures
+from visviva.shown import draw, shown_field, trail_names
 from visviva.solve import advance, begin, checked_times, keep
 from visviva.study import Study, measure
 

@@ -8,19 +8,19 @@ start. Rows of a table: rate at the evaluation point, second rate there, then ``
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.arguments import Validated, bounded
+from visviva.arguments import Validated
 from visviva.errors import InputError
 
 if TYPE_CHECKING:
-    from visviva.system import System
+    from visviva.state import State
 
 Row = Sequence[float] | NDArray[np.float64]
 Table = Sequence[Row]
@@ -72,11 +72,7 @@ class Scheme(metaclass=Validated):
         """Whether new velocities are twice the mean rate of the step less the old ones: a wrong one never dies out."""
         return self.has_inertia and bool(self.motion(1.0)[2][1] == -1)
 
-    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
-        """Steps of its own to `until`, yielding a report of each; None where they are equal steps of time."""
-        return None
-
-    def refuse(self, system: System) -> None:
+    def refuse(self, state: State) -> None:
         """Raise `InputError` for systems that the scheme does not fit."""
 
     def motion(self, h: float) -> Table:
@@ -204,8 +200,8 @@ class GeneralizedAlpha(Scheme):
     needs_acceleration: ClassVar[bool] = True
     projects_velocity: ClassVar[bool] = True
 
-    def refuse(self, system: System) -> None:
-        if self.rho == 1.0 and system.constrains_motion:
+    def refuse(self, state: State) -> None:
+        if self.rho == 1.0 and state.constrains_motion:
             raise InputError(
                 "GeneralizedAlpha(rho=1) damps nothing, and in constrained motion (rigid bodies, joints) rounding "
                 "across constraints would alternate for ever and grow: take rho below 1, or EnergyMomentum()"
@@ -241,94 +237,7 @@ class GeneralizedAlpha(Scheme):
         return (w1, NONE, w1, a1, w1)
 
 
-@dataclass(frozen=True)
-class Static(Scheme):
-    """Static equilibrium at the end of every load step: no rates, no inertia; time is the load parameter.
-
-    A load step that fails is halved; steps grow again, up to the given one, when they converge fast.
-
-    The ledger has the work of loads and prescribed motion along each step by the trapezoidal rule: its balance closes
-    where forces are linear in the displacements, else to second order in the step; see :doc:`/theory/structure`.
-
-    Parameters
-    ----------
-    tolerance : float
-        Largest increment of an accepted iterate, relative to the size of the model and of the load step.
-    max_iterations : int
-    halvings : int
-        A load step that fails is tried again with half its length so many times.
-    line_search : bool
-        Shorten increments that overshoot along their own direction.
-    unstable : bool
-        Go on along equilibria that are unstable, as a column that stays straight beyond its critical load. They are
-        refused otherwise; the audit says so where this could not be checked.
-
-    Examples
-    --------
-    >>> import visviva as vv
-    >>> ground, block = vv.Ground(), vv.RigidBody(mass=2.0, inertia=(1, 1, 1))
-    >>> hold = vv.Bushing(a=ground, b=block, at=(0, 0, 0), stiffness=(10, 10, 10), rotational_stiffness=(1, 1, 1))
-    >>> system = vv.System([ground, block, hold, vv.Force(on=block, force=(5, 0, 0), times="t")])
-    >>> result = vv.simulate(system, until=1.0, step=0.5, scheme=Static())
-    >>> [round(float(x[0]), 9) for x in result.states]
-    [0.0, 0.25, 0.5]
-    """
-
-    tolerance: float = 1e-10
-    max_iterations: int = 25
-    halvings: int = 8
-    line_search: bool = True
-    unstable: bool = False
-    order: ClassVar[int] = 0
-    has_inertia: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        bounded(self, tolerance=(1e-300, 1.0), max_iterations=(1, 1e9), halvings=(0, 60))
-
-    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
-        from visviva.loading import load_steps
-
-        return load_steps(system, self, until, step)
-
-    def motion(self, h: float) -> Table:
-        return (NONE,) * 5
-
-    transport = motion
-
-
-@dataclass(frozen=True)
-class ArcLength(Static):
-    """Statics that follow an equilibrium path by its length through limit points (Riks 1979, Crisfield 1981).
-
-    The first step goes along the path by the load `step`, and fixes the length of the arc. Time is the load parameter,
-    which may fall; the path ends when it has passed the end time, or after `most` steps.
-
-    Parameters
-    ----------
-    load_weight : float
-        Weight of the load parameter, relative to the step, in the arc length; displacements count relative to the size
-        of the model, as root mean square over the moving unknowns. 0 is the cylindrical method.
-    iterations : int
-        Wanted number of iterations; the arc grows or shrinks to meet it.
-    longest : float
-        Largest growth of the arc, relative to the first.
-    most : int
-        Largest number of steps.
-    """
-
-    line_search: bool = False
-    unstable: bool = True
-    load_weight: float = 0.0
-    iterations: int = 5
-    longest: float = 8.0
-    most: int = 1000
-    has_growing_time: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        bounded(self, load_weight=(0.0, 1e12), iterations=(1, 1e9), longest=(1.0, 1e12), most=(1, 1e9))
-
-    def march(self, system: System, *, until: float, step: float) -> Iterator[Any] | None:
-        from visviva.loading import follow_path
-
-        return follow_path(system, self, until, step)
+def load_step(t0: float, h: float) -> _core.Step:
+    """The numbers of a load step: its end alone counts, without rates and inertia."""
+    rest = np.zeros((5, 4))
+    return _core.Step(t0, h, t0 + h, 1.0, 1.0, False, rest, rest, False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,15 @@ FITS, DRIFTS = 1e-8, 0.05
 """Relative violations of constraints up to which an edited state fits, and of their rates, which some schemes leave."""
 LAST_RESORT = 3
 """From so many halvings on linear solvers may be used that cost more than half a step does."""
+
+
+@runtime_checkable
+class Marching(Protocol):
+    """A scheme that chooses its steps itself, as those of statics do."""
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[Any]:
+        """Steps to `until`, yielding a report of each."""
+        ...
 
 
 def march(
@@ -62,7 +71,7 @@ def march(
     refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
     refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
     scheme = EnergyMomentum() if scheme is None else scheme
-    own = scheme.march(system, until=until, step=step)
+    own = scheme.march(system, until=until, step=step) if isinstance(scheme, Marching) else None
     if own is None and not (until > system.time and math.isfinite(until)):
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     prepare(system, scheme, project=project)

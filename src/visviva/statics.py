@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +12,10 @@ from visviva.errors import InputError, RunError
 from visviva.freedom import refuse_free
 from visviva.instant import Instant, instant
 from visviva.ledger import Bookkeeper
-from visviva.loading import Unstable
+from visviva.load_steps import Unstable
 from visviva.newton import StepFailure
 from visviva.result import Result
-from visviva.scheme import NONE, Static
+from visviva.scheme import NONE, Scheme, Table, load_step
 from visviva.solve import begin, keep, prepare, record
 from visviva.stability import count_falling, instability
 from visviva.system import System
@@ -31,25 +29,24 @@ LONGEST = 1e5
 
 
 @dataclass(frozen=True)
-class Relaxation(Static):
+class Relaxation(Scheme):
     """One step downhill: ``M (x1 - x0) / duration^2 + f(x1) + G^T lambda = 0``, statics as `duration` grows.
 
     Mass keeps every step well posed, also where nothing else holds a body, and leads to stable equilibria.
     """
 
     duration: float = 1.0
-    has_inertia: ClassVar[bool] = True
 
     @property
     def dissipates(self) -> bool:
         return True
 
-    def march(self, system: System, *, until: float, step: float) -> None:
-        return None
-
-    def motion(self, h: float) -> Sequence[Sequence[float]]:
+    def motion(self, h: float) -> Table:
         """Table of a field of order 2."""
         return (NONE, (1 / self.duration**2, 0.0, 0.0, 0.0), NONE, NONE, NONE)
+
+    def transport(self, h: float) -> Table:
+        return (NONE,) * 5
 
 
 def equilibrium(
@@ -156,7 +153,7 @@ def follow(
 
 def confirm(system: System, unstable: bool) -> None:
     """Refuse an unstable equilibrium unless it is meant."""
-    falling = count_falling(system, Static().step(system.time, 0.0))
+    falling = count_falling(system, load_step(system.time, 0.0))
     if falling and not unstable:
         raise Unstable(
             f"{instability(system, 'found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"

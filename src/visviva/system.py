@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 from visviva.arguments import Named, finite, positive, refuse_other
 from visviva.build import build_core
 from visviva.clock import Clock
-from visviva.component import Attachable, Component, characteristic_length, name_components, refuse_loose
+from visviva.component import Component, characteristic_length, name_components, refuse_loose
 from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
-from visviva.instant import NO_LENGTH
 from visviva.linear import Automatic, Direct, Problem
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
+from visviva.point import Attachable
 from visviva.problem import problem_of, rigid_modes, uses_null_space
-from visviva.scheme import EnergyMomentum, Scheme, Static
+from visviva.scheme import EnergyMomentum, Scheme, load_step
 from visviva.stability import Stability
 
 if TYPE_CHECKING:
@@ -293,7 +293,7 @@ class System(metaclass=Named):
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
         s = self._signals
         for k, f in enumerate(self.model.signals):
-            rate = f.rate_after if step.h <= NO_LENGTH and f.kinks else f.rate
+            rate = f.rate_after if f.kinks and not step.has_length else f.rate
             s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
@@ -447,7 +447,7 @@ class System(metaclass=Named):
 
     def take_stock(self) -> None:
         """Fill the core's sums with the present state."""
-        step = Static().step(self.time, 0.0)
+        step = load_step(self.time, 0.0)
         self.core.take_stock(step, self.signals(step), self.has_inertia)
 
     @property
@@ -487,7 +487,7 @@ class System(metaclass=Named):
         the state was changed by hand) these are the forces of the present configuration, without inertia.
         """
         if self._last is None:
-            return self.residual(Static().step(self.time, 0.0))
+            return self.residual(load_step(self.time, 0.0))
         residual = np.zeros(len(self.x))
         self.core.forces(*self._last, residual)
         return residual

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.component import Attachable
 from visviva.errors import RunError
-from visviva.instant import NO_LENGTH
 
 if TYPE_CHECKING:
     from visviva.model import Model
@@ -151,7 +149,7 @@ class Term:
         args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
 
     def _tangent(self, *args: Any) -> None:
-        if args[0].h > NO_LENGTH:  # that of an instant is not kept
+        if args[0].has_length:  # that of an instant is not kept
             self.history_at_tangent = {name: value.copy() for name, value in self.history.items()}
         args[7][:] = checked(self.label, "tangent", self.tangent(Stencils(*args[:6])), args[7].shape)
 
@@ -180,8 +178,7 @@ def places(model: Model, unknowns: NDArray[np.int32]) -> list[Place]:
     """The points and directors of components that a stencil (n_local,) sees; others of a batch are alike."""
     owner: dict[int, tuple[int, int, bool]] = {}
     for component in model.components:
-        vectors = component.vectors(model) if isinstance(component, Attachable) else None
-        starts, positions, width = vectors or ((), (), 0)
+        starts, positions, width = component.vectors(model) or ((), (), 0)
         for start, is_position in zip(starts, positions, strict=True):
             owner |= {int(start) + c: (int(start), c, bool(is_position)) for c in range(width)}
     found: dict[int, Place] = {}

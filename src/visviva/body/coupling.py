@@ -10,9 +10,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.face import face_points
 from visviva.body.solid import Solid
-from visviva.component import Attachable, Vectors, settings
+from visviva.component import settings
 from visviva.errors import InputError
+from visviva.field import Vectors
 from visviva.form import Form, Strain, Vector, dot
+from visviva.point import Attachable
 from visviva.values import FaceSet
 
 if TYPE_CHECKING:

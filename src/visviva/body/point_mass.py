@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.body.shape import Sphere
-from visviva.component import Attachable, settings
+from visviva.component import settings
 from visviva.errors import InputError
 from visviva.form import Vector
+from visviva.point import Attachable
 from visviva.values import Number, Vector3
 
 if TYPE_CHECKING:

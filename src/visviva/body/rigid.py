@@ -10,14 +10,14 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor
 from visviva.body.shape import AnyShape, Box
-from visviva.component import Attachable, settings
+from visviva.component import settings
 from visviva.errors import InputError
 from visviva.form import Strain, Vector, dot
-from visviva.point import handedness, orthonormality
+from visviva.point import Attachable, handedness, orthonormality
 from visviva.values import Matrix, Number, Vector3
 
 if TYPE_CHECKING:
-    from visviva.component import Outline
+    from visviva.body.shape import Outline
     from visviva.field import Field
     from visviva.model import Model
 

@@ -27,6 +27,7 @@ from visviva.body.triangles import (
     revolve,
 )
 from visviva.errors import InputError
+from visviva.point import Frame
 
 
 def _plain(value: Any) -> Any:
@@ -63,6 +64,10 @@ class Core(NamedTuple):
     kind: int
     half: tuple[float, float, float]
     radius: float
+
+
+Outline = tuple[Core, Frame]
+"""An exact shape and the frame it is given in."""
 
 
 class Shape(metaclass=Validated):

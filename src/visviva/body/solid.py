@@ -17,8 +17,9 @@ from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cell
 from visviva.body.formulation import Formulation
 from visviva.body.solid_term import own_energy, solid_term
 from visviva.callback import callback_of
-from visviva.component import Attachable, Vectors, settings
+from visviva.component import settings
 from visviva.errors import InputError, nearest
+from visviva.field import Vectors
 from visviva.form import Form, Vector
 from visviva.material.base import Material
 from visviva.mesh.cells import CELLS
@@ -27,6 +28,7 @@ from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
 from visviva.meshed import Meshed
+from visviva.point import Attachable
 from visviva.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 
 if TYPE_CHECKING:

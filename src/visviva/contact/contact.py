@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.component import Attachable, Component, settings
+from visviva.component import Component, settings
 from visviva.contact.check import (
     check_multipliers,
     check_restitution,
@@ -27,14 +27,15 @@ from visviva.contact.resolve import resolve
 from visviva.contact.surface import Surface, points_of, positions, skin, surface_of
 from visviva.errors import InputError
 from visviva.mesh.faces import Faces
+from visviva.point import Attachable
 from visviva.values import Number
 
 if TYPE_CHECKING:
-    from visviva.component import Outline
+    from visviva.body.shape import Outline
     from visviva.model import Model
     from visviva.point import Frame
     from visviva.scheme import Scheme
-    from visviva.system import System
+    from visviva.state import State
 
 Array = NDArray[np.float64]
 
@@ -211,7 +212,8 @@ class Contact(Component):
         by_facets = self.formulation == "mortar" or self.second_faces != "all"
         if self.second is None or (by_facets and self.second.surface() is not None):
             return None
-        return self.second.outline()
+        outline: Outline | None = self.second.outline()
+        return outline
 
     @property
     def _by_vertices(self) -> bool:
@@ -313,13 +315,13 @@ class Contact(Component):
         pair: _core.Skin = skin(first, opposite, *frames)
         return pair
 
-    def start(self, system: System, scheme: Scheme) -> None:
+    def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)
-        if self._started or self.initial == "press" or system.time > 0:
+        if self._started or self.initial == "press" or state.time > 0:
             return
         self._started = True
-        system.core.search()
-        system.take_stock()
+        state.core.search()
+        state.take_stock()
         refuse_overlap(self, self.places)
 
     def _stiffness(self, size: float) -> float:

@@ -10,13 +10,13 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.point_mass import Ground
 from visviva.body.shape import Box, Capsule, Core, Cylinder, Sphere
-from visviva.component import Attachable, Component, settings
+from visviva.component import Component, settings
 from visviva.contact.surface import NO_FACETS, Surface, of_vectors
-from visviva.point import Frame
+from visviva.point import Attachable, Frame
 from visviva.values import Vector3
 
 if TYPE_CHECKING:
-    from visviva.component import Outline
+    from visviva.body.shape import Outline
 
 Array = NDArray[np.float64]
 

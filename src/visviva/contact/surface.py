@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.component import Attachable
 from visviva.errors import InputError
 from visviva.form import Vector
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
+from visviva.point import Attachable
 
 if TYPE_CHECKING:
     import scipy.sparse as sp

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from visviva.component import RateConstraints
     from visviva.field import Field
     from visviva.model import Model
-    from visviva.system import System
+    from visviva.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -159,17 +159,17 @@ class Carried(Component):
         nodal = flow[unknowns[:, :, None] - self.fluid.flow.start + np.arange(self.fluid.dimension)]
         return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
 
-    def rate_constraints(self, system: System) -> RateConstraints | None:
+    def rate_constraints(self, state: State) -> RateConstraints | None:
         """Points are accelerated as the fluid they move with."""
         import scipy.sparse as sp
 
         d, (vectors, weights, multipliers) = self.fluid.dimension, self._points
         axes = np.arange(d)
         own, move = (
-            np.einsum("nk,nkc->nc", weights, y[vectors[:, :, None] + axes]) for y in (system.x, system.v)
+            np.einsum("nk,nkc->nc", weights, y[vectors[:, :, None] + axes]) for y in (state.x, state.v)
         )
         unknowns, shares = Transfer(self.fluid).at(self._located(own))
-        n, shape = len(own), (d * len(own), len(system.x))
+        n, shape = len(own), (d * len(own), len(state.x))
 
         def spread(first: Ints, by: Array) -> sp.csr_array:
             columns = first[:, None, :] + axes[:, None]
@@ -177,7 +177,7 @@ class Carried(Component):
             values = np.broadcast_to(by[:, None, :], columns.shape)
             return sp.coo_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsr()
 
-        ahead = self._carried_along(own, move, system.x)
+        ahead = self._carried_along(own, move, state.x)
         gradients = spread(vectors, weights) - spread(unknowns, shares)
         return (multipliers[:, None] + axes).ravel(), gradients, ahead.ravel()
 

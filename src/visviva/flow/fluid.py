@@ -30,7 +30,7 @@ from visviva.values import Number, VectorOrFunction
 if TYPE_CHECKING:
     from visviva.component import RateConstraints
     from visviva.model import Model
-    from visviva.system import System
+    from visviva.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -307,11 +307,11 @@ class Fluid(Meshed):
             f"first order in the step under every scheme; elements={pair!r} keep the order of the scheme",
         ]
 
-    def rate_constraints(self, system: System) -> RateConstraints | None:
+    def rate_constraints(self, state: State) -> RateConstraints | None:
         """Accelerations without divergence; pressures that are multipliers see to that by themselves."""
         if not self.is_stabilised:
             return None
-        flux = divergence_rows(self, len(system.x))
+        flux = divergence_rows(self, len(state.x))
         return np.array(self.pressure.unknowns), flux, np.zeros(self.pressure.size)
 
     def is_loaded(self, model: Model) -> bool:
@@ -347,10 +347,10 @@ class Fluid(Meshed):
     def moving(self, x: Array, v: Array) -> Array:
         return self.velocities(x)
 
-    def gauges(self, system: System) -> dict[str, float]:
+    def gauges(self, state: State) -> dict[str, float]:
         from visviva.flow.fields import courant
 
-        return {"CFL": courant(self, system.x, system.last_step)} if system.has_inertia else {}
+        return {"CFL": courant(self, state.x, state.last_step)} if state.has_inertia else {}
 
     def widths(self) -> Mapping[str, int]:
         from visviva.flow.fields import widths

@@ -25,7 +25,7 @@ from visviva.flow.transfer import Transfer
 
 if TYPE_CHECKING:
     from visviva.model import Model
-    from visviva.system import System
+    from visviva.state import State
 
 Array = NDArray[np.float64]
 
@@ -164,12 +164,12 @@ class Immersed(Carried):
         free = ~flow.fixed[unknowns[:, :, None] - flow.start + np.arange(d)]
         return np.asarray(np.einsum("nk,nkc->nc", np.abs(weights), free) > WALL).ravel()
 
-    def follow_start(self, system: System) -> None:
+    def follow_start(self, state: State) -> None:
         """The velocities of the fluid have been made free of divergence: nodes that kept the old ones would swing."""
         motion, flow = self.solid.motion, self.fluid.flow
-        places = self._located(self.solid.positions(system.x)[:, : self.solid.dimension])
+        places = self._located(self.solid.positions(state.x)[:, : self.solid.dimension])
         free = motion.start + np.flatnonzero(~motion.fixed)
-        system.v[free] = self._start(places, system.x[flow.unknowns])
+        state.v[free] = self._start(places, state.x[flow.unknowns])
 
     @cached_property
     def is_thin(self) -> bool:
@@ -294,9 +294,9 @@ class Immersed(Carried):
         model.dead_forces(self, "gravity", self.solid.node_unknowns(nodes), force)
 
     # --- results ----------------------------------------------------------------------------------------------
-    def gauges(self, system: System) -> dict[str, float]:
+    def gauges(self, state: State) -> dict[str, float]:
         whole = self.solid.grid.volume
-        change = abs(self.solid.volume(system.x) / whole - 1)
+        change = abs(self.solid.volume(state.x) / whole - 1)
         return {"area change" if self.solid.dimension == 2 else "volume change": change}
 
     def forces(self, x: Array) -> Array:

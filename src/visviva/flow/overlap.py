@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.component import Component
 from visviva.errors import InputError
+from visviva.field import Owner
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
 from visviva.mesh.cells import CELLS
@@ -31,7 +31,7 @@ INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
 
 
-def places_within(body: Component, dimension: int) -> Array:
+def places_within(body: Owner, dimension: int) -> Array:
     """Places (n, d) that lie inside of a body at the start; none of what has no volume."""
     if isinstance(body, Solid) and body.dimension == dimension == body.grid.points.shape[1]:
         return np.asarray(body.grid.centres)
@@ -107,7 +107,7 @@ def deep_within(points: Array, triangles: NDArray[np.int64], places: Array) -> N
     return inside
 
 
-def refuse_covering(label: str, body: Component, fluid: Fluid, places: Array) -> None:
+def refuse_covering(label: str, body: Owner, fluid: Fluid, places: Array) -> None:
     """Refuse a body that covers a wall.
 
     Raises

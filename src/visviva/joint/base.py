@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Attachable, Component, settings
+from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.form import Form, Strain, Vector, dot, strain
 from visviva.law import Law, LawKind
-from visviva.point import Frame, Point, refuse_uncomposed
+from visviva.point import Attachable, Frame, Point, refuse_uncomposed
 from visviva.values import Vector3
 
 if TYPE_CHECKING:

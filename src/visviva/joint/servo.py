@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,14 @@ from pydantic.dataclasses import dataclass
 from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.law import Law, LawKind
-from visviva.measure import measures_of, strains_of
+from visviva.measure import Reading, measures_of, strains_of
 from visviva.timefunction import OfTime
 
 if TYPE_CHECKING:
     from visviva.instant import Instant
     from visviva.model import Model
     from visviva.scheme import Scheme
+    from visviva.state import State
     from visviva.system import System
 
 Array = NDArray[np.float64]
@@ -84,8 +85,9 @@ class Servo(Component):
         law = Law(LawKind.SERVO)
         model.constrain(self, self._multipliers, [*outputs, *actuators], targets=self.follows, law=law, n=n)
 
-    def start(self, system: System, scheme: Scheme) -> None:
+    def start(self, state: State, scheme: Scheme) -> None:
         """Refuse schemes whose inputs oscillate; begin with multipliers that Newton would not find."""
+        system = cast("System", state)  # whose instant is solved for
         if self._is_indirect(system) and scheme.theta == 0.5:
             raise InputError(
                 f"{self.label}: its actuators do not accelerate its outputs directly, and the inputs of "
@@ -106,6 +108,17 @@ class Servo(Component):
         """Inputs (n,) of the actuators in the last step, at the scheme's evaluation point."""
         m = self._multipliers
         return np.array(system.x[m.start : m.start + m.size])
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class ServoInputs(Reading):
+    """Probe: inputs (n,) of the actuators of a servo constraint in the last step."""
+
+    servo: Servo
+
+    def __call__(self, system: System) -> Array:
+        """Present value."""
+        return self.servo.inputs(system)
 
 
 def equations(system: System) -> tuple[Instant, Array, Array]:

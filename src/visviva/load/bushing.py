@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Attachable, Component, settings
+from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.form import Strain, dot
 from visviva.law import quadratic, viscous
-from visviva.point import Frame
+from visviva.point import Attachable, Frame
 from visviva.values import Vector3
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class Bushing(Component):
             raise InputError(f"{self.label} connects components or frames, not {side!r}")
         if self.at is None:
             raise InputError(f"{self.label}: say where with at=(x, y, z), or give two frames")
-        return side.frame_at(self.at, self.axis, self.first)  # type: ignore[no-any-return]
+        return side.frame_at(self.at, self.axis, self.first)
 
     def strains(self) -> list[Strain]:
         """Three displacements and three rotation measures of `b` in the directors of `a`."""

@@ -16,7 +16,7 @@ from visviva.values import Number
 
 if TYPE_CHECKING:
     from visviva.model import Model
-    from visviva.system import System
+    from visviva.state import State
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -58,12 +58,12 @@ class Motor(OnJoint):
         self._multipliers = model.multipliers(self, "reaction", 1, stage=2)
         model.constrain(self, self._multipliers, [self.form], targets=[self.motion])
 
-    def effort(self, system: System) -> float:
+    def effort(self, state: State) -> float:
         """Torque (on an angle) or force (on a stroke) that the motor exerts, positive along the coordinate.
 
         With the midpoint schemes it belongs to the middle of the last step.
         """
-        return -float(system.x[self._multipliers.start])
+        return -float(state.x[self._multipliers.start])
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

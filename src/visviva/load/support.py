@@ -18,7 +18,7 @@ from visviva.values import Motion, Nodes, Vector3
 
 if TYPE_CHECKING:
     from visviva.model import Model
-    from visviva.system import System
+    from visviva.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -104,12 +104,12 @@ class SymmetryPlane(Support):
 
     normal: Vector3
 
-    def reactions(self, system: System) -> tuple[Ints, Array]:
+    def reactions(self, state: State) -> tuple[Ints, Array]:
         """Nodes (k,), and the forces (k, 3) of an oblique plane on them; planes across an axis fix unknowns."""
         m = getattr(self, "_multipliers", None)
         if m is None:
             return self._chosen[:0], np.zeros((0, 3))
-        return self._chosen, -system.x[m.start : m.start + m.size, None] * self._along
+        return self._chosen, -state.x[m.start : m.start + m.size, None] * self._along
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from visviva.component import Attachable
 from visviva.errors import InputError
-from visviva.point import Frame, Point
+from visviva.point import Attachable, Frame, Point
 
 if TYPE_CHECKING:
     from visviva.form import Vector
@@ -28,7 +27,7 @@ def point_of(label: str, on: Any, at: Any = None) -> Point:
         return on
     if not isinstance(on, Attachable):
         raise InputError(f"{label} acts on bodies and their points, not on {on!r}; {POSSIBLE}")
-    return on.point() if at is None else on.point_at(at)  # type: ignore[no-any-return]
+    return on.point() if at is None else on.point_at(at)
 
 
 def frame_of(label: str, on: Any, at: Any = None) -> Frame:
@@ -36,7 +35,7 @@ def frame_of(label: str, on: Any, at: Any = None) -> Frame:
     if isinstance(on, Frame):
         return on
     point = point_of(label, on, at)
-    return point.component.frame(point.X)  # type: ignore[no-any-return]
+    return point.component.frame(point.X)
 
 
 def movable(label: str, point: Point, forms: Vector) -> Vector:

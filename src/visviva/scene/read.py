@@ -12,11 +12,12 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from visviva.adaptive import Adaptive
 from visviva.arguments import ArgumentError, mistaken, plain_leaves, refuse_other, told
-from visviva.component import Attachable, Component
+from visviva.component import Component
 from visviva.errors import InputError, nearest
 from visviva.gallery import Source, plain_value
 from visviva.mesh.files import refuse_outside
 from visviva.newton import Newton
+from visviva.point import Attachable
 from visviva.scene import language
 from visviva.scene.text import Document, parse
 from visviva.scene.yaml12 import Key

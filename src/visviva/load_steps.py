@@ -1,4 +1,4 @@
-"""Statics of structures under loads that grow: load steps with line search, and the arc length through limit points.
+"""Statics of structures under loads that grow, by load steps with line search.
 
 Time is the load parameter: whatever depends on it (loads, prescribed motion) is followed. Nothing has inertia here,
 so what is not held by supports, springs or its own stiffness makes the tangent singular, and is reported.
@@ -6,17 +6,17 @@ so what is not held by supports, springs or its own stiffness makes the tangent 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.arguments import whole
+from visviva.arguments import bounded, whole
 from visviva.errors import InputError, RunError
 from visviva.result import Result
-from visviva.scheme import ArcLength, Static
+from visviva.scheme import NONE, Scheme, Table, load_step
 from visviva.solve import advance, begin, checked_times, keep
 from visviva.stability import falling_directions, instability
 from visviva.system import Attempt, System
@@ -44,6 +44,59 @@ class Unstable(RunError):
     """An equilibrium that a structure would leave at the slightest disturbance."""
 
 
+@dataclass(frozen=True)
+class Static(Scheme):
+    """Static equilibrium at the end of every load step: no rates, no inertia; time is the load parameter.
+
+    A load step that fails is halved; steps grow again, up to the given one, when they converge fast.
+
+    The ledger has the work of loads and prescribed motion along each step by the trapezoidal rule: its balance closes
+    where forces are linear in the displacements, else to second order in the step; see :doc:`/theory/structure`.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest increment of an accepted iterate, relative to the size of the model and of the load step.
+    max_iterations : int
+    halvings : int
+        A load step that fails is tried again with half its length so many times.
+    line_search : bool
+        Shorten increments that overshoot along their own direction.
+    unstable : bool
+        Go on along equilibria that are unstable, as a column that stays straight beyond its critical load. They are
+        refused otherwise; the audit says so where this could not be checked.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, block = vv.Ground(), vv.RigidBody(mass=2.0, inertia=(1, 1, 1))
+    >>> hold = vv.Bushing(a=ground, b=block, at=(0, 0, 0), stiffness=(10, 10, 10), rotational_stiffness=(1, 1, 1))
+    >>> system = vv.System([ground, block, hold, vv.Force(on=block, force=(5, 0, 0), times="t")])
+    >>> result = vv.simulate(system, until=1.0, step=0.5, scheme=Static())
+    >>> [round(float(x[0]), 9) for x in result.states]
+    [0.0, 0.25, 0.5]
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 25
+    halvings: int = 8
+    line_search: bool = True
+    unstable: bool = False
+    order: ClassVar[int] = 0
+    has_inertia: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        bounded(self, tolerance=(1e-300, 1.0), max_iterations=(1, 1e9), halvings=(0, 60))
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[LoadReport]:
+        return load_steps(system, self, until, step)
+
+    def motion(self, h: float) -> Table:
+        return (NONE,) * 5
+
+    transport = motion
+
+
 @dataclass
 class Equilibrium:
     """The equations of equilibrium of a system at load parameters from `start` on, at the trial state of its core."""
@@ -65,7 +118,7 @@ class Equilibrium:
 
     def at(self, time: float) -> Any:
         """The step that leads to the load parameter `time`; prescribed unknowns are moved to it."""
-        step = Static().step(self.system.time, time - self.system.time)
+        step = load_step(self.system.time, time - self.system.time)
         self.system.prescribe(step)
         return step
 
@@ -90,7 +143,7 @@ class Equilibrium:
         Iterative solvers may leave the part `enough` of the residual, if that is more than their tolerance.
         """
         d = np.zeros(len(residual))
-        step = Static().step(self.system.time, time - self.system.time)
+        step = load_step(self.system.time, time - self.system.time)
         if not self.system.core.linear_solve(step, residual, d, enough):
             raise NoEquilibrium(f"at the load parameter {time:.6g}: {self.system.core.linear_message}")
         return np.where(self.free, d, 0.0)
@@ -166,7 +219,7 @@ class Equilibrium:
         return None
 
     def _refused(self, time: float) -> str:
-        step = Static().step(self.system.time, time - self.system.time)
+        step = load_step(self.system.time, time - self.system.time)
         return str(self.system.core.refuse(step, self.system.signals(step)))
 
     def failure(self, time: float, what: str) -> NoEquilibrium:
@@ -288,155 +341,3 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
         if report.iterations <= EASY:
             clock.lengthen()
         yield report
-
-
-def arc_length(
-    system: System,
-    *,
-    step: float,
-    until: float = np.inf,
-    steps: int = 200,
-    scheme: ArcLength | None = None,
-    stop: Callable[[System], bool] | None = None,
-    project: bool = False,
-) -> Result:
-    """Follow an equilibrium path by its length, through limit points of load and of displacement.
-
-    Parameters
-    ----------
-    system : System
-        In equilibrium at its present load parameter (time).
-    step : float
-        Load parameter of the first step, which fixes the length of the arc.
-    until : float
-        Stop when the load parameter has passed this value.
-    steps : int
-        Largest number of steps.
-    scheme : ArcLength
-    stop : callable
-        Called with the system after each step; the path ends when it returns True.
-    project : bool
-        Accept an initial state that is moved far to fit the constraints; see `simulate`.
-
-    Returns
-    -------
-    Result
-        The times are the load parameters of the kept states; they need not grow.
-    """
-    steps = whole("arc_length", "steps", steps)
-    result, books = begin(system, scheme or ArcLength(), project=project)
-    for _ in advance(result, books, until=until, step=step):
-        keep(result)
-        if result.statistics.steps >= steps or (stop is not None and stop(system)):
-            break
-    return result
-
-
-def follow_path(system: System, scheme: ArcLength, until: float, step: float) -> Iterator[LoadReport]:
-    """Steps along the path; ``system.pace`` carries arcs, the last increment and the number of steps."""
-    arc, shortest, longest, done = system.pace.get("arcs", np.zeros(4)).tolist()
-    previous = system.pace.get("increment")
-    while system.time < until and done < scheme.most:
-        equations = Equilibrium(system, scheme)
-        path = Path(equations, step, scheme.load_weight)
-        try:
-            arc = path.predict(arc, previous)
-            if longest == 0.0:
-                longest, shortest = scheme.longest * arc, arc / 2**scheme.halvings
-            iterations = path.correct(arc)
-            increment = np.append(equations.dx, path.time - system.time)
-            if previous is not None and path.retraced(increment, previous):
-                raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
-            equations.accept(path.time)
-        except NoEquilibrium as failure:
-            system.core.discard()
-            system.rejected += 1
-            arc /= 2
-            if arc < shortest or longest == 0.0:
-                raise NoEquilibrium(f"{failure}; the arc was cut {scheme.halvings} times") from failure
-            continue
-        previous = increment
-        arc = min(arc * float(np.sqrt(scheme.iterations / iterations)), longest)
-        done += 1
-        system.pace |= {"arcs": np.array([arc, shortest, longest, done]), "increment": increment}
-        yield LoadReport(iterations, iterations)
-
-
-@dataclass
-class Path:
-    """The extended system of an arc-length step: equilibrium and a sphere around the last one."""
-
-    equations: Equilibrium
-    unit: float
-    load_weight: float
-    time: float = field(init=False)
-
-    def __post_init__(self) -> None:
-        e = self.equations
-        self.time = e.system.time
-        moving = e.free & (e.system.order > 0)
-        self.metric = np.where(moving, e.system.inverse_scale**2, 0.0) / max(int(moving.sum()), 1)
-
-    def length(self, dx: Array, dt: float) -> float:
-        """Length of an increment."""
-        return float(np.sqrt(self.metric @ dx**2 + (self.load_weight * dt / self.unit) ** 2))
-
-    def product(self, a: Array, b: Array) -> float:
-        """Scalar product of two increments of unknowns and, as their last entries, the load parameter."""
-        return float(self.metric @ (a[:-1] * b[:-1])) + (self.load_weight / self.unit) ** 2 * float(
-            a[-1] * b[-1]
-        )
-
-    def retraced(self, a: Array, b: Array) -> bool:
-        """Whether displacements and load parameter both turned: at limit points only one of them does."""
-        return bool(self.metric @ (a[:-1] * b[:-1]) < 0 and a[-1] * b[-1] < 0)
-
-    def predict(self, arc: float, previous: Array | None) -> float:
-        """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
-        e = self.equations
-        e.linearise(self.time)
-        d = e.solve(self.time, e.slope(self.time, self.unit))
-        dt = self.unit
-        if not self.length(d, 1.0):
-            raise InputError(
-                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t'"
-            )
-        if previous is not None:
-            dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
-        else:
-            arc = arc or self.length(d * dt, dt)
-            dt = arc / self.length(d, 1.0)
-        self.time = e.system.time + dt
-        e.at(self.time)
-        e.dx[e.free] += (dt * d)[e.free]
-        return arc
-
-    def correct(self, arc: float) -> int:
-        """Newton's iteration of the extended system."""
-        e, o, last = self.equations, self.equations.options, np.inf
-        for k in range(o.max_iterations):
-            r = e.linearise(self.time)
-            slope = e.slope(self.time, self.unit)
-            d1, d2 = e.solve(self.time, r), e.solve(self.time, slope)
-            dt = self.time - e.system.time
-            w = (self.load_weight / self.unit) ** 2
-            gap = float(self.metric @ e.dx**2) + w * dt**2 - arc**2
-            denominator = 2 * (self.metric @ (e.dx * d2) + w * dt)
-            change = -(gap + 2 * self.metric @ (e.dx * d1)) / denominator if denominator else np.inf
-            if not np.isfinite(change):
-                raise NoEquilibrium(
-                    f"the arc-length iteration breaks down at the load parameter {self.time:.6g}"
-                )
-            d = d1 + change * d2
-            size = e.size(d)
-            if not np.isfinite(size) or size > 1e3:
-                raise e.failure(self.time, "the arc-length iteration diverges")
-            self.time += float(change)
-            e.at(self.time)
-            e.dx[e.free] += d[e.free]
-            done = size <= o.tolerance * max(min(1.0, e.size(e.dx)), 1e-12)
-            if done or (size > 0.5 * last and size <= 1e-13):
-                e.residual(self.time)
-                return k + 1
-            last = size
-        raise e.failure(self.time, "no convergence of the arc-length iteration")
