@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Component, settings
+from visviva.component import settings
 from visviva.errors import InputError, RunError
+from visviva.flow.conditions import Condition
 from visviva.flow.faces import flow_faces, flux_weights
 from visviva.flow.fluid import Fluid
 from visviva.form import Form
@@ -25,35 +26,17 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class FluidBoundary(Component):
+class FluidBoundary(Condition):
     """Base of conditions on `faces` of a `fluid`, by the name of their set, or 'all' for the whole boundary."""
 
     fluid: Fluid
     faces: FaceSet
-
-    rank: ClassVar[int] = 0
-    """Who has the nodes that several conditions share: the lowest."""
-    prescribes: ClassVar[bool] = False
-    """Whether it says at which velocity fluid passes."""
 
     def __post_init__(self) -> None:
         try:
             self.chosen = self.fluid.faces(self.faces)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
-
-    @property
-    def is_open(self) -> bool:
-        """Whether fluid may pass at a velocity that the flow finds."""
-        return False
-
-    def wanted(self) -> Mask:
-        """Components (n_nodes, d) of the velocity that it holds, if nobody of lower rank does."""
-        return np.zeros(self.fluid.grid.points.shape, dtype=bool)
-
-    def velocities_at(self, time: float) -> Array:
-        """Velocities (n_nodes, d) that it prescribes; zero elsewhere."""
-        return np.zeros(self.fluid.grid.points.shape)
 
     def _on_nodes(self, directions: Any) -> Mask:
         mask = np.zeros(self.fluid.grid.points.shape, dtype=bool)

@@ -13,11 +13,12 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.batch import book
-from visviva.component import Component, settings
+from visviva.component import settings
 from visviva.errors import InputError
 from visviva.flow.fluid import Fluid
 from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
+from visviva.flow.overlap import Wetting
 from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
 
@@ -47,7 +48,7 @@ cells around."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Carried(Component):
+class Carried(Wetting):
     """Base of bodies whose points follow a `fluid`, ahead by the part `damping` of a step's change of velocity.
 
     The fluid's elements around are stabilised less, by a metric that is larger by the factor `sealing`. What covers
@@ -71,11 +72,6 @@ class Carried(Component):
             )
         if self.damping is not None and not 0.0 <= self.damping <= 0.5:
             raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
-
-    @property
-    def carried(self) -> Component:
-        """The body."""
-        raise NotImplementedError
 
     @property
     def is_thin(self) -> bool:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.component import Component
 from visviva.errors import InputError, RunError
 from visviva.flow.faces import flux_weights
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
-    from visviva.flow.boundary import FluidBoundary
     from visviva.flow.fluid import Fluid
     from visviva.model import Model
 
@@ -23,6 +23,37 @@ Mask = NDArray[np.bool_]
 BALANCED = 1e-3
 """Prescribed flow out of a closed fluid that misses the flow in by less than this part of it is scaled to meet it:
 what interpolation leaves of profiles that balance."""
+
+
+class Condition(Component):
+    """What a condition on faces of a fluid says, whatever it does there.
+
+    Attributes
+    ----------
+    fluid : Fluid
+    chosen : Faces
+    """
+
+    fluid: Fluid
+    chosen: Faces
+
+    rank: ClassVar[int] = 0
+    """Who has the nodes that several conditions share: the lowest."""
+    prescribes: ClassVar[bool] = False
+    """Whether it says at which velocity fluid passes."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether fluid may pass at a velocity that the flow finds."""
+        return False
+
+    def wanted(self) -> Mask:
+        """Components (n_nodes, d) of the velocity that it holds, if nobody of lower rank does."""
+        return np.zeros(self.fluid.grid.points.shape, dtype=bool)
+
+    def velocities_at(self, time: float) -> Array:
+        """Velocities (n_nodes, d) that it prescribes; zero elsewhere."""
+        return np.zeros(self.fluid.grid.points.shape)
 
 
 def corner_rows(faces: Faces) -> list[tuple[int, ...]]:
@@ -41,16 +72,14 @@ class Conditions:
 
     Attributes
     ----------
-    listed : list of FluidBoundary
+    listed : list of Condition
         In this order.
     closed : bool
         Whether nothing but prescribed velocities lets fluid through, so that the level of the pressure is free.
     """
 
     def __init__(self, fluid: Fluid, model: Model) -> None:
-        from visviva.flow.boundary import FluidBoundary
-
-        mine = [c for c in model.components if isinstance(c, FluidBoundary) and c.fluid is fluid]
+        mine = [c for c in model.components if isinstance(c, Condition) and c.fluid is fluid]
         self.fluid, self.listed = fluid, sorted(mine, key=lambda c: c.rank)
         self._refuse_overlap()
         self._refuse_uncovered()
@@ -64,7 +93,7 @@ class Conditions:
         """Largest prescribed velocity at the start."""
         return max((float(np.abs(c.velocities_at(0.0)).max(initial=0.0)) for c in self.listed), default=0.0)
 
-    def share(self, condition: FluidBoundary) -> NDArray[np.int64]:
+    def share(self, condition: Condition) -> NDArray[np.int64]:
         """Numbers in the fluid's field of the components that a condition holds."""
         return np.flatnonzero(self._shares[id(condition)])
 
@@ -81,7 +110,7 @@ class Conditions:
             taken |= wanted
         return shares
 
-    def _refuse_conflict(self, c: FluidBoundary, wanted: Mask, prescribed: Array) -> None:
+    def _refuse_conflict(self, c: Condition, wanted: Mask, prescribed: Array) -> None:
         """Two prescribed velocities that disagree in a node; `prescribed` gathers those met so far."""
         if not c.prescribes:
             return
@@ -99,7 +128,7 @@ class Conditions:
         prescribed[wanted] = here[wanted]
 
     def _refuse_overlap(self) -> None:
-        owner: dict[tuple[int, ...], FluidBoundary] = {}
+        owner: dict[tuple[int, ...], Condition] = {}
         for c in self.listed:
             for row in corner_rows(c.chosen):
                 other = owner.setdefault(row, c)

@@ -17,6 +17,7 @@ from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
+from visviva.flow.overlap import refuse_dry
 from visviva.flow.periodic import Periods, numbering
 from visviva.flow.sheet import SIGHT, normals
 from visviva.load.force import guarded
@@ -164,8 +165,6 @@ class Fluid(Meshed):
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
-        from visviva.flow.overlap import refuse_dry
-
         if not self.dry:
             refuse_dry(self, model)
         self._gravity = np.zeros(3)

@@ -12,16 +12,16 @@ from visviva.flow.faces import flow_faces
 from visviva.term import Stencils, Term
 
 if TYPE_CHECKING:
-    from visviva.flow.boundary import FluidBoundary
+    from visviva.flow.conditions import Condition
     from visviva.flow.fluid import Fluid
 
 Array = NDArray[np.float64]
 
 
-def gone_through(fluid: Fluid, place: Array, time: float) -> tuple[FluidBoundary | None, bool]:
+def gone_through(fluid: Fluid, place: Array, time: float) -> tuple[Condition | None, bool]:
     """The condition at the nearest face that a place (d,) outside lies beyond, and whether fluid may leave there."""
     (image,) = next(fluid.periods.images(place[None, :]))
-    nearest: tuple[float, FluidBoundary | None, bool] = np.inf, None, False
+    nearest: tuple[float, Condition | None, bool] = np.inf, None, False
     for condition in fluid.conditions.listed:
         velocity = condition.velocities_at(time)
         for p in flow_faces(fluid.grid, condition.chosen):

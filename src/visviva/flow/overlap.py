@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
+from visviva.component import Component
 from visviva.errors import InputError
 from visviva.field import Owner
 from visviva.flow.location import Location, outside
@@ -29,6 +30,15 @@ TOUCHING = 1e-6
 """In extents of a body: what is no deeper within it touches it only."""
 INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
+
+
+class Wetting(Component):
+    """What lets a body feel the fluid that it lies in."""
+
+    @property
+    def carried(self) -> Component:
+        """The body."""
+        raise NotImplementedError
 
 
 def places_within(body: Owner, dimension: int) -> Array:
@@ -59,9 +69,7 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
     InputError
         With the component, the place, and what to take instead.
     """
-    from visviva.flow.carried import Carried
-
-    wet = [c.carried for c in model.components if isinstance(c, Carried)]
+    wet = [c.carried for c in model.components if isinstance(c, Wetting)]
     for body in model.components:
         if any(body is other for other in wet):
             continue

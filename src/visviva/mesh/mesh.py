@@ -17,6 +17,7 @@ from visviva.mesh import convert, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import centres, volumes
+from visviva.mesh.write import write
 
 Predicate = Callable[[Array], NDArray[np.bool_]]
 
@@ -302,8 +303,6 @@ class Mesh(metaclass=Named):
 
         Sets are written with it, so that `MeshFile` finds them again.
         """
-        from visviva.mesh.write import write
-
         write(self, Path(path))
 
 

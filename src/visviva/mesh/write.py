@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import numpy as np
 
 from visviva.errors import InputError
-from visviva.mesh.abaqus import write_abaqus
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.convert import cell_numbers
-from visviva.mesh.mesh import Mesh
+from visviva.mesh.write_abaqus import write_abaqus
+
+if TYPE_CHECKING:
+    from visviva.mesh.mesh import Mesh
 
 
 def load_meshio() -> Any:
