@@ -7,10 +7,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "core/callback_term.hpp"
+#include "core/inertia_term.hpp"
 #include "core/instructions.hpp"
 #include "core/linear_choice.hpp"
 #include "core/solid_dispatch.hpp"
 #include "core/solid_term.hpp"
+#include "core/strain_term.hpp"
 #include "core/system.hpp"
 #include "linear.hpp"
 

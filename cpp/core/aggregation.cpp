@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dispatch.hpp"
+#include "sparse_dispatch.hpp"
 
 namespace visviva {
 
@@ -94,7 +94,7 @@ BlockRows<float> Prolongation::down() const {
 Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
                       const Aggregates& tentative) {
     const int m = a.rows, size = m * tentative.cols;
-    const auto add = kernels().add_product;
+    const auto add = sparse_kernels().add_product;
     Prolongation p{tentative.n, m, tentative.cols, {0}, {}, {}};
     Row sum(tentative.n, size);
     std::vector<double> d(static_cast<std::size_t>(m) * m);
@@ -121,7 +121,7 @@ Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& invers
 
 BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p) {
     const int m = p.rows, n = p.cols;
-    const auto add = kernels().add_product;
+    const auto add = sparse_kernels().add_product;
     BlockRows<double> c = coarse_pattern(a, p);
     Row ap(p.n_coarse, m * n);
     for (int i = 0; i < a.n(); ++i) {

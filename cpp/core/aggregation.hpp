@@ -1,17 +1,10 @@
 // Smoothed aggregation: from aggregates of block rows to the coarser matrix. The aggregates follow from the
 // pattern alone and last; what follows from the values is cheap enough to be made anew.
 #pragma once
+#include "aggregates.hpp"
 #include "block_rows.hpp"
 
 namespace visviva {
-
-// Block rows joined on a coarser level, and the tentative way back from there.
-struct Aggregates {
-    int n = 0;                  // aggregates
-    int cols = 1;               // freedoms of each
-    std::vector<int> of;        // the aggregate of a block row, or -1
-    std::vector<double> block;  // [block row][row][col]
-};
 
 // The way up from a coarser level; unlike elsewhere blocks are stored by rows, so that products run along
 // them.

@@ -6,17 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "rigid.hpp"
+#include "csr.hpp"
+#include "place.hpp"
 
 namespace visviva {
-
-// Compressed rows over the free unknowns. `unknown[eq]` is the number of equation eq in the state vectors.
-struct Csr {
-    int n = 0;
-    std::vector<std::int64_t> row;
-    std::vector<int> col;
-    std::vector<int> equation, unknown;  // unknown -> equation (-1: fixed), equation -> unknown
-};
 
 // A rigid body for the null-space reduction: position (3), directors (9) and the multipliers (6) of its
 // orthonormality, all as unknown numbers.

@@ -2,7 +2,8 @@
 #pragma once
 #include <functional>
 
-#include "aggregation.hpp"
+#include "aggregates.hpp"
+#include "block_rows.hpp"
 #include "linear.hpp"
 
 namespace visviva {

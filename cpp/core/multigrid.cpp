@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "aggregation.hpp"
-#include "dispatch.hpp"
 #include "precondition.hpp"
 #include "scaled.hpp"
+#include "sparse_dispatch.hpp"
 
 namespace visviva {
 
@@ -25,7 +25,7 @@ constexpr double singular_ratio = 1e-12;
 constexpr std::size_t largest_coarsest = 4000;  // equations
 
 void multiply(const BlockRows<float>& a, const Vector& x, Vector& y) {
-    kernels().block_multiply_single(a.view(), x.data(), y.data(), 0, a.n());
+    sparse_kernels().block_multiply_single(a.view(), x.data(), y.data(), 0, a.n());
 }
 
 BlockRows<float> single(const BlockRows<double>& a, double factor) {

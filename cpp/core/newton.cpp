@@ -4,8 +4,8 @@
 
 #include "acceleration.hpp"
 #include "convergence.hpp"
-#include "dispatch.hpp"
 #include "system.hpp"
+#include "vector_dispatch.hpp"
 
 namespace visviva {
 
@@ -130,7 +130,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             return failed(std::move(report), solver_->message(), -1);
         double size = 0;  // that of the kept tangent's own increment tells of the residual
         if (accelerates && (acceleration.runs() || convergence.is_sluggish())) {
-            size = kernels().vector_largest(n_, d_.data(), inverse_scale_.data());
+            size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());
             acceleration.apply(d_, inverse_scale_);
         }
         size = std::max(size, iterate(step));

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "dispatch.hpp"
 #include "parallel.hpp"
+#include "sparse_dispatch.hpp"
 
 namespace visviva {
 
@@ -146,7 +146,7 @@ void NodeMatrix::level(int b) {
 
 void multiply(const BlockRows<double>& a, const double* x, double* y) {
     in_pieces(a.n(), piece,
-              [&](int begin, int end) { kernels().block_multiply(a.view(), x, y, begin, end); });
+              [&](int begin, int end) { sparse_kernels().block_multiply(a.view(), x, y, begin, end); });
 }
 
 void NodeMatrix::multiply(const double* x, double* y) const {
@@ -171,7 +171,7 @@ void NodeMatrix::multiply_single(const double* x, double* y) const {
         for (int i = begin * a_.rows; i < end * a_.rows; ++i) x_[i] = static_cast<float>(x[i] / largest);
     });
     in_pieces(a_.n(), piece, [&](int begin, int end) {
-        kernels().block_multiply_single(single_.view(), x_.data(), y_.data(), begin, end);
+        sparse_kernels().block_multiply_single(single_.view(), x_.data(), y_.data(), begin, end);
         for (int i = begin * a_.rows; i < end * a_.rows; ++i) y[i] = back * y_[i];
     });
 }

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "block_lu.hpp"
-#include "dispatch.hpp"
 #include "linear.hpp"
+#include "rigid_dispatch.hpp"
 
 namespace visviva {
 
@@ -99,7 +99,7 @@ class NullSpace : public LinearSolver {
     }
 
     void balance(const double* r, const Place& place, double* dx, double* x1) override {
-        kernels().rigid_balance(view_, r, place, dx, x1);
+        rigid_kernels().balance(view_, r, place, dx, x1);
     }
 
     bool factor(const double* values, const Place& place) override {
@@ -119,7 +119,7 @@ class NullSpace : public LinearSolver {
 
     bool solve(const double* r, const Place& place, double* d) override {
         reduced(r, place, d);
-        kernels().rigid_expand(view_, right_.data(), place, d);
+        rigid_kernels().expand(view_, right_.data(), place, d);
         return true;
     }
 
@@ -154,7 +154,7 @@ class NullSpace : public LinearSolver {
     void reduced(const double* r, const Place& place, double* d) {
         double* s = right_.data();
         for (const auto& [at, unknown] : plain_) s[at] = -r[unknown];
-        kernels().rigid_force(view_, r, place, s);
+        rigid_kernels().force(view_, r, place, s);
         for (const LuGauge& g : lu_.gauges()) apply(g, place, s);
         lu_.solve(s);
         for (const auto& [at, unknown] : plain_) d[unknown] = s[at];

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "linear.hpp"
+#include "csr.hpp"
 
 namespace visviva {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dispatch.hpp"
+#include "vector_dispatch.hpp"
 
 namespace visviva {
 
@@ -60,7 +60,7 @@ void Extrapolation::push(const double* x) {
     for (int k = 0; k < most; ++k) d[k] = difference_[k].data();
     double error[most], alternating[most];
     const int n = static_cast<int>(weight_.size());
-    kernels().vector_differences(n, std::min(known_ + 1, most), x, weight_.data(), d, error, alternating);
+    vector_kernels().differences(n, std::min(known_ + 1, most), x, weight_.data(), d, error, alternating);
     // Difference k + 1 is what the sum of those before it missed x by; where difference k changed its sign,
     // that sum less difference k would have met x.
     order_ = 1, alternates_ = false;
@@ -77,7 +77,7 @@ void Extrapolation::next(double* x) const {
     const int n = static_cast<int>(weight_.size());
     std::copy(difference_[0].begin(), difference_[0].end(), x);
     for (int k = 1; k < order_ + (alternates_ ? 1 : 0); ++k)
-        kernels().vector_affine(n, k < order_ ? 1.0 : -1.0, difference_[k].data(), x, x);
+        vector_kernels().affine(n, k < order_ ? 1.0 : -1.0, difference_[k].data(), x, x);
 }
 
 void Extrapolation::write(std::vector<double>& memory) const {

@@ -1,13 +1,8 @@
 // Rigid bodies as the null-space reduction sees them, for the kernels.
 #pragma once
+#include "place.hpp"
 
 namespace visviva {
-
-// The trial configuration x1 and where constraint gradients are taken, x0 + theta_g (x1 - x0); by unknown.
-struct Place {
-    const double *x0, *x1;
-    double theta_g;
-};
 
 struct RigidView {
     int n = 0, stride = 0;

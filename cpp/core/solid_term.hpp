@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "law_callback.hpp"
 #include "slots.hpp"
 #include "solid.hpp"
 #include "solid_dispatch.hpp"

@@ -1,10 +1,11 @@
+#include "strain_term.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "dispatch.hpp"
-#include "term.hpp"
+#include "strain_dispatch.hpp"
 
 namespace visviva {
 
@@ -186,7 +187,7 @@ Refusal StrainTerm::refuse(const Context& c) {
     Aligned<double> y1(y0_.size()), e1(e0_.size());
     StrainView end = view_;
     end.y0 = y1.data(), end.e0 = e1.data();
-    kernels().strain_begin(end, c.vectors.x1);
+    strain_kernels().begin(end, c.vectors.x1);
     const auto row = [&](int k) { return e1.data() + static_cast<std::size_t>(k) * view_.stride; };
     for (int i = 0; i < view_.n; ++i) {
         const double angle = row(2)[i], turned = angle - e0_[static_cast<std::size_t>(2) * view_.stride + i];
@@ -197,11 +198,11 @@ Refusal StrainTerm::refuse(const Context& c) {
     return {};
 }
 
-void StrainTerm::begin(const double* x0) { kernels().strain_begin(view_, x0); }
+void StrainTerm::begin(const double* x0) { strain_kernels().begin(view_, x0); }
 
 void StrainTerm::call_back(const Context& c, bool want_tangent) {
     if (!callback_) return;
-    kernels().strain_strains(view_, c.step, c.vectors);
+    strain_kernels().strains(view_, c.step, c.vectors);
     for (int m = 0; m < shape_.n_m; ++m)
         for (int e = 0; e < view_.stride; ++e) {
             const std::size_t k = static_cast<std::size_t>(m) * view_.stride + e;
@@ -215,26 +216,26 @@ void StrainTerm::call_back(const Context& c, bool want_tangent) {
 
 void StrainTerm::residual(const Context& c, double* r) {
     call_back(c, false);
-    kernels().strain_residual(view_, c.step, c.vectors, c.signals, r);
+    strain_kernels().residual(view_, c.step, c.vectors, c.signals, r);
 }
 
 void StrainTerm::tangent(const Context& c, double* values) {
     call_back(c, true);
-    kernels().strain_tangent(view_, c.step, c.vectors, c.signals, values);
+    strain_kernels().tangent(view_, c.step, c.vectors, c.signals, values);
 }
 
 void StrainTerm::inner_tangent(const Context& c, double* values) {
     StrainView inner = view_;
     inner.n_columns = inner.n_rows = 0;
     call_back(c, true);
-    kernels().strain_tangent(inner, c.step, c.vectors, c.signals, values);
+    strain_kernels().tangent(inner, c.step, c.vectors, c.signals, values);
 }
 
 void StrainTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     call_back(c, false);
     const int stride = view_.stride;
     double* out = out_.data();
-    kernels().strain_ledger(view_, c.step, c.vectors, c.signals, v1,
+    strain_kernels().ledger(view_, c.step, c.vectors, c.signals, v1,
                             {out, out + stride, out + 2 * stride, out + 3 * stride});
     const bool potential = is_potential(shape_.law);
     for (int e = 0; e < view_.n; ++e) {

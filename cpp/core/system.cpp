@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "dispatch.hpp"
+#include "aligned.hpp"
+#include "block_rows.hpp"
 #include "parallel.hpp"
 #include "pattern.hpp"
 #include "stopwatch.hpp"
+#include "vector_dispatch.hpp"
 
 namespace visviva {
 
@@ -123,7 +125,7 @@ void System::rewire() {
 }
 
 bool System::search() {
-    kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
     for (const auto& term : terms_)
         if (term->search(x.data(), x1_.data())) changed = true;
@@ -177,25 +179,25 @@ void System::set_base_rates(const Step& step) {
 }
 
 void System::update_vectors(const Step& step) {
-    kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     update_rates(step);
 }
 
 void System::update_rates(const Step& step) {
-    const Kernels& k = kernels();
+    const VectorKernels& k = vector_kernels();
     for (const Segment& s : segments_) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
         const auto& t = s.order == 2 ? step.motion : step.transport;
-        if (wants_rates_) k.vector_affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
-        if (s.order == 2) k.vector_affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
+        if (wants_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
+        if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
     }
 }
 
 // Add the increment; its largest entry relative to the unknowns' scales.
 double System::iterate(const Step& step) {
     const double size =
-        kernels().vector_update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());
+        vector_kernels().update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());
     update_rates(step);
     return size;
 }
@@ -254,7 +256,7 @@ void System::weigh_constraints() {
 
 // Largest violation of a constraint at the last evaluation, relative like increments.
 double System::constraint_error() const {
-    return kernels().vector_largest(n_, r_.data(), constraint_weight_.data());
+    return vector_kernels().largest(n_, r_.data(), constraint_weight_.data());
 }
 
 int System::worst_constraint() const {
@@ -300,7 +302,7 @@ double System::extent() const {
     for (const Segment& s : segments_)
         if (s.order > 0)
             largest = std::max(
-                largest, kernels().vector_largest(s.end - s.begin, &dx[s.begin], &inverse_scale_[s.begin]));
+                largest, vector_kernels().largest(s.end - s.begin, &dx[s.begin], &inverse_scale_[s.begin]));
     return largest > 0 ? largest : 1;
 }
 

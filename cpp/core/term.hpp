@@ -2,16 +2,11 @@
 // ledger.
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "aligned.hpp"
-#include "inertia.hpp"
 #include "step.hpp"
-#include "strain.hpp"
 
 namespace visviva {
 
@@ -91,109 +86,6 @@ class Term {
     bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is
-};
-
-// A law evaluated outside the core, at batch level. Arrays are [n_e][stride] and so on, element-fastest.
-struct LawArguments {
-    int n, stride, n_e, n_m;
-    bool want_tangent;
-    double t, h;
-    Stress stress;
-    const double *e0, *e1, *e_eval, *e_rate, *lambda;
-    double *S, *D, *R, *Phi, *J, *Jt, *W;
-};
-using LawCallback = std::function<void(const LawArguments&)>;
-
-class StrainTerm : public Term {
-  public:
-    // Arrays are given element-fastest without padding: weight [n_forms][n] and so on.
-    StrainTerm(StrainShape shape, int n, const int* index, const double* weight, const double* y_const,
-               const double* e_const, const double* par, int n_par, const int* signal);
-    void set_callback(LawCallback f) { callback_ = std::move(f); }
-    const StrainShape& shape() const { return shape_; }
-    double* par() { return par_.data(); }
-    int stride() const { return view_.stride; }
-
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override { return static_cast<std::int64_t>(slots_.size()) * view_.n; }
-    void begin(const double* x0) override;
-    bool wants_rates() const override { return needs_rate(shape_.law); }
-    void residual(const Context&, double* r) override;
-    Refusal refuse(const Context&) override;
-    void tangent(const Context&, double* values) override;
-    void inner_tangent(const Context&, double* values) override;
-    void ledger(const Context&, const double* v1, LedgerSums&) override;
-
-  private:
-    void make_program();
-    void call_back(const Context&, bool want_tangent);
-
-    StrainShape shape_;
-    StrainView view_;
-    LawCallback callback_;
-    Aligned<double> weight_, y_const_, e_const_, par_, y0_, e0_, e_eval_, e_rate_, e1_, lambda_;
-    Aligned<double> cb_S_, cb_D_, cb_R_, cb_Phi_, cb_J_, cb_Jt_, cb_W_, scratch_, out_;
-    std::vector<int> index_, signal_, pairs_;
-    std::vector<std::pair<int, int>> slots_;  // local (row, column) of every tangent entry
-    std::vector<Product> products_;
-    std::vector<Border> columns_, rows_;
-    Aligned<std::int64_t> position_;
-};
-
-class InertiaTerm : public Term {
-  public:
-    InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int> pair, const double* mass,
-                const int* index, std::vector<char> is_position);
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override;
-    bool wants_rates() const override { return view_.order == 1; }
-    void residual(const Context&, double* r) override;
-    void tangent(const Context&, double* values) override;
-    void ledger(const Context&, const double* v1, LedgerSums&) override;
-
-  private:
-    InertiaView view_;
-    std::vector<int> pair_, index_;
-    std::vector<char> is_position_;
-    Aligned<double> mass_, out_;
-    Aligned<std::int64_t> position_;
-};
-
-// A whole term from outside: dense local tangents, element-slowest arrays [n][n_local].
-struct TermArguments {
-    const Step* step;
-    const double *x0, *x1, *rate, *second_rate;  // gathered, [n][n_local]
-    double *residual, *tangent;                  // [n][n_local], [n][n_local][n_local] or null
-    double *energy, *work, *momentum;            // [n], [n], [n][6], for the ledger
-    const double* v1;                            // ledger only
-};
-
-class CallbackTerm : public Term {
-  public:
-    using Function = std::function<void(const TermArguments&)>;
-    CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
-                 Function accept);
-    int work_account = -1;  // where work is booked that is done beside what is stored; -1: none
-
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
-    bool wants_rates() const override { return true; }
-    bool sees_clock() const override { return true; }
-    void residual(const Context&, double* r) override;
-    void tangent(const Context&, double* values) override;
-    void ledger(const Context&, const double* v1, LedgerSums&) override;
-    void accept(const Context&) override;
-
-  private:
-    TermArguments gather(const Context&);
-    int n_, nl_;
-    std::vector<int> index_;
-    Function residual_, tangent_, ledger_, accept_;
-    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_, momentum_;
-    std::vector<std::int64_t> position_;
 };
 
 }  // namespace visviva

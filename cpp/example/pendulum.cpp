@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/inertia_term.hpp"
+#include "core/strain_term.hpp"
 #include "core/system.hpp"
 
 using namespace visviva;

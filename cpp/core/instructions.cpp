@@ -1,4 +1,4 @@
-#include "dispatch.hpp"
+#include "instructions.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -6,11 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "instructions.hpp"
-
 namespace visviva {
-
-VISVIVA_DECLARE(Kernels, table)
 
 namespace {
 const char* const names[] = {"base", "v3", "v4"};
@@ -55,12 +51,5 @@ Instructions light_instructions() {
     static const Instructions chosen = forced() ? instructions() : std::min(instructions(), Instructions::v3);
     return chosen;
 }
-
-const Kernels& kernels() {
-    static const Kernels& chosen = VISVIVA_CHOOSE(table, light_instructions());
-    return chosen;
-}
-
-const LuKernels& lu_kernels() { return kernels().lu; }
 
 }  // namespace visviva
