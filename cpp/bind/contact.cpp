@@ -4,12 +4,12 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include "contact/contact_term.hpp"
-#include "contact/search.hpp"
-#include "contact/segment_points.hpp"
-#include "contact/tie_term.hpp"
-#include "core/system.hpp"
 #include "linear.hpp"
+#include "visviva/contact/contact_term.hpp"
+#include "visviva/contact/search.hpp"
+#include "visviva/contact/segment_points.hpp"
+#include "visviva/contact/tie_term.hpp"
+#include "visviva/system/system.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;

@@ -2,9 +2,9 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include "flow/flow_term.hpp"
-#include "flow/open_term.hpp"
 #include "linear.hpp"
+#include "visviva/flow/flow_term.hpp"
+#include "visviva/flow/open_term.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;

@@ -3,8 +3,8 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
-#include "flow/immersed_term.hpp"
 #include "linear.hpp"
+#include "visviva/flow/immersed_term.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;

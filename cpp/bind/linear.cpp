@@ -8,8 +8,8 @@
 
 #include <algorithm>
 
-#include "core/linear_choice.hpp"
-#include "core/system.hpp"
+#include "visviva/linear/linear_choice.hpp"
+#include "visviva/system/system.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;

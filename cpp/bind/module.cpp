@@ -7,15 +7,15 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include "core/callback_term.hpp"
-#include "core/inertia_term.hpp"
-#include "core/instructions.hpp"
-#include "core/linear_choice.hpp"
-#include "core/solid_dispatch.hpp"
-#include "core/solid_term.hpp"
-#include "core/strain_term.hpp"
-#include "core/system.hpp"
 #include "linear.hpp"
+#include "visviva/base/instructions.hpp"
+#include "visviva/linear/linear_choice.hpp"
+#include "visviva/solid/solid_dispatch.hpp"
+#include "visviva/solid/solid_term.hpp"
+#include "visviva/strain/strain_term.hpp"
+#include "visviva/system/system.hpp"
+#include "visviva/term/callback_term.hpp"
+#include "visviva/term/inertia_term.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;

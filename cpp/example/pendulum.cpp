@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/inertia_term.hpp"
-#include "core/strain_term.hpp"
-#include "core/system.hpp"
+#include "visviva/strain/strain_term.hpp"
+#include "visviva/system/system.hpp"
+#include "visviva/term/inertia_term.hpp"
 
 using namespace visviva;
 

@@ -283,7 +283,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
 
 
 def project_step(system: System, step: Any, table: Table, x0: Array, trial: Array) -> None:
-    """Rates at the end of a step on the constraints; what `cpp/core/rates.cpp` does, for systems of any kind.
+    """Rates at the end of a step on the constraints; what `cpp/visviva/system/rates.cpp` does, for systems of any kind.
 
     Parameters
     ----------

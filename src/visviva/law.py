@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 class LawKind(IntEnum):
-    """The laws of the core, in its order (`cpp/core/strain.hpp`)."""
+    """The laws of the core, in its order (`cpp/visviva/strain/strain.hpp`)."""
 
     LINEAR = 0
     QUADRATIC = 1

@@ -30,7 +30,7 @@ PACKED = [[a * 6 - a * (a - 1) // 2 + b - a if a <= b else b * 6 - b * (b - 1) /
 
 
 class Kind(IntEnum):
-    """Numbers of the energies in the core (cpp/core/material.hpp)."""
+    """Numbers of the energies in the core (cpp/visviva/material/material.hpp)."""
 
     HOOKE = 0
     NEO_HOOKE = 1

@@ -1,0 +1,123 @@
+// Values with first and second derivatives by n variables, one evaluation per lane: forward differentiation
+// of energies in their few invariants.
+#pragma once
+#include "visviva/base/simd.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// Place of (a, b), a <= b, in the packed upper triangle of a symmetric n x n matrix.
+constexpr int packed(int n, int a, int b) { return a * n - a * (a - 1) / 2 + (b - a); }
+
+template <int n, bool second>
+struct Jet {
+    static constexpr int size = n;
+    V v, g[n], h[second ? n * (n + 1) / 2 : 1];
+
+    VISVIVA_INLINE static Jet variable(V value, int k) {
+        Jet u = constant(value);
+        u.g[k] = broadcast(1.0);
+        return u;
+    }
+    VISVIVA_INLINE static Jet constant(V value) {
+        Jet u;
+        u.v = value;
+        for (V& a : u.g) a = V{};
+        for (V& a : u.h) a = V{};
+        return u;
+    }
+};
+
+/// f(u) from the value and the derivatives of f at u.
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> chain(const Jet<n, second>& u, V f, V f1, V f2) {
+    Jet<n, second> r;
+    r.v = f;
+    for (int a = 0; a < n; ++a) r.g[a] = f1 * u.g[a];
+    if constexpr (second)
+        for (int a = 0; a < n; ++a)
+            for (int b = a; b < n; ++b)
+                r.h[packed(n, a, b)] = f1 * u.h[packed(n, a, b)] + f2 * u.g[a] * u.g[b];
+    return r;
+}
+
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator+(const Jet<n, second>& u, const Jet<n, second>& w) {
+    Jet<n, second> r;
+    r.v = u.v + w.v;
+    for (int a = 0; a < n; ++a) r.g[a] = u.g[a] + w.g[a];
+    if constexpr (second)
+        for (int k = 0; k < n * (n + 1) / 2; ++k) r.h[k] = u.h[k] + w.h[k];
+    return r;
+}
+
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator*(const Jet<n, second>& u, const Jet<n, second>& w) {
+    Jet<n, second> r;
+    r.v = u.v * w.v;
+    for (int a = 0; a < n; ++a) r.g[a] = u.g[a] * w.v + u.v * w.g[a];
+    if constexpr (second)
+        for (int a = 0; a < n; ++a)
+            for (int b = a; b < n; ++b) {
+                const int k = packed(n, a, b);
+                r.h[k] = u.h[k] * w.v + u.v * w.h[k] + u.g[a] * w.g[b] + u.g[b] * w.g[a];
+            }
+    return r;
+}
+
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator*(V c, const Jet<n, second>& u) {
+    return chain(u, c * u.v, c, V{});
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator*(double c, const Jet<n, second>& u) {
+    return broadcast(c) * u;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator+(const Jet<n, second>& u, V c) {
+    Jet<n, second> r = u;
+    r.v += c;
+    return r;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator+(const Jet<n, second>& u, double c) {
+    return u + broadcast(c);
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, const Jet<n, second>& w) {
+    return u + broadcast(-1.0) * w;
+}
+
+VISVIVA_INLINE V log1p(V u) { return vlog1p(u); }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> log1p(const Jet<n, second>& u) {
+    const V i = 1.0 / (1.0 + u.v);
+    return chain(u, vlog1p(u.v), i, -i * i);
+}
+
+/// exp(u) - 1
+VISVIVA_INLINE V expm1(V u) {
+    const V small = u * (1.0 + u * (0.5 + u * (1.0 / 6 + u * (1.0 / 24 + u * (1.0 / 120 + u / 720.0)))));
+    return select(vabs(u) < 1e-2, small, vexp(u) - 1.0);
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> expm1(const Jet<n, second>& u) {
+    const V e = expm1(u.v);
+    return chain(u, e, e + 1.0, e + 1.0);
+}
+
+/// (1 + u)^a - 1, accurate for small u
+VISVIVA_INLINE V powm1(V u, V a) { return expm1(a * vlog1p(u)); }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> powm1(const Jet<n, second>& u, V a) {
+    const V p = powm1(u.v, a), i = 1.0 / (1.0 + u.v), p1 = a * (p + 1.0) * i;
+    return chain(u, p, p1, (a - 1.0) * p1 * i);
+}
+
+/// The positive part
+VISVIVA_INLINE V positive(V u) { return vmax(u, V{}); }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> positive(const Jet<n, second>& u) {
+    return chain(u, positive(u.v), select(u.v > 0.0, broadcast(1.0), V{}), V{});
+}
+
+}  // namespace visviva::VISVIVA_ISA

@@ -1,0 +1,134 @@
+// Gap functions: what a contact keeps from becoming negative. Each belongs to a vertex of the first surface
+// and depends on the positions of a few vertices, its stencil.
+#pragma once
+#include <Eigen/Dense>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "visviva/contact/sight.hpp"
+#include "visviva/contact/skin.hpp"
+
+namespace visviva {
+
+/// A gap and its derivatives by the positions of its stencil's vertices, three numbers each.
+struct Gap {
+    std::vector<double> gradient;
+    std::vector<double> along;  // the second derivatives times a direction
+    std::vector<double>
+        hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
+};
+
+/// What friction acts on at a gap: the displacement there of the second surface relative to the first is the
+/// sum of `weight` (areas that add up to zero) times those of the stencil's vertices, seen along two
+/// directions of the tangent plane that turn with the first surface; in the plane the second is zero.
+struct Grip {
+    Eigen::VectorXd weight;
+    Eigen::Matrix<double, 3, 2> tangent;
+    // By positions of the stencil's vertices, where wanted: [vertex][3 k], and [3][3 k] of each direction.
+    Eigen::MatrixXd weight_gradient, tangent_gradient[2];
+};
+
+/// Sets the tangents at a unit normal n, which turns with N = dn/dx (null: no derivatives): in space the
+/// first is that of an edge from the stencil's vertex `tail` to its vertex `head`.
+void set_tangents(int dim, const Eigen::Vector3d& n, const Eigen::MatrixXd* N, const Eigen::Vector3d& edge,
+                  int tail, int head, Grip& out);
+
+/// How deep bodies may be in each other at a gap and be seen there, and how far they come nearer in a step.
+struct Approach {
+    double sight = HUGE_VAL, way = 0;
+};
+
+class Gaps {
+  public:
+    explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
+    virtual ~Gaps() = default;
+    const Skin& skin() const { return skin_; }
+    /// Gaps are numbered like the vertices of the first surface.
+    int n() const { return n_; }
+    /// Finds what may come into contact between two configurations and near them; true if that is something
+    /// else than before.
+    virtual bool search(const double* from, const double* to) = 0;
+    /// All vertices that a gap may depend on after this search.
+    virtual const std::vector<int>& neighbours(int gap) const { return stencils_[gap]; }
+    /// Takes into the stencils what may come into contact between two configurations alone; true if that has
+    /// changed them.
+    virtual bool narrow(const double* /*from*/, const double* /*to*/) { return false; }
+    /// Fixes for a step that begins here what does not move with the unknowns; true if gaps are other
+    /// functions from now on.
+    virtual bool settle(const double* /*X*/) { return false; }
+    /// Vertices that a gap depends on; its own comes first.
+    const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
+    /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.
+    virtual void values(const double* X, double* gap, double* area) = 0;
+    /// Of every gap, between two configurations that stencils were made for; way and sight are those of the
+    /// facets that come nearest to pass each other unseen.
+    virtual void approaches(const double* from, const double* to, std::vector<Approach>& out) const = 0;
+    /// Part of a facet by which positions may change where gaps jump by as much.
+    virtual double resolution() const { return 0; }
+    /// Gradients of the gaps that are wanted.
+    virtual void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) = 0;
+    /// The sum of S times the second derivatives, shared out over the gaps' `hessian`, and with a `direction`
+    /// their own second derivatives `along` it; gradients as well.
+    virtual void seconds(const double* X, const std::vector<double>& S, const double* direction,
+                         std::vector<Gap>& out) = 0;
+    /// What friction acts on at the gaps that are wanted, with or without its derivatives.
+    virtual void grips(const double* /*X*/, const std::vector<char>& /*wanted*/, bool /*gradients*/,
+                       std::vector<Grip>& /*out*/) {
+        throw std::logic_error("friction is not known for these gaps");
+    }
+
+    /// Masses of a gap's vertices, with derivatives if wanted, that belong to the configuration alone and not
+    /// to what else is in the stencil: forces that mend its work are those of the relative motion of these.
+    virtual void masses(const double* /*X*/, const std::vector<char>& wanted, bool gradients,
+                        std::vector<Grip>& out);
+    /// So many vertices at the beginning of the stencil are those whose rigid motion friction does not feel.
+    virtual int n_turning(int gap) const { return static_cast<int>(stencils_[gap].size()); }
+
+  protected:
+    Skin skin_;
+    int n_ = 0;
+    std::vector<std::vector<int>> stencils_;
+};
+
+struct MortarOptions {
+    double reach = 0;           // facets farther apart along the normal do not see each other
+    bool axisymmetric = false;  // edges stand for surfaces of revolution
+    bool dual = false;          // weighted by dual functions of the first surface, for what it was covered of
+};
+
+std::unique_ptr<Gaps> make_mortar(Skin skin, const MortarOptions& options);
+
+/// Gaps of single points.
+struct PointOptions {
+    std::vector<double> areas;   // of the first surface's vertices, which come before all others
+    std::vector<double> behind;  // thickness of the body behind each of them
+    double radius = 0;           // of a ball about each of them
+    double reach = 0;            // facets farther away are not seen
+    bool rubs = false;           // there is friction
+    double axis = 0;             // length of the axes of the frame that balls turn with where they rub
+};
+
+/// Distances to the closest points of the second surface's facets. Where balls rub, the last four vertices
+/// are the frame that they turn with, its origin and the ends of its axes.
+std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
+
+/// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,
+/// is the other side of its own body.
+std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places);
+
+/// A shape in a frame; round about the third axis, or with edges along the axes.
+struct ObstacleShape {
+    enum Core { half_space, box, cylinder };
+    Core core = half_space;
+    double half[3] = {};  // half the size of the core along each axis; no size at all for a ball
+    double radius = 0;    // of a round layer about the core
+    double axis = 1;      // length of the axes in the skin
+};
+
+/// Distances to an exact shape; the last four vertices of the skin are its frame, the origin and the ends of
+/// its axes. Where balls rub, the frame that they turn with is the four vertices before.
+std::unique_ptr<Gaps> make_obstacle(Skin skin, PointOptions options, const ObstacleShape& shape);
+
+}  // namespace visviva

@@ -1,0 +1,233 @@
+#include "visviva/flow/immersed_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "visviva/base/stopwatch.hpp"
+
+namespace visviva {
+
+ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
+                           Reach reach)
+    : points_(std::move(points)),
+      interpolate_(std::move(interpolate)),
+      admit_(std::move(admit)),
+      couple_(std::move(couple)),
+      reach_(std::move(reach)) {
+    const std::size_t n = static_cast<std::size_t>(points_.n());
+    now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
+    at_tangent_ = now_;
+    start_.assign(n * points_.dim, 0.0), places_ = start_, reached_ = start_;
+}
+
+template <class F>
+void ImmersedTerm::each(F f) const {
+    for (int k = 0; k < points_.n(); ++k)
+        for (int i = 0; i < points_.dim; ++i) f(k, i, points_.multiplier[k] + i, k * points_.width);
+}
+
+double ImmersedTerm::velocity(const double* v, int first, int i) const {
+    double sum = 0;
+    for (int e = first; e < first + points_.width; ++e) sum += now_.weight[e] * v[now_.unknown[e] + i];
+    return sum;
+}
+
+double ImmersedTerm::carrying(const Context& c, int first, int i) const {
+    const double v0 = velocity(c.vectors.x0, first, i), v1 = velocity(c.vectors.x1, first, i);
+    return v0 + share(c.step) * (v1 - v0);
+}
+
+// How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
+double ImmersedTerm::moved(const Context& c, int k, int i) const {
+    if (has_rates(c.step)) return c.step.h * points_.value(c.vectors.rate, k, i);
+    return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
+}
+
+// Points that the fluid has let go of follow nothing: their force vanishes.
+bool ImmersedTerm::is_free(const std::vector<double>& weight, int first) const {
+    if (!points_.leaves) return false;
+    const auto begin = weight.begin() + first;
+    return std::all_of(begin, begin + points_.width, [](double w) { return w == 0; });
+}
+
+bool ImmersedTerm::outdated() const {
+    for (int k = 0; points_.leaves && k < points_.n(); ++k)
+        if (is_free(k * points_.width) != is_free(at_tangent_.weight, k * points_.width)) return true;
+    return false;
+}
+
+// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end) on the predicted
+// way keeps the second order, and makes the motion linear in the velocities. It stays through all iterations
+// and attempts of a step.
+bool ImmersedTerm::search(const double* x0, const double* x1) {
+    const Stopwatch watch(location_);
+    bool same = true, moves = false;
+    each([&](int k, int i, int, int) {
+        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
+        same = same && start_[k * points_.dim + i] == from, moves = moves || to != from;
+    });
+    if (!coupled_.empty() && same && (ahead_ || !moves) && !refused_) return false;
+    ahead_ = moves, refused_ = false;
+    each([&](int k, int i, int, int) {
+        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
+        start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = from + theta_ * (to - from);
+    });
+    interpolate_(start_.data(), places_.data(), now_.unknown.data(), now_.weight.data());
+    bool known = !coupled_.empty();
+    for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
+        known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
+    if (!known) couple(x0, x1);
+    return !known;
+}
+
+Refusal ImmersedTerm::refused(const Lost& lost) const {
+    if (lost.point < 0) return {};
+    return {points_.vector[static_cast<std::size_t>(lost.point) * points_.terms], name + ": " + lost.why};
+}
+
+Refusal ImmersedTerm::refuse(const Context& c) {
+    const Stopwatch watch(location_);
+    std::vector<double> ends(places_.size()), starts(places_.size());
+    each([&](int k, int i, int, int) {
+        starts[k * points_.dim + i] = points_.value(c.vectors.x0, k, i);
+        ends[k * points_.dim + i] = points_.value(c.vectors.x1, k, i);
+    });
+    const Lost lost = admit_(starts.data(), ends.data());
+    refused_ = lost.point >= 0;
+    return refused(lost);
+}
+
+// The pattern, and the weights of the kept tangent; those of the next step follow from its start.
+void ImmersedTerm::write_memory(std::vector<double>& m) const {
+    m.push_back(theta_);
+    m.push_back(static_cast<double>(coupled_.size()));
+    for (const auto& all : coupled_) {
+        m.push_back(static_cast<double>(all.size()));
+        m.insert(m.end(), all.begin(), all.end());
+    }
+    m.insert(m.end(), at_tangent_.unknown.begin(), at_tangent_.unknown.end());
+    m.insert(m.end(), at_tangent_.weight.begin(), at_tangent_.weight.end());
+    m.insert(m.end(), reached_.begin(), reached_.end());
+}
+
+bool ImmersedTerm::read_memory(const double*& m) {
+    theta_ = *m++;
+    coupled_.resize(static_cast<std::size_t>(*m++));
+    for (auto& all : coupled_) {
+        all.resize(static_cast<std::size_t>(*m++));
+        for (int& u : all) u = static_cast<int>(*m++);
+    }
+    for (int& u : at_tangent_.unknown) u = static_cast<int>(*m++);
+    for (double& w : at_tangent_.weight) w = *m++;
+    for (double& p : reached_) p = *m++;
+    now_ = at_tangent_;
+    std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
+    tell_reach();
+    return true;
+}
+
+bool ImmersedTerm::is_coupled(int point, int unknown) const {
+    return std::binary_search(coupled_[point].begin(), coupled_[point].end(), unknown);
+}
+
+// The pattern lasts for some steps if it holds what comes next.
+void ImmersedTerm::couple(const double* x0, const double* x1) {
+    std::vector<double> moves(places_.size());
+    each([&](int k, int i, int, int) {
+        moves[k * points_.dim + i] = points_.value(x1, k, i) - points_.value(x0, k, i);
+    });
+    coupled_ = couple_(places_.data(), moves.data());
+    for (std::size_t e = 0; e < now_.unknown.size(); ++e)
+        coupled_[e / points_.width].push_back(now_.unknown[e]);
+    for (auto& all : coupled_) {
+        std::sort(all.begin(), all.end());
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+    }
+    reached_ = places_;
+    tell_reach();
+}
+
+// It changes with the pattern alone: a kept tangent and a restart know the same.
+void ImmersedTerm::tell_reach() const {
+    if (!reach_) return;
+    std::vector<int> unknowns;
+    for (const auto& all : coupled_) unknowns.insert(unknowns.end(), all.begin(), all.end());
+    reach_(unknowns, reached_.data());
+}
+
+// f(row, column) of every entry, two by two those of a constraint and its transpose.
+template <class F>
+void ImmersedTerm::each_coupled(F f) const {
+    if (coupled_.empty()) return;
+    each([&](int k, int i, int m, int) {
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            f(m, points_.vector[t] + i), f(points_.vector[t] + i, m);
+        for (int v : coupled_[k]) f(m, v + i), f(v + i, m);
+        if (points_.leaves) f(m, m);
+    });
+}
+
+void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+    each_coupled([&](int row, int col) { entries.emplace_back(row, col); });
+}
+
+std::int64_t ImmersedTerm::n_entries() const {
+    std::int64_t n = 0;
+    each_coupled([&](int, int) { ++n; });
+    return n;
+}
+
+void ImmersedTerm::set_positions(const std::int64_t* positions) {
+    position_.assign(positions, positions + n_entries());
+}
+
+void ImmersedTerm::residual(const Context& c, double* r) {
+    theta_ = c.step.theta;
+    const auto& x1 = c.vectors.x1;
+    each([&](int k, int i, int m, int first) {
+        r[m] += is_free(first) ? x1[m] : moved(c, k, i) - c.step.h * carrying(c, first, i);
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            r[points_.vector[t] + i] += points_.weight[t] * x1[m];
+        for (int e = first; e < first + points_.width; ++e) r[now_.unknown[e] + i] -= now_.weight[e] * x1[m];
+    });
+}
+
+void ImmersedTerm::tangent(const Context& c, double* values) {
+    at_tangent_ = now_;
+    std::size_t at = 0;
+    const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
+    each([&](int k, int, int, int first) {
+        const std::vector<int>& all = coupled_[k];
+        const bool free = is_free(first);
+        for (int t = k * points_.terms; t < (k + 1) * points_.terms; ++t)
+            for (const double factor : {free ? 0.0 : own, 1.0})
+                values[position_[at++]] += factor * points_.weight[t];
+        for (int e = first; e < first + points_.width; ++e) {
+            const auto place = std::lower_bound(all.begin(), all.end(), now_.unknown[e]) - all.begin();
+            const std::size_t to = at + 2 * static_cast<std::size_t>(place);
+            values[position_[to]] -= h * now_.weight[e];
+            values[position_[to + 1]] -= now_.weight[e];
+        }
+        at += 2 * all.size();
+        if (points_.leaves) values[position_[at++]] += free ? 1.0 : 0.0;
+    });
+}
+
+// What the fluid does on the solid and the solid on the fluid, and what is lost where nodes go ahead; the
+// defect is how far nodes have moved otherwise.
+// What moves with the fluid over steps has no rate to keep at an instant.
+void ImmersedTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
+    double* defect = &sums.defect[2 * static_cast<std::size_t>(component[0])];
+    const auto &x0 = c.vectors.x0, &x1 = c.vectors.x1;
+    each([&](int k, int i, int m, int first) {
+        if (is_free(first)) return;
+        const double apart = moved(c, k, i) - c.step.h * carrying(c, first, i);
+        const double ahead = c.step.h * points_.damping * (velocity(x1, first, i) - velocity(x0, first, i));
+        sums.work[account[0]] -= x1[m] * apart;
+        sums.work[account[1]] -= x1[m] * ahead;
+        defect[0] = std::max(defect[0], std::abs(apart));
+    });
+}
+
+}  // namespace visviva

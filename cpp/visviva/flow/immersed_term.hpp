@@ -1,0 +1,105 @@
+// Points of a body that move with the velocities of a fluid around them, paper (34): h dq/dt = h I (v_theta +
+// damping (v1 - v0)) with the scheme's rate dq/dt, (q1 - q0) / h of the midpoint rule. A node of a solid is
+// an unknown itself, a point of a rigid body a sum of its origin and directors. The multipliers are the
+// forces that the fluid passes on to the solid.
+#pragma once
+#include <functional>
+
+#include "visviva/term/term.hpp"
+
+namespace visviva {
+
+/// Where places [n][dim] are in the fluid: for each the first unknowns of so many velocities, and their
+/// weights, all of them zero for points that the fluid has let go of. `starts` are those of the step.
+using Interpolation =
+    std::function<void(const double* starts, const double* places, int* unknown, double* weight)>;
+
+/// A point that may not end a step where it would, and why; -1: none.
+struct Lost {
+    int point = -1;
+    std::string why;
+};
+using Admission = std::function<Lost(const double* starts, const double* ends)>;
+
+/// First unknowns of all velocities that places [n][dim] may come to follow while they go on by `moves` per
+/// step: for each, without order.
+using Coupling = std::function<std::vector<std::vector<int>>(const double* places, const double* moves)>;
+
+/// Told of the first unknowns of all velocities that points follow or may come to follow, and where these are
+/// [n][dim].
+using Reach = std::function<void(const std::vector<int>& unknowns, const double* places)>;
+
+/// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
+/// multiplier and follows `width` velocities.
+struct ImmersedPoints {
+    int dim, terms, width;
+    double damping;
+    bool leaves;  // whether the fluid may let go of them
+    std::vector<int> vector;
+    std::vector<double> weight;
+    std::vector<int> multiplier;
+    int n() const { return static_cast<int>(multiplier.size()); }
+    double value(const double* x, int point, int i) const {
+        double sum = 0;
+        for (int t = point * terms; t < (point + 1) * terms; ++t) sum += weight[t] * x[vector[t] + i];
+        return sum;
+    }
+};
+
+class ImmersedTerm : public Term {
+  public:
+    ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
+                 Reach reach);
+
+    bool search(const double* x0, const double* x1) override;
+    bool outdated() const override;
+    Refusal refuse(const Context&) override;
+    void write_memory(std::vector<double>& memory) const override;
+    bool read_memory(const double*& memory) override;
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override;
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+    double location() const { return location_; }  // CPU seconds that it has taken
+
+  private:
+    /// f(point, component, multiplier, first velocity)
+    template <class F>
+    void each(F f) const;
+    template <class F>
+    void each_coupled(F f) const;
+    bool is_coupled(int point, int unknown) const;
+    void couple(const double* x0, const double* x1);
+    Refusal refused(const Lost&) const;
+    bool is_free(const std::vector<double>& weight, int first) const;
+    bool is_free(int first) const { return is_free(now_.weight, first); }
+    void tell_reach() const;
+    double velocity(const double* v, int first, int i) const;
+    double carrying(const Context&, int first, int i) const;
+    double moved(const Context&, int point, int i) const;
+    static bool has_rates(const Step& step) { return step.motion[0][0] != 0; }
+    double share(const Step& step) const { return step.theta + points_.damping; }
+
+    ImmersedPoints points_;
+    Interpolation interpolate_;
+    Admission admit_;
+    Coupling couple_;
+    Reach reach_;  // or none
+    // [point][width] first unknowns of velocities, and their weights
+    struct Weights {
+        std::vector<int> unknown;
+        std::vector<double> weight;
+    };
+    Weights now_, at_tangent_;
+    std::vector<std::vector<int>> coupled_;         // per point: all velocities in the pattern, sorted
+    std::vector<double> start_, places_, reached_;  // the last: places when the pattern was made
+    double theta_ = 0.5;                            // of the last step: schemes do not change
+    double location_ = 0;
+    bool refused_ = false;  // the end of the attempt before
+    bool ahead_ = false;    // whether the places were those of a predicted motion
+    std::vector<std::int64_t> position_;
+};
+
+}  // namespace visviva

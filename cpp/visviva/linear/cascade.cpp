@@ -1,0 +1,117 @@
+// Solvers in the order of preference: where one fails, the next takes over, and says so.
+#include "visviva/linear/linear_choice.hpp"
+
+namespace visviva {
+
+namespace {
+
+class Cascade : public LinearSolver {
+  public:
+    explicit Cascade(const std::vector<LinearChoice>& choices) : choices_(choices) {}
+
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        pattern_ = &pattern, blocks_ = &blocks;
+        solver_.reset();
+        at_ = 0, served_ = 0, patience_ = 16;
+    }
+
+    // After the present solver has served for long enough, the preferred one is tried again: with twice the
+    // patience every time that it fails.
+    bool factor(const double* values, const Place& place) override {
+        values_ = values;
+        message_.clear();
+        if (at_ > 0 && ++served_ > patience_) at_ = 0, served_ = 0, patience_ *= 2;
+        if (choices_[at_].last_resort && !is_allowed_) at_ = 0, served_ = 0;
+        return attempt([&] { return solver_->factor(values_, place); });
+    }
+
+    bool solve(const double* r, const Place& place, double* d) override {
+        if (solver_->solve(r, place, d)) return true;
+        if (is_last()) return message_ = solver_->message(), false;
+        note(solver_->message());
+        ++at_;
+        return attempt([&] { return solver_->factor(values_, place) && solver_->solve(r, place, d); });
+    }
+
+    void aim(double residual) override {
+        if (solver_) solver_->aim(residual);
+    }
+    void forget() override {
+        if (solver_) solver_->forget();
+    }
+    std::vector<double> state() const override {
+        return {static_cast<double>(at_), static_cast<double>(served_), static_cast<double>(patience_)};
+    }
+    void allow_last_resort(bool on) override { is_allowed_ = on; }
+    void set_state(const std::vector<double>& s) override {
+        at_ = static_cast<std::size_t>(s[0]), served_ = static_cast<int>(s[1]),
+        patience_ = static_cast<int>(s[2]);
+    }
+    int singular_unknown() const override { return solver_ ? solver_->singular_unknown() : -1; }
+    int n_iterations() const override { return solver_ ? solver_->n_iterations() : 0; }
+    int n_negative() const override { return solver_ ? solver_->n_negative() : -1; }
+    double memory() const override { return solver_ ? solver_->memory() : 0; }
+    std::string message() const override { return message_; }
+    std::string name() const override { return solver_ ? solver_->name() : "none yet"; }
+
+  private:
+    // From the present solver on, until one succeeds.
+    template <class F>
+    bool attempt(F&& works) {
+        for (;; ++at_) {
+            prepare();
+            if (works()) return true;
+            if (is_last()) return message_ = solver_->message(), false;
+            note(solver_->message());
+        }
+    }
+
+    bool is_last() const {
+        return at_ + 1 == choices_.size() || (choices_[at_ + 1].last_resort && !is_allowed_);
+    }
+
+    void prepare() {
+        if (solver_ && prepared_ == at_) return;
+        solver_.reset();  // its memory first
+        auto solver = make_linear({choices_[at_]});
+        solver->analyze(*pattern_, *blocks_);
+        solver_ = std::move(solver), prepared_ = at_;
+    }
+
+    void note(const std::string& why) { message_ += solver_->name() + " was left: " + why + "; "; }
+
+    std::vector<LinearChoice> choices_;
+    std::unique_ptr<LinearSolver> solver_;
+    const Csr* pattern_ = nullptr;
+    const Blocks* blocks_ = nullptr;
+    const double* values_ = nullptr;
+    std::size_t at_ = 0, prepared_ = 0;
+    int served_ = 0, patience_ = 16;
+    bool is_allowed_ = true;
+    std::string message_;
+};
+
+std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
+    switch (choice.backend) {
+        case Backend::cholesky:
+            return make_cholesky(choice);
+        case Backend::pardiso:
+            return make_pardiso(choice);
+        case Backend::krylov:
+            return make_krylov(choice);
+        case Backend::sparse_lu:
+            break;
+    }
+    auto lu = make_sparse_lu(true);
+    lu->regularization = choice.regularization;
+    return lu;
+}
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_linear(const std::vector<LinearChoice>& in_order) {
+    if (in_order.size() == 1) return make_one(in_order.front());
+    return std::make_unique<Cascade>(in_order);
+}
+
+}  // namespace visviva

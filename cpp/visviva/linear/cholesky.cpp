@@ -1,0 +1,120 @@
+// Eigen's simplicial Cholesky factorisation L D L^T of positive definite matrices: always there, fast enough
+// for small and two-dimensional problems.
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+#include "visviva/linear/scaled.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
+
+constexpr double smallest_pivot = 1e-13;  // of a matrix with unit diagonal
+
+class Cholesky : public LinearSolver {
+  public:
+    explicit Cholesky(const LinearChoice& choice) : choice_(choice) {
+        regularization = choice.regularization;
+    }
+
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        matrix_.analyze(pattern, blocks, MatrixKind::definite);
+        order();
+        require_memory(bytes_ = 24.0 * static_cast<double>(count_entries()), choice_.memory_limit,
+                       matrix_.n());
+        ldlt_.analyzePattern(permuted_);
+        b_.resize(matrix_.n()), s_.resize(matrix_.n());
+    }
+
+    bool factor(const double* values, const Place&) override {
+        message_.clear(), singular_ = -1;
+        if (!matrix_.fill(values, regularization)) return message_ = matrix_.message(), false;
+        for (std::size_t k = 0; k < to_.size(); ++k) permuted_.valuePtr()[to_[k]] = matrix_.value()[k];
+        ldlt_.factorize(permuted_);
+        if (ldlt_.info() != Eigen::Success) return message_ = "the tangent has a zero pivot", false;
+        Eigen::Index at = 0;
+        const double least = ldlt_.vectorD().minCoeff(&at);
+        if (least > smallest_pivot) return true;
+        singular_ = inverse_.indices()[at];
+        message_ =
+            least < -smallest_pivot ? "the tangent is not positive definite" : "the tangent is singular";
+        return false;
+    }
+
+    bool solve(const double* r, const Place&, double* d) override {
+        matrix_.right_hand_side(r, b_.data());
+        const Eigen::VectorXd s = permutation_ * b_;
+        s_ = inverse_ * ldlt_.solve(s).eval();
+        matrix_.increment(s_.data(), d);
+        return true;
+    }
+
+    int singular_unknown() const override { return singular_ < 0 ? -1 : matrix_.unknown(singular_); }
+    int n_negative() const override { return 0; }
+    double memory() const override { return bytes_; }
+    std::string message() const override { return message_; }
+    std::string name() const override { return "simplicial Cholesky"; }
+
+  private:
+    // Permutes the upper triangle by approximate minimum degree, and remembers where every entry went.
+    void order() {
+        const int n = matrix_.n();
+        const auto &row = matrix_.row(), &col = matrix_.col();
+        std::vector<Eigen::Triplet<double>> entries;
+        entries.reserve(col.size());
+        for (int i = 0; i < n; ++i)
+            for (int k = row[i]; k < row[i + 1]; ++k) entries.emplace_back(i, col[k], 1.0);
+        Matrix upper(n, n);
+        upper.setFromTriplets(entries.begin(), entries.end());
+        Eigen::AMDOrdering<int>()(upper.selfadjointView<Eigen::Upper>(), inverse_);
+        permutation_ = inverse_.inverse();
+        const auto& p = permutation_.indices();
+        for (auto& e : entries) {
+            const auto [i, j] = std::minmax(p[e.row()], p[e.col()]);
+            e = {i, j, 1.0};
+        }
+        permuted_.resize(n, n);
+        permuted_.setFromTriplets(entries.begin(), entries.end());
+        to_.resize(entries.size());
+        for (std::size_t k = 0; k < entries.size(); ++k)
+            to_[k] = &permuted_.coeffRef(entries[k].row(), entries[k].col()) - permuted_.valuePtr();
+    }
+
+    // Of the factor, from the elimination tree (Liu 1990), before memory is asked for.
+    std::int64_t count_entries() const {
+        const int n = matrix_.n();
+        std::vector<int> parent(n, -1), seen(n, -1);
+        std::int64_t total = n;
+        for (int j = 0; j < n; ++j) {
+            seen[j] = j;
+            for (Matrix::InnerIterator it(permuted_, j); it; ++it)
+                for (int i = static_cast<int>(it.row()); i < j && seen[i] != j; i = parent[i]) {
+                    if (parent[i] < 0) parent[i] = j;
+                    ++total, seen[i] = j;
+                }
+        }
+        return total;
+    }
+
+    LinearChoice choice_;
+    ScaledMatrix matrix_;
+    Matrix permuted_;
+    std::vector<std::ptrdiff_t> to_;
+    Permutation permutation_, inverse_;
+    Eigen::SimplicialLDLT<Matrix, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
+    double bytes_ = 0;
+    int singular_ = -1;
+    Eigen::VectorXd b_, s_;
+    std::string message_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_cholesky(const LinearChoice& choice) {
+    return std::make_unique<Cholesky>(choice);
+}
+
+}  // namespace visviva

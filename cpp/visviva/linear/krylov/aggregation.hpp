@@ -1,0 +1,32 @@
+// Smoothed aggregation: from aggregates of block rows to the coarser matrix. The aggregates follow from the
+// pattern alone and last; what follows from the values is cheap enough to be made anew.
+#pragma once
+#include "visviva/linear/aggregates.hpp"
+#include "visviva/linear/block_rows.hpp"
+
+namespace visviva {
+
+// The way up from a coarser level; unlike elsewhere blocks are stored by rows, so that products run along
+// them.
+struct Prolongation {
+    int n_coarse = 0, rows = 1, cols = 1;
+    std::vector<std::int64_t> row;
+    std::vector<int> col;
+    std::vector<double> block;
+
+    int n() const { return static_cast<int>(row.size()) - 1; }
+    double* at(std::int64_t k) { return block.data() + k * rows * cols; }
+    const double* at(std::int64_t k) const { return block.data() + k * rows * cols; }
+
+    BlockRows<float> up() const;
+    BlockRows<float> down() const;  // its transpose
+};
+
+// P = (1 - weight D^-1 A) T with inverted diagonal blocks D^-1 of `factor` A and tentative T.
+Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
+                      const Aggregates& tentative);
+
+// P^T A P
+BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p);
+
+}  // namespace visviva

@@ -1,0 +1,268 @@
+// One V-cycle of algebraic multigrid on aggregates that somebody else made. Smoothing is a Chebyshev
+// polynomial in the matrix with its diagonal blocks inverted: rows are independent, so results do not depend
+// on who computes them. The cycle runs in single precision, which is all a preconditioner needs and half the
+// memory traffic.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/linear/krylov/aggregation.hpp"
+#include "visviva/linear/krylov/precondition.hpp"
+#include "visviva/linear/scaled.hpp"
+#include "visviva/linear/sparse_dispatch.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Vector = std::vector<float>;
+
+constexpr int degree = 2;             // of the smoothing polynomial
+constexpr float lowest_share = 0.2F;  // of the spectrum's upper end that smoothing damps
+constexpr int power_steps = 12;
+constexpr double prolongation_weight = 4.0 / 3;  // over the largest eigenvalue
+constexpr double singular_ratio = 1e-12;
+constexpr std::size_t largest_coarsest = 4000;  // equations
+
+void multiply(const BlockRows<float>& a, const Vector& x, Vector& y) {
+    sparse_kernels().block_multiply_single(a.view(), x.data(), y.data(), 0, a.n());
+}
+
+BlockRows<float> single(const BlockRows<double>& a, double factor) {
+    BlockRows<float> b;
+    b.rows = a.rows, b.cols = a.cols, b.row = a.row, b.col = a.col;
+    b.allocate();
+    std::transform(a.value.begin(), a.value.end(), b.value.begin(),
+                   [factor](double v) { return static_cast<float>(factor * v); });
+    return b;
+}
+
+// Without what couples nodes to constraints and pressures, which stand alone.
+BlockRows<double> decoupled(const BlockRows<double>& a, const std::vector<char>& alone) {
+    BlockRows<double> b;
+    b.rows = a.rows, b.cols = a.cols;
+    std::vector<std::int64_t> from;
+    for (int i = 0; i < a.n(); ++i) {
+        for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
+            if (a.col[k] == i || (!alone[i] && !alone[a.col[k]]))
+                b.col.push_back(a.col[k]), from.push_back(k);
+        b.row.push_back(static_cast<std::int64_t>(b.col.size()));
+    }
+    b.allocate();
+    const int m = a.rows * a.cols;
+    for (std::size_t k = 0; k < from.size(); ++k) std::copy_n(a.block(from[k]), m, b.block(k));
+    for (int i = 0; i < b.n(); ++i)
+        if (alone[i]) {
+            double* own = b.block(b.row[i]);
+            std::fill_n(own, m, 0.0);
+            for (int r = 0; r < b.rows; ++r) own[r * b.rows + r] = 1;
+        }
+    return b;
+}
+
+class Smoother {
+  public:
+    Smoother(const BlockRows<double>& a, double factor)
+        : a_(single(a, factor)), inverse_(inverse_diagonal<float>(a, false)) {
+        for (float& v : inverse_.value) v = static_cast<float>(v / factor);
+        for (Vector* v : {&residual_, &step_, &scaled_}) v->resize(a_.size());
+        bound();
+    }
+
+    // x += p(D^-1 A) D^-1 (b - A x); with `zero` x counts as zero on entry.
+    void smooth(const Vector& b, Vector& x, bool zero) {
+        const float upper = 1.1F * largest_, lower = lowest_share * upper;
+        const float middle = 0.5F * (upper + lower), half = 0.5F * (upper - lower);
+        if (zero)
+            residual_ = b, std::fill(x.begin(), x.end(), 0.0F);
+        else
+            defect(b, x);
+        float rho = half / middle;
+        for (int k = 0; k < degree; ++k) {
+            multiply(inverse_, residual_, scaled_);
+            const float next = 1 / (2 * middle / half - rho);
+            const float old = k == 0 ? 0 : next * rho, add = k == 0 ? 1 / middle : 2 * next / half;
+            if (k > 0) rho = next;
+            for (std::size_t i = 0; i < x.size(); ++i)
+                step_[i] = old * step_[i] + add * scaled_[i], x[i] += step_[i];
+            if (k + 1 < degree) subtract(step_);
+        }
+    }
+
+    const Vector& defect(const Vector& b, const Vector& x) {
+        multiply(a_, x, residual_);
+        for (std::size_t i = 0; i < b.size(); ++i) residual_[i] = b[i] - residual_[i];
+        return residual_;
+    }
+
+    // Of the smoothed prolongation, for a matrix without the factor.
+    const BlockRows<float>& inverse() const { return inverse_; }
+    double weight(double factor) const { return factor * prolongation_weight / (1.1 * largest_); }
+    std::size_t size() const { return a_.size(); }
+    double memory() const { return 4.0 * static_cast<double>(a_.value.size() + a_.col.size()); }
+
+  private:
+    void subtract(const Vector& step) {
+        multiply(a_, step, scaled_);
+        for (std::size_t i = 0; i < step.size(); ++i) residual_[i] -= scaled_[i];
+    }
+
+    // Largest eigenvalue of D^-1 A by the power method.
+    void bound() {
+        const auto start = arbitrary_vector(static_cast<int>(size()));
+        std::copy(start.begin(), start.end(), step_.begin());
+        for (int k = 0; k < power_steps; ++k) {
+            multiply(a_, step_, scaled_);
+            multiply(inverse_, scaled_, residual_);
+            double before = 0, after = 0;
+            for (float v : step_) before += static_cast<double>(v) * v;
+            for (float v : residual_) after += static_cast<double>(v) * v;
+            largest_ = static_cast<float>(std::sqrt(after / before));
+            const auto shrink = static_cast<float>(1 / std::sqrt(after));
+            for (std::size_t i = 0; i < size(); ++i) step_[i] = shrink * residual_[i];
+        }
+    }
+
+    BlockRows<float> a_, inverse_;
+    float largest_ = 1;
+    Vector residual_, step_, scaled_;
+};
+
+struct Level {
+    Smoother smoother;
+    BlockRows<float> prolongation, restriction;
+    Vector b, x, correction;
+};
+
+class Multigrid : public Preconditioning {
+  public:
+    explicit Multigrid(const LinearChoice& choice) : aggregator_(choice.aggregator) {}
+
+    bool build(const NodeMatrix& matrix) override {
+        if (!levels_.empty() && !outdated_) return kept_ = true;
+        kept_ = outdated_ = false, usual_ = -1;
+        levels_.clear();
+        if (!aggregator_) return message = "multigrid needs PyAMG: pip install pyamg", false;
+        const auto& alone = matrix.algebraic();
+        const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
+        return mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
+    }
+
+    bool build(const BlockRows<double>& finest, const NodeMatrix& matrix) {
+        if (!has_aggregates_) aggregates_ = aggregator_(finest, matrix.modes().data(), matrix.n_modes());
+        has_aggregates_ = true;
+        scale_ = 0;
+        for (double v : finest.value) scale_ = std::max(scale_, std::abs(v));
+        scale_ = scale_ > 0 ? 1 / scale_ : 1;
+        BlockRows<double> coarse;
+        const BlockRows<double>* a = &finest;
+        for (const Aggregates& tentative : aggregates_) {
+            coarse = add_level(*a, tentative);
+            a = &coarse;
+        }
+        return factor_coarsest(*a);
+    }
+
+    void apply(const double* r, double* z) override {
+        Vector& b = levels_.empty() ? coarse_b_ : levels_[0].b;
+        const std::size_t n = b.size();
+        double largest = 0;
+        for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(r[i]));
+        if (largest == 0) return std::fill(z, z + n, 0.0);
+        for (std::size_t i = 0; i < n; ++i) b[i] = static_cast<float>(r[i] / largest);
+        cycle(0);
+        const Vector& x = levels_.empty() ? coarse_x_ : levels_[0].x;
+        for (std::size_t i = 0; i < n; ++i) z[i] = scale_ * largest * x[i];
+    }
+
+    // Grids of an earlier matrix serve until they take half as many iterations again.
+    void learn(int iterations) override {
+        if (usual_ < 0) usual_ = iterations;
+        outdated_ = iterations > usual_ + usual_ / 2 + 3;
+    }
+    bool kept() const override { return kept_; }
+    void forget() override { levels_.clear(), outdated_ = true; }
+    const char* name() const override { return "algebraic multigrid"; }
+    double memory() const override {
+        double bytes = 8.0 * static_cast<double>(dense_.size());
+        for (const Level& l : levels_)
+            bytes += l.smoother.memory() +
+                     8.0 * static_cast<double>(l.prolongation.value.size() + l.restriction.value.size());
+        return bytes;
+    }
+
+  private:
+    // Returns the matrix of the next level.
+    BlockRows<double> add_level(const BlockRows<double>& a, const Aggregates& tentative) {
+        Smoother smoother(a, scale_);
+        const Prolongation p = smoothed(a, smoother.inverse(), smoother.weight(scale_), tentative);
+        levels_.push_back(
+            {std::move(smoother), p.up(), p.down(), Vector(a.size()), Vector(a.size()), Vector(a.size())});
+        return coarse_matrix(a, p);
+    }
+
+    void cycle(std::size_t k) {
+        if (k == levels_.size()) return solve_coarsest();
+        Level& l = levels_[k];
+        l.smoother.smooth(l.b, l.x, true);
+        multiply(l.restriction, l.smoother.defect(l.b, l.x),
+                 k + 1 < levels_.size() ? levels_[k + 1].b : coarse_b_);
+        cycle(k + 1);
+        multiply(l.prolongation, k + 1 < levels_.size() ? levels_[k + 1].x : coarse_x_, l.correction);
+        for (std::size_t i = 0; i < l.x.size(); ++i) l.x[i] += l.correction[i];
+        l.smoother.smooth(l.b, l.x, false);
+    }
+
+    bool factor_coarsest(const BlockRows<double>& a) {
+        if (a.size() > largest_coarsest) return message = "multigrid finds no coarser grid", false;
+        const auto n = static_cast<Eigen::Index>(a.size());
+        dense_.setZero(n, n);
+        for (int i = 0; i < a.n(); ++i)
+            for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
+                for (int c = 0; c < a.cols; ++c)
+                    for (int r = 0; r < a.rows; ++r)
+                        dense_(i * a.rows + r, a.col[k] * a.cols + c) = scale_ * a.block(k)[c * a.rows + r];
+        // Aggregates with fewer freedoms than there are modes leave empty rows.
+        for (Eigen::Index i = 0; i < n; ++i)
+            if (std::abs(dense_(i, i)) < 1e-30) dense_(i, i) = 1;
+        Eigen::VectorXd d = dense_.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
+        dense_ = d.asDiagonal() * dense_ * d.asDiagonal();
+        coarse_scale_ = d;
+        lu_.compute(dense_);
+        coarse_b_.assign(a.size(), 0), coarse_x_.assign(a.size(), 0);
+        const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
+        if (pivots.minCoeff() > singular_ratio * pivots.maxCoeff()) return true;
+        levels_.clear();
+        return message =
+                   "the tangent is singular: a motion that nothing resists, such as a rigid one of an "
+                   "unsupported body",
+               false;
+    }
+
+    void solve_coarsest() {
+        const auto n = dense_.rows();
+        const Eigen::VectorXd b = Eigen::Map<Eigen::VectorXf>(coarse_b_.data(), n).cast<double>();
+        const Eigen::VectorXd s = lu_.solve(coarse_scale_.cwiseProduct(b));
+        Eigen::Map<Eigen::VectorXf>(coarse_x_.data(), n) = coarse_scale_.cwiseProduct(s).cast<float>();
+    }
+
+    Aggregator aggregator_;
+    std::vector<Aggregates> aggregates_;  // of the pattern, whatever the values
+    bool has_aggregates_ = false;
+    std::vector<Level> levels_;
+    double scale_ = 1;
+    Eigen::MatrixXd dense_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+    Eigen::VectorXd coarse_scale_;
+    Vector coarse_b_, coarse_x_;
+    int usual_ = -1;
+    bool kept_ = false, outdated_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Preconditioning> make_multigrid(const LinearChoice& choice) {
+    return std::make_unique<Multigrid>(choice);
+}
+
+}  // namespace visviva

@@ -1,0 +1,188 @@
+#include "visviva/linear/node_matrix.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "visviva/base/parallel.hpp"
+#include "visviva/linear/sparse_dispatch.hpp"
+
+namespace visviva {
+
+constexpr int largest_block = 6;
+constexpr int piece = 512;          // block rows of a task
+constexpr double largest_fill = 2;  // entries of blocks over entries of the pattern
+
+void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
+    csr_ = &pattern;
+    partition(blocks.node);
+    make_pattern();
+    if (static_cast<double>(a_.n_values()) > largest_fill * static_cast<double>(pattern.col.size())) {
+        partition({});
+        make_pattern();
+    }
+    a_.allocate();
+    if (is_single_) {
+        single_.rows = a_.rows, single_.cols = a_.cols, single_.row = a_.row, single_.col = a_.col;
+        single_.allocate(), x_.resize(size()), y_.resize(size());
+    }
+    n_modes_ = blocks.n_modes;
+    modes_.assign(size() * n_modes_, 0.0);
+    algebraic_.assign(a_.n(), 0);
+    level_.assign(a_.n(), 1.0);
+    for (int i = 0; i < pattern.n; ++i)
+        if (!blocks.algebraic.empty() && blocks.algebraic[i]) algebraic_[slot_[i] / a_.rows] = 1;
+    for (int i = 0; i < pattern.n; ++i)
+        std::copy_n(blocks.modes.data() + static_cast<std::size_t>(i) * n_modes_, n_modes_,
+                    modes_.data() + static_cast<std::size_t>(slot_[i]) * n_modes_);
+}
+
+// Blocks have the size that most nodes have; larger nodes are cut into several.
+void NodeMatrix::partition(const std::vector<int>& node) {
+    std::vector<int> start = node;
+    if (start.empty()) {
+        start.resize(csr_->n + 1);
+        std::iota(start.begin(), start.end(), 0);
+    }
+    std::vector<int> count(largest_block + 1, 0);
+    for (std::size_t k = 0; k + 1 < start.size(); ++k)
+        count[std::min(start[k + 1] - start[k], largest_block)] += start[k + 1] - start[k];
+    a_.rows = a_.cols = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
+    a_.rows = a_.cols = std::max(a_.rows, 1);
+    first_.clear(), slot_.resize(csr_->n);
+    for (std::size_t k = 0; k + 1 < start.size(); ++k)
+        for (int i = start[k]; i < start[k + 1]; i += a_.rows) first_.push_back(i);
+    first_.push_back(csr_->n);
+    for (std::size_t b = 0; b + 1 < first_.size(); ++b)
+        for (int i = first_[b]; i < first_[b + 1]; ++i)
+            slot_[i] = static_cast<int>(b) * a_.rows + i - first_[b];
+}
+
+void NodeMatrix::make_pattern() {
+    const int n = static_cast<int>(first_.size()) - 1;
+    a_.row.assign(1, 0), a_.col.clear();
+    std::vector<int> seen(n, -1), cols;
+    for (int b = 0; b < n; ++b) {
+        cols.assign(1, b), seen[b] = b;
+        for (auto k = csr_->row[first_[b]]; k < csr_->row[first_[b + 1]]; ++k) {
+            const int c = slot_[csr_->col[k]] / a_.rows;
+            if (seen[c] != b) cols.push_back(c), seen[c] = b;
+        }
+        std::sort(cols.begin(), cols.end());
+        a_.col.insert(a_.col.end(), cols.begin(), cols.end());
+        a_.row.push_back(static_cast<std::int64_t>(a_.col.size()));
+    }
+}
+
+// The largest of what f(begin, end) makes of pieces of 0 .. n.
+template <class F>
+static double largest_of(int n, F f) {
+    std::vector<double> part((n + piece - 1) / piece, 0.0);
+    in_pieces(n, piece, [&](int begin, int end) { part[begin / piece] = f(begin, end); });
+    return part.empty() ? 0 : *std::max_element(part.begin(), part.end());
+}
+
+bool NodeMatrix::fill(const double* values) {
+    std::vector<char> finite(a_.n());
+    const double largest = largest_of(is_single_ ? csr_->n : 0, [&](int begin, int end) {
+        double some = 0;
+        for (int i = begin; i < end; ++i)
+            some = std::max(some, std::abs(values[csr_->row[i]]));  // an entry of each row will do
+        return some;
+    });
+    scale_ = largest > 0 ? 1 / largest : 1;
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
+        for (int b = begin; b < end; ++b) finite[b] = fill(b, values);
+    });
+    for (int b = 0; levels_ && b < a_.n(); ++b)  // by the stiffness in other rows
+        if (algebraic_[b]) level(b);
+    return std::find(finite.begin(), finite.end(), 0) == finite.end();
+}
+
+// Columns of both patterns ascend, so one walk along both finds every entry's place.
+bool NodeMatrix::fill(int b, const double* values) {
+    const int m = a_.rows, used = first_[b + 1] - first_[b];
+    std::fill(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), 0.0);
+    double sum = 0;
+    for (int i = first_[b]; i < first_[b + 1]; ++i) {
+        std::int64_t at = a_.row[b];
+        for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
+            const int slot = slot_[csr_->col[k]], c = slot / m;
+            while (a_.col[at] < c) ++at;
+            a_.block(at)[(slot - c * m) * m + i - first_[b]] = values[k];
+            sum += std::abs(values[k]);
+        }
+    }
+    const auto diagonal = std::lower_bound(a_.col.begin() + a_.row[b], a_.col.begin() + a_.row[b + 1], b);
+    for (int r = used; r < m; ++r) a_.block(diagonal - a_.col.begin())[r * m + r] = 1;
+    if (is_single_) copy_single(b);
+    return std::isfinite(sum);
+}
+
+void NodeMatrix::copy_single(int b) {
+    std::transform(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), single_.block(a_.row[b]),
+                   [this](double a) { return static_cast<float>(scale_ * a); });
+}
+
+// Constraints of a node of their own, which fill its first row.
+void NodeMatrix::level(int b) {
+    const int m = a_.rows;
+    double squares = 0, stiffness = 0;
+    for (auto k = a_.row[b]; k < a_.row[b + 1]; ++k) {
+        const int j = a_.col[k];
+        if (algebraic_[j]) continue;
+        const auto begin = a_.col.begin() + a_.row[j], end = a_.col.begin() + a_.row[j + 1];
+        const double* diagonal = a_.block(std::lower_bound(begin, end, j) - a_.col.begin());
+        for (int c = 0; c < m; ++c) {
+            const double square = a_.block(k)[c * m] * a_.block(k)[c * m];
+            squares += square, stiffness += square * std::abs(diagonal[c * m + c]);
+        }
+    }
+    level_[b] = squares > 0 && stiffness > 0 ? stiffness / (squares * std::sqrt(squares)) : 1;
+    for (auto k = a_.row[b]; k < a_.row[b + 1]; ++k)
+        for (int c = 0; c < m; ++c) a_.block(k)[c * m] *= level_[b];
+    if (is_single_) copy_single(b);
+}
+
+void multiply(const BlockRows<double>& a, const double* x, double* y) {
+    in_pieces(a.n(), piece,
+              [&](int begin, int end) { sparse_kernels().block_multiply(a.view(), x, y, begin, end); });
+}
+
+void NodeMatrix::multiply(const double* x, double* y) const {
+    if (is_single_)
+        multiply_single(x, y);
+    else
+        visviva::multiply(a_, x, y);
+}
+
+void NodeMatrix::multiply_single(const double* x, double* y) const {
+    const double largest = largest_of(a_.n(), [&](int begin, int end) {
+        double part = 0;
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) part = std::max(part, std::abs(x[i]));
+        return part;
+    });
+    if (!(largest > 0 && std::isfinite(largest))) {
+        std::copy(x, x + size(), y);
+        return;
+    }
+    const double back = largest / scale_;
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) x_[i] = static_cast<float>(x[i] / largest);
+    });
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
+        sparse_kernels().block_multiply_single(single_.view(), x_.data(), y_.data(), begin, end);
+        for (int i = begin * a_.rows; i < end * a_.rows; ++i) y[i] = back * y_[i];
+    });
+}
+
+void NodeMatrix::gather(const double* r, double* b) const {
+    std::fill(b, b + size(), 0.0);
+    for (int i = 0; i < csr_->n; ++i) b[slot_[i]] = -level_[slot_[i] / a_.rows] * r[csr_->unknown[i]];
+}
+
+void NodeMatrix::scatter(const double* x, double* d) const {
+    for (int i = 0; i < csr_->n; ++i) d[csr_->unknown[i]] = x[slot_[i]];
+}
+
+}  // namespace visviva

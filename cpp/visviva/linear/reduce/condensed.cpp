@@ -1,0 +1,162 @@
+#include "visviva/linear/reduce/condensed.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "visviva/linear/reduce/reduced.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+}  // namespace
+
+Condensation::Condensation(const Csr& full, const std::vector<int>& element) : full_(&full), local_(full.n) {
+    for (int i = 0; i < full.n; ++i) local_[i] = element[full.unknown[i]] >= 0;
+    kept_ = number_left(full, local_, left_);
+    find_pattern();
+    describe(element);
+}
+
+// The pattern without rows and columns of local unknowns: elements couple all they touch, so nothing is
+// added.
+void Condensation::find_pattern() {
+    const Csr& f = *full_;
+    left_.row.assign(1, 0);
+    for (int i = 0; i < f.n; ++i) {
+        if (local_[i]) continue;
+        for (auto k = f.row[i]; k < f.row[i + 1]; ++k)
+            if (!local_[f.col[k]]) left_.col.push_back(kept_[f.col[k]]);
+        left_.row.push_back(static_cast<std::int64_t>(left_.col.size()));
+    }
+    values_.resize(left_.col.size());
+}
+
+void Condensation::describe(const std::vector<int>& element) {
+    const int n = static_cast<int>(element.size());
+    for (int u = 0, end = 0; u < n; u = end) {
+        for (end = u + 1; end < n && element[end] == element[u];) ++end;
+        if (element[u] < 0) continue;
+        elements_.push_back(
+            {u, end - u, 0, 0, outer_.size(), place_.size(), inverse_.size(), follow_.size()});
+        describe(elements_.back());
+    }
+    lead_.resize(follow_.size());
+}
+
+// Where an element finds its matrices, and where what it leaves goes.
+void Condensation::describe(Element& e) {
+    const Csr& f = *full_;
+    const int first = f.equation[e.unknown];
+    e.own = place(f, first, first) - f.row[first];
+    std::vector<Run> runs;
+    for (auto k = f.row[first]; k < f.row[first + 1]; ++k) {
+        const int j = f.col[k];
+        if (j >= first && j < first + e.n) continue;
+        if (local_[j]) throw std::invalid_argument("unknowns of two elements alone are coupled");
+        if (runs.empty() || outer_.back() + 1 != j) runs.push_back({e.n_outer, 0});
+        outer_.push_back(j), ++runs.back().size, ++e.n_outer;
+    }
+    for (int a = 0; a < e.n_outer; ++a) {
+        const int i = outer_[e.outer + a];
+        column_.push_back(place(f, i, first));
+        for (const Run& run : runs)
+            place_.push_back(place(left_, kept_[i], kept_[outer_[e.outer + run.first]]));
+    }
+    runs_.push_back(std::move(runs));
+    inverse_.resize(inverse_.size() + e.n * e.n), follow_.resize(follow_.size() + e.n * e.n_outer);
+}
+
+std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
+    const std::int64_t at = place_of(csr, row, col);
+    if (at < 0) throw std::invalid_argument("an element does not couple all that it touches");
+    return at;
+}
+
+void Condensation::copy(const double* values) {
+    const Csr& f = *full_;
+    double* to = values_.data();
+    for (int i = 0; i < f.n; ++i)
+        for (auto k = f.row[i]; !local_[i] && k < f.row[i + 1]; ++k)
+            if (!local_[f.col[k]]) *to++ = values[k];
+}
+
+bool Condensation::eliminate(const double* values) {
+    copy(values);
+    singular_ = -1;
+    for (const Element& e : elements_) {
+        if (!eliminate(e, values)) return singular_ = e.unknown, false;
+        subtract(e);
+    }
+    return true;
+}
+
+bool Condensation::eliminate(const Element& e, const double* values) {
+    const Csr& f = *full_;
+    const int first = f.equation[e.unknown];
+    Rows own(e.n, e.n), others(e.n, e.n_outer);
+    for (int a = 0; a < e.n; ++a) {
+        const double* row = values + f.row[first + a];
+        std::copy_n(row + e.own, e.n, own.row(a).data());
+        std::copy_n(row, e.own, others.row(a).data());
+        std::copy_n(row + e.own + e.n, e.n_outer - e.own, others.row(a).data() + e.own);
+    }
+    for (int i = 0; i < e.n_outer; ++i)
+        std::copy_n(values + column_[e.outer + i], e.n, &lead_[e.follow + static_cast<std::size_t>(i) * e.n]);
+    const Eigen::PartialPivLU<Rows> lu(own);
+    if (!(lu.matrixLU().diagonal().cwiseAbs().minCoeff() > 0)) return false;
+    Eigen::Map<Rows>(&inverse_[e.inverse], e.n, e.n) = lu.inverse();
+    Eigen::Map<Rows>(&follow_[e.follow], e.n, e.n_outer) = lu.solve(others);
+    return true;
+}
+
+// values_ -= C X, row by row
+void Condensation::subtract(const Element& e) {
+    const auto& runs = runs_[&e - elements_.data()];
+    std::vector<double> row(e.n_outer);
+    for (int i = 0; i < e.n_outer; ++i) {
+        std::fill(row.begin(), row.end(), 0.0);
+        const double* c = &lead_[e.follow + static_cast<std::size_t>(i) * e.n];
+        for (int a = 0; a < e.n; ++a) {
+            const double* x = &follow_[e.follow + static_cast<std::size_t>(a) * e.n_outer];
+            for (int j = 0; j < e.n_outer; ++j) row[j] += c[a] * x[j];
+        }
+        for (std::size_t k = 0; k < runs.size(); ++k) {
+            double* to = &values_[place_[e.runs + i * runs.size() + k]];
+            for (int j = 0; j < runs[k].size; ++j) to[j] -= row[runs[k].first + j];
+        }
+    }
+}
+
+void Condensation::condense(std::vector<double>& r) const {
+    std::vector<double> y;
+    for (const Element& e : elements_) {
+        y.assign(e.n, 0.0);
+        for (int a = 0; a < e.n; ++a)
+            for (int b = 0; b < e.n; ++b) y[a] += inverse_[e.inverse + a * e.n + b] * r[e.unknown + b];
+        for (int i = 0; i < e.n_outer; ++i)
+            for (int a = 0; a < e.n; ++a)
+                r[full_->unknown[outer_[e.outer + i]]] -=
+                    lead_[e.follow + static_cast<std::size_t>(i) * e.n + a] * y[a];
+    }
+}
+
+void Condensation::recover(const double* r, double* d) const {
+    for (const Element& e : elements_)
+        for (int a = 0; a < e.n; ++a) {
+            double sum = 0;
+            for (int b = 0; b < e.n; ++b) sum += inverse_[e.inverse + a * e.n + b] * r[e.unknown + b];
+            const double* x = &follow_[e.follow + static_cast<std::size_t>(a) * e.n_outer];
+            for (int j = 0; j < e.n_outer; ++j) sum += x[j] * d[full_->unknown[outer_[e.outer + j]]];
+            d[e.unknown + a] = -sum;
+        }
+}
+
+std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation> condensation,
+                                             std::unique_ptr<LinearSolver> solver) {
+    return std::make_unique<Reduced<Condensation>>(std::move(condensation), std::move(solver));
+}
+
+}  // namespace visviva

@@ -1,0 +1,275 @@
+#include "visviva/linear/reduce/exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/linear/reduce/reduced.hpp"
+
+namespace visviva {
+
+Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
+                   const std::vector<char>& fixed)
+    : full_(&full), owner_(full.n, -1), gone_(full.n, 0) {
+    choose(listed, fixed);
+    kept_ = number_left(full, gone_, left_);
+    find_forces();
+    find_pattern();
+}
+
+void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
+    const Csr& f = *full_;
+    for (const NodalMultiplier& m : listed) {
+        Node node{};
+        node.multiplier = f.equation[m.multiplier], node.n = m.size;
+        bool fits = node.multiplier >= 0;
+        for (int i = 0; fits && i < m.size; ++i) {
+            const int row = node.equation[i] = f.equation[m.unknown + i];
+            fits = row >= 0 && !fixed[m.unknown + i] && owner_[row] < 0 &&
+                   (node.column[i] = place_of(f, row, node.multiplier)) >= 0;
+        }
+        if (!fits || (node.square = place_of(f, node.multiplier, node.multiplier)) < 0) continue;
+        for (int i = 0; i < m.size; ++i) owner_[node.equation[i]] = static_cast<int>(nodes_.size());
+        gone_[node.multiplier] = 1;
+        nodes_.push_back(std::move(node));
+    }
+}
+
+// Patterns are symmetric: the row of a multiplier tells what feels it.
+void Exchange::find_forces() {
+    const Csr& f = *full_;
+    feeds_.resize(f.n);
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+        Node& node = nodes_[k];
+        for (auto e = f.row[node.multiplier]; e < f.row[node.multiplier + 1]; ++e) {
+            const int i = f.col[e];
+            if (gone_[i] || owner_[i] == static_cast<int>(k)) continue;
+            const std::int64_t at = place_of(f, i, node.multiplier);
+            if (at < 0) continue;
+            if (owner_[i] >= 0) {
+                node.elsewhere.push_back(at);
+            } else {
+                node.on.emplace_back(i, at);
+                feeds_[i].emplace_back(static_cast<int>(k), at);
+            }
+        }
+    }
+}
+
+void Exchange::find_pattern() {
+    const Csr& f = *full_;
+    std::vector<int> seen(left_.n, -1);
+    int mark = 0;
+    auto add = [&](int col, std::vector<int>& cols) {
+        if (col >= 0 && seen[col] != mark) seen[col] = mark, cols.push_back(col);
+    };
+    auto add_row = [&](int row, std::vector<int>& cols) {
+        for (auto e = f.row[row]; e < f.row[row + 1]; ++e) add(kept_[f.col[e]], cols);
+    };
+    for (Node& node : nodes_) {
+        for (int i = 0; i < node.n; ++i) add_row(node.equation[i], node.col);
+        add_row(node.multiplier, node.col);
+        std::sort(node.col.begin(), node.col.end());
+        node.along.resize(node.col.size()), node.constraint.resize(node.col.size());
+        ++mark;
+    }
+    left_.row.assign(1, 0);
+    std::vector<int> cols;
+    for (int i = 0; i < f.n; ++i) {
+        if (kept_[i] < 0) continue;
+        cols.clear();
+        ++mark;
+        if (owner_[i] >= 0) {
+            cols = nodes_[owner_[i]].col;
+        } else {
+            add_row(i, cols);
+            for (const auto& [k, at] : feeds_[i])
+                for (int col : nodes_[k].col) add(col, cols);
+            if (!feeds_[i].empty()) std::sort(cols.begin(), cols.end());
+        }
+        left_.col.insert(left_.col.end(), cols.begin(), cols.end());
+        left_.row.push_back(static_cast<std::int64_t>(left_.col.size()));
+    }
+    values_.resize(left_.col.size()), place_.assign(left_.n, -1);
+}
+
+// A row of the full system by the columns of a node.
+void Exchange::gather(int row, const Node& node, double* out) {
+    const Csr& f = *full_;
+    for (std::size_t k = 0; k < node.col.size(); ++k)
+        place_[node.col[k]] = static_cast<std::int64_t>(k), out[k] = 0;
+    for (auto e = f.row[row]; e < f.row[row + 1]; ++e)
+        if (const int col = kept_[f.col[e]]; col >= 0) out[place_[col]] = full_values_[e];
+}
+
+bool Exchange::read(Node& node) {
+    constexpr double rounding = 1e-13;
+    node.own = full_values_[node.square], node.squared = 0;
+    for (int i = 0; i < node.n; ++i) {
+        node.b[i] = full_values_[node.column[i]];
+        node.squared += node.b[i] * node.b[i];
+    }
+    if (node.squared == 0) return node.own != 0;
+    for (const std::int64_t at : node.elsewhere)
+        rough_ = rough_ || std::abs(full_values_[at]) > rounding * std::sqrt(node.squared);
+    return true;
+}
+
+// The node's rows: what is across the force stays, along it stands the constraint, scaled to its stiffness
+// there.
+void Exchange::replace(Node& node) {
+    double* rows[largest_node];
+    for (int i = 0; i < node.n; ++i) {
+        rows[i] = values_.data() + left_.row[kept_[node.equation[i]]];
+        gather(node.equation[i], node, rows[i]);
+    }
+    if (node.squared == 0) return;
+    gather(node.multiplier, node, node.constraint.data());
+    double stiffness = 0, slope = 0;  // along the force
+    for (std::size_t k = 0; k < node.col.size(); ++k) {
+        node.along[k] = 0;
+        for (int i = 0; i < node.n; ++i) node.along[k] += node.b[i] * rows[i][k] / node.squared;
+    }
+    const double length = std::sqrt(node.squared);
+    for (int i = 0; i < node.n; ++i) {
+        const auto k = place_[kept_[node.equation[i]]];
+        stiffness += node.along[k] * node.b[i], slope += node.constraint[k] * node.b[i] / length;
+    }
+    node.scale = stiffness != 0 && slope != 0 ? std::abs(stiffness / slope) : 1;
+    for (int i = 0; i < node.n; ++i)
+        for (std::size_t k = 0; k < node.col.size(); ++k)
+            rows[i][k] += node.b[i] * (node.scale / length * (node.constraint[k] - node.own * node.along[k]) -
+                                       node.along[k]);
+}
+
+bool Exchange::eliminate(const double* values) {
+    const Csr& f = *full_;
+    full_values_ = values, rough_ = false, singular_ = -1;
+    for (Node& node : nodes_) {
+        if (!read(node)) return singular_ = f.unknown[node.multiplier], false;
+        replace(node);
+    }
+    for (int i = 0; i < f.n; ++i) {
+        if (kept_[i] < 0 || owner_[i] >= 0) continue;
+        double* to = values_.data() + left_.row[kept_[i]];
+        if (feeds_[i].empty()) {
+            for (auto e = f.row[i]; e < f.row[i + 1]; ++e)
+                if (kept_[f.col[e]] >= 0) *to++ = values[e];
+            continue;
+        }
+        std::fill(to, values_.data() + left_.row[kept_[i] + 1], 0.0);
+        for (auto e = left_.row[kept_[i]]; e < left_.row[kept_[i] + 1]; ++e) place_[left_.col[e]] = e;
+        for (auto e = f.row[i]; e < f.row[i + 1]; ++e)
+            if (const int col = kept_[f.col[e]]; col >= 0) values_[place_[col]] += values[e];
+        for (const auto& [number, at] : feeds_[i]) {
+            const Node& node = nodes_[number];
+            const double force = values[at];
+            if (node.squared == 0 || force == 0) continue;
+            for (std::size_t k = 0; k < node.col.size(); ++k)
+                values_[place_[node.col[k]]] -= force * node.along[k];
+        }
+    }
+    return true;
+}
+
+double Exchange::along(const Node& node, const double* r) const {
+    double sum = 0;
+    for (int i = 0; i < node.n; ++i) sum += node.b[i] * r[full_->unknown[node.equation[i]]] / node.squared;
+    return sum;
+}
+
+void Exchange::condense(std::vector<double>& r) const {
+    const Csr& f = *full_;
+    for (const Node& node : nodes_) {
+        if (node.squared == 0) continue;
+        const double along = this->along(node, r.data());
+        const double rest =
+            node.scale / std::sqrt(node.squared) * (r[f.unknown[node.multiplier]] - node.own * along);
+        for (int i = 0; i < node.n; ++i) r[f.unknown[node.equation[i]]] += node.b[i] * (rest - along);
+        for (const auto& [i, at] : node.on) r[f.unknown[i]] -= full_values_[at] * along;
+    }
+}
+
+void Exchange::recover(const double* r, double* d) const {
+    const Csr& f = *full_;
+    for (const Node& node : nodes_) {
+        double& multiplier = d[f.unknown[node.multiplier]];
+        if (node.squared == 0) {
+            multiplier = -r[f.unknown[node.multiplier]] / node.own;
+            continue;
+        }
+        multiplier = -along(node, r);
+        for (std::size_t k = 0; k < node.col.size(); ++k)
+            multiplier -= node.along[k] * d[left_.unknown[node.col[k]]];
+    }
+}
+
+void Exchange::add_product(const double* d, double* r) const {
+    const Csr& f = *full_;
+    for (int i = 0; i < f.n; ++i) {
+        double sum = 0;
+        for (auto e = f.row[i]; e < f.row[i + 1]; ++e) sum += full_values_[e] * d[f.unknown[f.col[e]]];
+        r[f.unknown[i]] += sum;
+    }
+}
+
+double Exchange::size(const double* d) const {
+    double largest = 0;
+    for (int i = 0; i < full_->n; ++i)
+        if (!gone_[i]) largest = std::max(largest, std::abs(d[full_->unknown[i]]));
+    return largest;
+}
+
+namespace {
+
+class Exchanged : public Reduced<Exchange> {
+  public:
+    Exchanged(std::shared_ptr<Exchange> exchange, std::unique_ptr<LinearSolver> solver)
+        : Reduced(exchange, std::move(solver)), exchange_(std::move(exchange)) {}
+
+    bool solve(const double* r, const Place& place, double* d) override {
+        refused_ = false;
+        return Reduced::solve(r, place, d) && (!exchange_->is_rough() || refine(r, place, d));
+    }
+    std::string message() const override {
+        return refused_ ? "condensed pressures press too much on each other's nodes; keep them among the "
+                          "equations, "
+                          "Contact(condensed=False)"
+                        : Reduced::message();
+    }
+
+  private:
+    // Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
+    bool refine(const double* r, const Place& place, double* d) {
+        constexpr int most = 30;
+        constexpr double rounding = 1e-15, good = 1e-9;
+        const double whole = exchange_->size(d);
+        double before = whole;
+        for (int k = 0; k < most && n_iterations() == 0; ++k) {
+            rest_.assign(r, r + exchange_->n_unknowns());
+            more_.assign(exchange_->n_unknowns(), 0.0);
+            exchange_->add_product(d, rest_.data());
+            if (!Reduced::solve(rest_.data(), place, more_.data())) return false;
+            const double now = exchange_->size(more_.data());
+            if (now < before)
+                for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
+            if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
+            if (!(now < before)) break;
+            before = now;
+        }
+        refused_ = n_iterations() == 0;
+        return !refused_;
+    }
+
+    std::shared_ptr<Exchange> exchange_;
+    std::vector<double> rest_, more_;
+    bool refused_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<Exchange> exchange,
+                                             std::unique_ptr<LinearSolver> solver) {
+    return std::make_unique<Exchanged>(std::move(exchange), std::move(solver));
+}
+
+}  // namespace visviva

@@ -1,0 +1,79 @@
+// Eigen's SparseLU on the full saddle-point system, scaled so that neither the step size nor the units of
+// mass and length spoil the pivots.
+#include <Eigen/SparseLU>
+
+#include "visviva/linear/scaled.hpp"
+
+namespace visviva {
+
+namespace {
+
+class SparseLu : public LinearSolver {
+  public:
+    explicit SparseLu(bool careful) : careful_(careful) {}
+
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        tested_ = false;
+        scaled_.analyze(pattern, blocks, MatrixKind::general);
+        const int n = pattern.n;
+        const auto &row = scaled_.row(), &col = scaled_.col();
+        std::vector<Eigen::Triplet<double>> entries;
+        for (int i = 0; i < n; ++i)
+            for (int k = row[i]; k < row[i + 1]; ++k) entries.emplace_back(i, col[k], 1.0);
+        matrix_.resize(n, n);
+        matrix_.setFromTriplets(entries.begin(), entries.end());
+        to_.clear();
+        for (const auto& e : entries) to_.push_back(&matrix_.coeffRef(e.row(), e.col()) - matrix_.valuePtr());
+        lu_.analyzePattern(matrix_);
+        right_.resize(n);
+    }
+
+    bool factor(const double* values, const Place&) override {
+        singular_ = -1;
+        if (!scaled_.fill(values, regularization)) return false;
+        for (std::size_t k = 0; k < to_.size(); ++k) matrix_.valuePtr()[to_[k]] = scaled_.value()[k];
+        lu_.factorize(matrix_);
+        if (lu_.info() != Eigen::Success) return false;
+        if (!careful_ || tested_) return true;
+        return tested_ = regular();
+    }
+
+    bool solve(const double* r, const Place&, double* d) override {
+        scaled_.right_hand_side(r, right_.data());
+        const Eigen::VectorXd s = lu_.solve(right_);
+        scaled_.increment(s.data(), d);
+        return true;
+    }
+
+    void forget() override { tested_ = false; }
+    int singular_unknown() const override {
+        return singular_ < 0 ? -1 : scaled_.unknown(static_cast<int>(singular_));
+    }
+    std::string name() const override { return "sparse LU of the saddle-point system"; }
+
+  private:
+    bool regular() {
+        const std::vector<double> any = arbitrary_vector(scaled_.n());
+        const Eigen::Map<const Eigen::VectorXd> b(any.data(), scaled_.n());
+        const Eigen::VectorXd s = lu_.solve(b);
+        const double residual = (b - matrix_ * s).norm() / b.norm();
+        if (!is_singular({s.data(), s.data() + s.size()}, residual, regularization)) return true;
+        s.cwiseAbs().maxCoeff(&singular_);
+        return false;
+    }
+
+    using Matrix = Eigen::SparseMatrix<double>;
+    ScaledMatrix scaled_;
+    Matrix matrix_;
+    Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>> lu_;
+    std::vector<std::ptrdiff_t> to_;
+    Eigen::VectorXd right_;
+    bool careful_, tested_ = false;
+    Eigen::Index singular_ = -1;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> make_sparse_lu(bool careful) { return std::make_unique<SparseLu>(careful); }
+
+}  // namespace visviva

@@ -1,0 +1,335 @@
+// Solid elements, W at a time: strains, stresses and forces.
+#pragma once
+#include "visviva/material/plane_stress.hpp"
+#include "visviva/solid/solid.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+constexpr int L8 = solid_lanes;
+
+/// What a point's stress needs and gives.
+struct SolidPoint {
+    alignas(64) V F1[9], Ft[9], rate[9];  // deformation gradient at the end and at theta, its rate; row-major
+    V c0[6], c1[6], ct[6];                // C - I
+    V S[6], T[36], viscous[6];            // second Piola-Kirchhoff stress, 2 dS/dC, viscous part of S
+    V det;                                // of F1
+};
+
+VISVIVA_INLINE V determinant(const V* F) {
+    return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) +
+           F[2] * (F[3] * F[7] - F[4] * F[6]);
+}
+
+template <int D, int N>
+struct SolidElement {
+    const SolidView& v;
+    const Step& step;
+    const Vectors& x;
+    const int block, lane;  // lane: first of the W lanes
+    const int n_nodes;
+    const bool ends;  // the state at the end of the step alone decides: there is no x0
+    alignas(64) V x0[solid_max_nodes * D], x1[solid_max_nodes * D];
+
+    VISVIVA_INLINE SolidElement(const SolidView& view, const Step& s, const Vectors& vectors, int b, int l)
+        : v(view),
+          step(s),
+          x(vectors),
+          block(b),
+          lane(l),
+          n_nodes(N > 0 ? N : view.n_nodes),
+          ends(s.theta == 1.0 && s.stress == Stress::at_theta && !view.damped &&
+               view.kind != MaterialKind::user) {
+        for (int a = 0; a < nodes(); ++a)
+            for (int c = 0; c < D; ++c) x1[a * D + c] = at(x.x1, a, c);
+        for (int a = 0; !ends && a < nodes(); ++a)
+            for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c);
+    }
+    // How many of the W lanes hold elements; none or less in groups that fill the last block.
+    VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
+    VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
+    VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
+    VISVIVA_INLINE V at(const double* u, int a, int c) const { return gather(u + c, index(a)); }
+    VISVIVA_INLINE const double* gradients(int q) const {
+        return v.G + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes()) * D * L8 + lane;
+    }
+    VISVIVA_INLINE V volume(int q) const { return vload(v.w + point(q)); }
+    VISVIVA_INLINE V hoop(int q, int a) const {
+        return vload(v.H + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes() + a) * L8 + lane);
+    }
+    VISVIVA_INLINE V parameter(int k) const { return vload(v.par + (block * v.n_par + k) * L8 + lane); }
+    VISVIVA_INLINE V mass(int a, int b) const {
+        const int pairs = nodes() * (nodes() + 1) / 2,
+                  k = a < b ? packed(nodes(), a, b) : packed(nodes(), b, a);
+        return vload(v.mass + (static_cast<std::int64_t>(block) * pairs + k) * L8 + lane);
+    }
+    VISVIVA_INLINE V viscosity(int k) const { return vload(v.damping + (block * 3 + k) * L8 + lane); }
+
+    // Share of the inertia and of its damping in the tangent's diagonal
+    VISVIVA_INLINE V mass_factor(int a, int b) const {
+        if (!v.mass) return V{};
+        const V m = mass(a, b), inertial = step.motion[1][0] * m;
+        return v.damped ? inertial + step.motion[0][0] * viscosity(0) * m : inertial;
+    }
+
+    // sum_a u_a x G_a, with the stretch across the plane in two dimensions
+    VISVIVA_INLINE void gradient(const V* u, int q, double across, V* F) const {
+        V sum[9] = {};
+        const double* G = gradients(q);
+        for (int a = 0; a < nodes(); ++a) {
+            VISVIVA_FLATTEN
+            for (int l = 0; l < D; ++l) {
+                const V g = vload(G + (a * D + l) * L8);
+                VISVIVA_FLATTEN
+                for (int i = 0; i < D; ++i) sum[3 * i + l] += u[a * D + i] * g;
+            }
+        }
+        for (int k = 0; k < 9; ++k) F[k] = sum[k];
+        if constexpr (D == 2) {
+            F[8] = broadcast(v.H ? 0.0 : across);
+            for (int a = 0; v.H && a < nodes(); ++a) F[8] += hoop(q, a) * u[a * D];
+        }
+    }
+
+    // C - I, or twice the small strain
+    VISVIVA_INLINE void strain(const V* F, V* c) const {
+        V f[9];
+        for (int k = 0; k < 9; ++k) f[k] = F[k] - (k % 4 == 0 ? 1.0 : 0.0);
+        for (int k = 0; k < 6; ++k) {
+            const int i = voigt_a[k], j = voigt_b[k];
+            c[k] = f[3 * i + j] + f[3 * j + i];
+            if (v.small) continue;
+            for (int m = 0; m < 3; ++m) c[k] += f[3 * m + i] * f[3 * m + j];
+        }
+    }
+
+    VISVIVA_INLINE V thermal(int q) const { return vload(v.thermal + point(q)); }
+
+    // Strain from the place that heat alone would lead to: C / stretch^2 - I, or twice the small strain less
+    // that of heat.
+    VISVIVA_INLINE void elastic_strain(int q, const V* F, V* c) const {
+        strain(F, c);
+        if (!v.thermal) return;
+        const V e = thermal(q), shrink = v.small ? broadcast(1.0) : 1.0 / ((1.0 + e) * (1.0 + e));
+        const V less = v.small ? 2.0 * e : e * (2.0 + e) * shrink;
+        for (int k = 0; k < 6; ++k) c[k] = shrink * c[k] - (k < 3 ? less : V{});
+    }
+
+    VISVIVA_INLINE void strains(int q, SolidPoint& p) const {
+        V F0[9];
+        gradient(x1, q, 1.0, p.F1);
+        elastic_strain(q, p.F1, p.c1);
+        p.det = v.small ? broadcast(1.0) : determinant(p.F1);
+        if (!ends) {
+            gradient(x0, q, 1.0, F0);
+            elastic_strain(q, F0, p.c0);
+        }
+        for (int k = 0; k < 9; ++k) p.Ft[k] = ends ? p.F1[k] : F0[k] + step.theta * (p.F1[k] - F0[k]);
+        if (ends)
+            for (int k = 0; k < 6; ++k) p.ct[k] = p.c1[k];
+        else if (step.stress == Stress::at_theta)
+            elastic_strain(q, p.Ft, p.ct);
+        if (v.damped) {
+            V u[solid_max_nodes * D];
+            for (int a = 0; a < nodes(); ++a)
+                for (int c = 0; c < D; ++c) u[a * D + c] = at(x.rate, a, c);
+            gradient(u, q, 0.0, p.rate);
+        }
+        if (v.small)
+            for (int k = 0; k < 9; ++k) p.F1[k] = p.Ft[k] = broadcast(k % 4 == 0 ? 1.0 : 0.0);
+    }
+
+    template <bool second>
+    VISVIVA_INLINE void response(const V* c, const V* par, Response& r) const {
+        V c33;
+        D == 2 && v.plane_stress ? plane_stress<second>(v.kind, c, par, r, c33)
+                                 : respond<second>(v.kind, c, par, r);
+    }
+
+    template <bool tangent>
+    VISVIVA_INLINE void at_theta(const V* par, SolidPoint& p) const {
+        Response r;
+        response<tangent>(p.ct, par, r);
+        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * r.s[k];
+        if constexpr (tangent)
+            for (int k = 0; k < 6; ++k)
+                for (int l = k; l < 6; ++l)
+                    p.T[6 * k + l] = p.T[6 * l + k] = 4 * step.theta * r.d[packed(6, k, l)];
+    }
+
+    // S = W'(Cm) + f dC with f dC.dC = W1 - W0 - W'(Cm).dC; where that difference would drown in rounding it
+    // is Simpson's rule in the gradients, and nothing where it is below the rounding of the energy or where
+    // the strain hardly changes: what is left out is of third order, what rounding leaves of f dC and its
+    // gradient is not.
+    template <bool tangent>
+    VISVIVA_INLINE void discrete_gradient(const V* par, SolidPoint& p) const {
+        V cm[6], d[6], second[6], first[6];
+        for (int k = 0; k < 6; ++k) cm[k] = 0.5 * (p.c0[k] + p.c1[k]), d[k] = p.c1[k] - p.c0[k];
+        Response m;
+        response<tangent>(cm, par, m);
+        V f{}, inverse{}, df[6] = {};
+        if (v.kind != MaterialKind::hooke) {
+            Response r0, r1;
+            response<false>(p.c0, par, r0), response<false>(p.c1, par, r1);
+            for (int k = 0; k < 6; ++k) {
+                first[k] = r1.s[k] - r0.s[k];
+                second[k] = first[k] - 2.0 * (m.s[k] - r0.s[k]);
+            }
+            const VI smooth = contract(second, second) <= 1e-8 * contract(first, first);
+            const V size = contract(d, d);
+            const V b = select(smooth, contract(second, d) / 6.0, r1.W - r0.W - contract(m.s, d));
+            const VI idle = (size <= 1e-20) | (b * b <= 1e-30 * contract(m.s, m.s) * contract(cm, cm));
+            inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size));
+            f = b * inverse;
+            if constexpr (tangent)
+                for (int k = 0; k < 6; ++k) {
+                    V half{};
+                    for (int l = 0; l < 6; ++l)
+                        half += (l < 3 ? 0.5 : 1.0) * m.d[k < l ? packed(6, k, l) : packed(6, l, k)] * d[l];
+                    df[k] = inverse * (r1.s[k] - m.s[k] - half - 2.0 * f * d[k]);
+                }
+        }
+        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * (m.s[k] + f * d[k]);
+        if constexpr (tangent)
+            for (int k = 0; k < 6; ++k)
+                for (int l = 0; l < 6; ++l) {
+                    const V outer = v.symmetric ? 0.5 * (d[k] * df[l] + d[l] * df[k]) : d[k] * df[l];
+                    const V D2 = m.d[k < l ? packed(6, k, l) : packed(6, l, k)];
+                    p.T[6 * k + l] = 2.0 * D2 + 4.0 * outer;
+                    if (k == l) p.T[6 * k + l] += (k < 3 ? 4.0 : 2.0) * f;
+                }
+    }
+
+    template <bool tangent>
+    VISVIVA_INLINE void stress(int q, SolidPoint& p) const {
+        if (v.kind == MaterialKind::user) {
+            user<tangent>(q, p);
+        } else {
+            V par[material_max_parameters];
+            for (int k = 0; k < v.n_par; ++k) par[k] = parameter(k);
+            step.stress == Stress::discrete_gradient ? discrete_gradient<tangent>(par, p)
+                                                     : at_theta<tangent>(par, p);
+        }
+        if (v.thermal && !v.small) heat<tangent>(q, p);
+        if (v.damped) viscous_stress(p);
+    }
+
+    // The energy is that per volume of the heated material: stretch^3 W(C / stretch^2).
+    template <bool tangent>
+    VISVIVA_INLINE void heat(int q, SolidPoint& p) const {
+        const V stretch = 1.0 + thermal(q), inverse = 1.0 / stretch;
+        for (int k = 0; k < 6; ++k) p.S[k] *= stretch;
+        for (int k = 0; tangent && k < 36; ++k) p.T[k] *= inverse;
+    }
+
+    // Derivatives by the six components count an off-diagonal pair once, those by the tensor each of both.
+    template <bool tangent>
+    VISVIVA_INLINE void user(int q, SolidPoint& p) const {
+        const std::int64_t at = point(q), stride = static_cast<std::int64_t>(v.n_blocks) * v.n_points * L8;
+        const double factor = step.stress == Stress::at_theta ? 4 * step.theta : 4;
+        for (int k = 0; k < 6; ++k) p.S[k] = (k < 3 ? 2.0 : 1.0) * vload(v.user_S + k * stride + at);
+        for (int k = 0; tangent && k < 36; ++k) {
+            const double share = (k / 6 < 3 ? 1.0 : 0.5) * (k % 6 < 3 ? 1.0 : 0.5);
+            p.T[k] = factor * share * vload(v.user_D + k * stride + at);
+        }
+    }
+
+    VISVIVA_INLINE std::int64_t point(int q) const {
+        return (static_cast<std::int64_t>(block) * v.n_points + q) * L8 + lane;
+    }
+
+    VISVIVA_INLINE V energy(int q, const V* c1, const V* par) const {
+        const V stretch = v.thermal && !v.small ? 1.0 + thermal(q) : broadcast(1.0);
+        const V volume = stretch * stretch * stretch;
+        if (v.kind == MaterialKind::user) return volume * vload(v.user_W + point(q));
+        Response r;
+        response<false>(c1, par, r);
+        return volume * r.W;
+    }
+
+    // F33 of plane stress
+    VISVIVA_INLINE V across(int q, const V* c1, const V* par) const {
+        Response r;
+        V c33;
+        plane_stress<false>(v.kind, c1, par, r, c33);
+        const V e = v.thermal ? thermal(q) : V{};
+        return v.small ? 1.0 + 0.5 * c33 + e : (1.0 + e) * vsqrt(1.0 + c33);
+    }
+
+    // S of Kelvin and Voigt: isotropic in the rate of Green's strain, dE/dt = sym(F^T dF/dt)
+    VISVIVA_INLINE void viscous_stress(SolidPoint& p) const {
+        V e[6];
+        for (int k = 0; k < 6; ++k) {
+            e[k] = V{};
+            for (int m = 0; m < 3; ++m)
+                e[k] += 0.5 * (p.Ft[3 * m + voigt_a[k]] * p.rate[3 * m + voigt_b[k]] +
+                               p.Ft[3 * m + voigt_b[k]] * p.rate[3 * m + voigt_a[k]]);
+        }
+        const V trace = viscosity(1) * (e[0] + e[1] + e[2]);
+        for (int k = 0; k < 6; ++k) {
+            p.viscous[k] = 2.0 * viscosity(2) * e[k] + (k < 3 ? trace : V{});
+            p.S[k] += p.viscous[k];
+        }
+    }
+
+    // P = F S, times the volume
+    VISVIVA_INLINE void piola(const V* F, const V* S, V factor, V* P) const {
+        for (int i = 0; i < 3; ++i)
+            for (int l = 0; l < 3; ++l) {
+                V sum{};
+                for (int k = 0; k < 3; ++k) sum += F[3 * i + k] * S[voigt[k][l]];
+                P[3 * i + l] = factor * sum;
+            }
+    }
+
+    // Adds the forces of a point.
+    VISVIVA_INLINE void add_forces(int q, const SolidPoint& p, V* r, V& smallest) const {
+        V P[9];
+        smallest = select(p.det < smallest, p.det, smallest);
+        piola(p.Ft, p.S, volume(q), P);
+        const double* G = gradients(q);
+        for (int a = 0; a < nodes(); ++a) {
+            VISVIVA_FLATTEN
+            for (int i = 0; i < D; ++i) {
+                V sum = r[a * D + i];
+                VISVIVA_FLATTEN
+                for (int l = 0; l < D; ++l) sum += P[3 * i + l] * vload(G + (a * D + l) * L8);
+                r[a * D + i] = sum;
+            }
+            if (D == 2 && v.H) r[a * D] += P[8] * hoop(q, a);
+        }
+    }
+
+    VISVIVA_INLINE void forces(V* r) const {
+        V smallest = broadcast(1e300);
+        for (int a = 0; a < nodes() * D; ++a) r[a] = V{};
+        for (int q = 0; q < v.n_points; ++q) {
+            SolidPoint p;
+            strains(q, p);
+            stress<false>(q, p);
+            add_forces(q, p, r, smallest);
+        }
+        finish(r, smallest);
+    }
+
+    // What the forces of the points lack
+    VISVIVA_INLINE void finish(V* r, V smallest) const {
+        vstore(v.smallest + block * L8 + lane, smallest);
+        if (v.mass) inertia(r);
+    }
+
+    VISVIVA_INLINE void inertia(V* r) const {
+        V u[solid_max_nodes * D];
+        for (int a = 0; a < nodes(); ++a)
+            for (int c = 0; c < D; ++c) {
+                u[a * D + c] = at(x.second_rate, a, c);
+                if (v.damped) u[a * D + c] += viscosity(0) * at(x.rate, a, c);
+            }
+        for (int a = 0; a < nodes(); ++a)
+            for (int b = 0; b < nodes(); ++b) {
+                const V m = mass(a, b);
+                for (int c = 0; c < D; ++c) r[a * D + c] += m * u[b * D + c];
+            }
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA

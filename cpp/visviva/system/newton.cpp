@@ -1,0 +1,161 @@
+// Newton's method for one step.
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/base/vector_dispatch.hpp"
+#include "visviva/system/acceleration.hpp"
+#include "visviva/system/convergence.hpp"
+#include "visviva/system/system.hpp"
+
+namespace visviva {
+
+namespace {
+bool same_matrix(const Step& a, const Step& b) {
+    return a.h == b.h && a.theta == b.theta && a.theta_g == b.theta_g && a.stress == b.stress &&
+           a.motion[1][0] == b.motion[1][0];
+}
+}  // namespace
+
+// Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
+// follow it here by the tangent of the state before.
+bool System::lead(const Context& c) {
+    constexpr double little = 1e-6;
+    std::vector<double> motion;
+    double largest = 0;
+    for (int u : prescribed_) {
+        motion.push_back(dx[u]);
+        largest = std::max(largest, std::abs(dx[u]));
+    }
+    if (largest == 0 || c.step.motion[0][0] != 0) return true;
+    auto residual_at = [&](double part) {
+        for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = part * motion[k];
+        update_vectors(c.step);
+        evaluate_residual(c, !solver_->keeps_rigidity());
+    };
+    residual_at(little);
+    const std::vector<double> moved = r_;
+    residual_at(0);
+    bool solvable = refactor(c, c.step);
+    stale_factor_ = true;
+    for (int i = 0; i < n_; ++i) r_[i] += (moved[i] - r_[i]) / little;
+    for (int u : held_) r_[u] = 0;
+    solvable = solvable && solver_->solve(r_.data(), place(c.step), d_.data());
+    if (solvable) iterate(c.step);
+    for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = motion[k];
+    return solvable;
+}
+
+void System::start(const Step& step) {
+    predict(step);
+    solver_->project(x.data(), dx.data());
+    search();
+    if (stale_begin_)
+        for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+}
+
+std::string System::singular() const {
+    const std::string why = solver_->message();
+    return why.empty() ? "the tangent is singular" : why;
+}
+
+bool System::renew_tangent(const Context& context, bool assembled) {
+    stale_factor_ = true;
+    solver_->forget();  // a restart makes this factorisation again, without those before it
+    solver_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
+    if (!refactor(context, context.step, assembled)) return false;
+    stale_factor_ = amended_ = false;
+    return true;
+}
+
+Report System::failed(Report report, const std::string& reason, int unknown) {
+    report.reason = reason;
+    report.worst_unknown = unknown;
+    stale_factor_ = true;
+    return report;
+}
+
+Report System::succeeded(Report report, const Context& context, bool renewed) {
+    for (const auto& term : terms_)
+        if (const Refusal no = term->refuse(context); !no.reason.empty())
+            return failed(std::move(report), no.reason, no.unknown);
+    report.converged = true;
+    if (solver_->keeps_rigidity()) solver_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
+    iterations_last_ = renewed ? 0 : report.iterations;
+    stale_factor_ = amended_;  // which a restart could not make again
+    return report;
+}
+
+Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
+    Report report;
+    report.increments.reserve(8);
+    start(step);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    const Context context{step, vectors, signals};
+    if (!lead(context)) return failed(std::move(report), singular(), solver_->singular_unknown());
+    const bool full = options.keep_factor <= 0;
+    bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
+                   iterations_last_ > NewtonOptions::many_iterations;
+    // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
+    // get one iteration more.
+    bool confirmed = false;
+    Convergence convergence(options.keep_factor, contraction_);
+    Acceleration acceleration;
+    const bool accelerates = !solver_->keeps_rigidity();  // by updates that are not sums
+    update_vectors(step);
+    // Velocities are increments by the step length: errors are judged against the increment of the whole
+    // step.
+    const double tolerance = options.tolerance * std::min(1.0, extent());
+    double resolution = 0;
+    for (const auto& term : terms_) resolution = std::max(resolution, term->resolution());
+    for (int k = 0; k < options.max_iterations; ++k) {
+        const bool fused = refresh;
+        evaluate_residual(context, !solver_->keeps_rigidity(), fused);
+        const bool outdated = branched();
+        if (outdated && !refresh) {
+            refresh = full || !amend(context);
+            convergence.forget();
+            acceleration.forget();
+        }
+        if (refresh) {
+            ++report.factorizations;
+            if (!renew_tangent(context, fused))
+                return failed(std::move(report), singular(), solver_->singular_unknown());
+            convergence.renew(k);
+            acceleration.forget();
+        }
+        solver_->aim(convergence.enough(k));
+        for (int u : held_) r_[u] = 0;
+        if (!solver_->solve(r_.data(), place(step), d_.data()))
+            return failed(std::move(report), solver_->message(), -1);
+        double size = 0;  // that of the kept tangent's own increment tells of the residual
+        if (accelerates && (acceleration.runs() || convergence.is_sluggish())) {
+            size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());
+            acceleration.apply(d_, inverse_scale_);
+        }
+        size = std::max(size, iterate(step));
+        report.increments.push_back(size);
+        report.iterations = k + 1;
+        if (!std::isfinite(size))
+            return failed(std::move(report), "an unknown became infinite or not a number", worst());
+        convergence.judge(k, size);
+        // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
+        // converging.
+        const bool holds = !outdated && constraint_error() <= 100 * size + noise_;
+        const bool done = convergence.is_there(tolerance, noise_, resolution) && holds;
+        // At rounding increments rise and fall, and two in a row need not be as small.
+        if ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12))
+            return succeeded(std::move(report), context, convergence.has_tangent());
+        confirmed = done;
+        refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done);
+    }
+    if (convergence.last() <= 1e-12 && constraint_error() > 100 * convergence.last() + noise_)
+        return failed(std::move(report),
+                      "nothing moves any more but constraints stay violated (they contradict each other, or "
+                      "lead no further from here)",
+                      worst_constraint());
+    return failed(std::move(report),
+                  "no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
+}
+
+}  // namespace visviva

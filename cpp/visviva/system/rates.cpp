@@ -1,0 +1,179 @@
+// Rates at the end of a step that satisfy the time derivatives of the constraints.
+//
+// With the gradients G at the end and the mass M they are, from those v* that the scheme gave,
+//     M v1 + G^T mu = M v* + p,    G v1 = -d Phi/dt,
+// where p is half of the impulse of the multipliers in the step, (h/2) G_0^T lambda, for gradients taken at
+// its start (position-momentum form of the variational midpoint rule) and 0 otherwise. What a scheme
+// remembers besides the rates changes along, as if by an increment of the coordinates that leaves the
+// positions alone, and so do the multipliers: that is the stabilised index-2 form of generalised alpha
+// (Arnold, Bruels & Cardona 2015), in the order position, then rates.
+#include <algorithm>
+
+#include "visviva/system/system.hpp"
+
+namespace visviva {
+
+void System::set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint) {
+    rate_solver_ = std::move(solver);
+    constraint_ = std::move(constraint);
+    rate_revision_ = -1;
+}
+
+bool System::projects_rates() const { return rate_solver_ != nullptr; }
+
+// Entries of unknowns that are neither coordinates nor constraints become those of the identity.
+void System::analyze_rates() {
+    auto takes_part = [&](int u) { return !fixed_[u] && (order_[u] > 0 || constraint_[u]); };
+    rate_zero_.clear(), rate_one_.clear();
+    for (int i = 0; i < csr_.n; ++i)
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+            const int u = csr_.unknown[i], v = csr_.unknown[csr_.col[k]];
+            if (takes_part(u) && takes_part(v)) continue;
+            (u == v ? rate_one_ : rate_zero_).push_back(k);
+        }
+    rate_solver_->analyze(csr_, blocks_);
+    rate_revision_ = revision_;
+}
+
+namespace {
+
+// What `length` stands for an instant at the end of a step: no clock notices it, and users may divide by it.
+Step instant_after(const Step& step) {
+    constexpr double length = Step::no_length;
+    Step instant;
+    instant.t0 = instant.t1 = instant.te = step.t1, instant.h = length;
+    instant.theta = 0, instant.theta_g = 1;
+    instant.motion[1][0] = instant.transport[0][0] = 1;
+    return instant;
+}
+
+}  // namespace
+
+// What acts for a moment, as contact does, has no part in the rates, and keeps its branch.
+void System::evaluate_lasting(const Context& c) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (const auto& term : terms_)
+        if (term->is_lasting()) term->residual(c, r_.data());
+}
+
+// With entries of unknowns that take no part.
+void System::evaluate_rate_matrix(const Context& c) {
+    clear_values();
+    const bool inner = rate_solver_->keeps_rigidity();
+    for (const bool first : {true, false})
+        for (const auto& term : terms_) {
+            if (!term->is_lasting() || term->is_first() != first) continue;
+            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
+                                       : term->tangent(c, values_.data());
+        }
+    for (auto k : rate_zero_) values_[k] = 0;
+    for (auto k : rate_one_) values_[k] = 1;
+}
+
+// Adds a factor times the constraints, later by some time, as those see it that look at the clock themselves.
+void System::add_later(const Context& c, double later, double factor, std::vector<double>& d) {
+    Step moved = c.step;
+    moved.t0 += later, moved.t1 += later, moved.te += later;
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (const auto& term : terms_)
+        if (term->sees_clock()) term->residual({moved, c.vectors, c.signals}, r_.data());
+    for (int u = 0; u < n_; ++u) d[u] += factor * r_[u];
+}
+
+// The partial time derivative of the constraints at the end, by prescribed unknowns and functions of time,
+// for which central differences are exact, as constraints are quadratic in them, and by the clock.
+void System::drift(const Context& c, std::vector<double>& d) {
+    d.assign(n_ + 1, 0.0);
+    if (std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->sees_clock(); })) {
+        constexpr double apart = 1e-4;
+        for (const double way : {1.0, -1.0}) {
+            add_later(c, way * apart, 8 * way / (12 * apart), d);
+            add_later(c, 2 * way * apart, -way / (12 * apart), d);
+        }
+    }
+    const bool moves =
+        std::any_of(prescribed_.begin(), prescribed_.end(), [&](int u) { return v_next_[u] != 0; });
+    const bool turns =
+        std::any_of(c.signals.rate1, c.signals.rate1 + n_signals_, [](double s) { return s != 0; });
+    if (!moves && !turns) return;
+    std::vector<double> at1(n_signals_);
+    const Signals moved{c.signals.at0, c.signals.ate, at1.data(), c.signals.rate1};
+    const std::vector<double> x1 = x1_;
+    for (const double way : {1.0, -1.0}) {
+        for (int u : prescribed_) x1_[u] = x1[u] + way * v_next_[u];
+        for (std::size_t k = 0; k < n_signals_; ++k) at1[k] = c.signals.at1[k] + way * c.signals.rate1[k];
+        evaluate_lasting({c.step, c.vectors, moved});
+        for (int u = 0; u < n_; ++u) d[u] += 0.5 * way * r_[u];
+    }
+    x1_ = x1;
+}
+
+// (h/2) G_0^T lambda: half of what the multipliers add to the balance, times the step.
+std::vector<double> System::constraint_impulse(const Context& c, const std::vector<double>& without) {
+    evaluate_lasting(c);
+    std::vector<double> impulse(n_);
+    for (int u = 0; u < n_; ++u) impulse[u] = 0.5 * c.step.h * r_[u];
+    x1_ = without;
+    evaluate_lasting(c);
+    for (int u = 0; u < n_; ++u) impulse[u] -= 0.5 * c.step.h * r_[u];
+    return impulse;
+}
+
+// The right-hand side, as a residual, of the equations whose matrix is in `values_`.
+void System::evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    for (int i = 0; i < csr_.n; ++i) {
+        const int u = csr_.unknown[i];
+        if (constraint_[u]) r_[u] = change[u];
+        if (order_[u] == 0 || fixed_[u]) continue;
+        r_[u] = -impulse[u];
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+            if (const int v = csr_.unknown[csr_.col[k]]; order_[v] > 0) r_[u] -= values_[k] * v_next_[v];
+    }
+}
+
+bool System::project_rates(const Context& c) {
+    if (rate_revision_ != revision_) analyze_rates();
+    const std::vector<double> x1 = x1_;
+    std::vector<double> without = x1_, impulse(n_), change;
+    for (int u = 0; u < n_; ++u)
+        if (constraint_[u]) without[u] = 0;
+    if (c.step.theta_g == 0) impulse = constraint_impulse(c, without);
+    x1_ = without;
+    const Step step = instant_after(c.step);
+    const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
+    const Context instant{step, end_of_step, c.signals};
+    drift(instant, change);
+    // parts of the kept tangent may be written anew in steps to come
+    rate_values_.resize(values_.size()), values_.swap(rate_values_);
+    evaluate_rate_matrix(instant);
+    evaluate_rate_residual(impulse, change);
+    if (solver_->n_redundant() > 0) rate_solver_->find_redundant(true);
+    const Place end = place(step);
+    rate_solver_->forget();  // a restart has not seen the values of earlier steps
+    const bool solved =
+        rate_solver_->factor(values_.data(), end) && rate_solver_->solve_rates(r_.data(), end, d_.data());
+    values_.swap(rate_values_);
+    x1_ = x1;
+    if (solved) take_rates(c.step);
+    return solved;
+}
+
+// The projected rates, and with them the histories and multipliers of schemes that have some.
+void System::take_rates(const Step& step) {
+    const auto& t = step.motion;
+    const bool remembers = step.uses_history();
+    for (int i = 0; i < csr_.n; ++i) {
+        const int u = csr_.unknown[i];
+        if (fixed_[u]) continue;
+        if (constraint_[u] && remembers) x1_[u] += t[1][0] / t[2][0] * d_[u];
+        if (order_[u] == 0) continue;
+        if (order_[u] == 2 && remembers) {
+            a_next_[u] += t[3][0] / t[2][0] * (d_[u] - v_next_[u]);
+            w_next_[u] += t[4][0] / t[2][0] * (d_[u] - v_next_[u]);
+        }
+        v_next_[u] = d_[u];
+    }
+}
+
+}  // namespace visviva

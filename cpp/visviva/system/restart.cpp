@@ -1,0 +1,66 @@
+// What a restart needs beside the state: the predictor's history and where the kept factorisation was made.
+#include "visviva/system/system.hpp"
+
+namespace visviva {
+
+std::vector<double> System::memory() const {
+    std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
+                             stale_factor_ ? 1.0 : 0.0};
+    const std::vector<double> solver = solver_->state();
+    m.insert(m.end(), solver.begin(), solver.end());
+    predictor_.write(m);
+    for (const auto& term : terms_) term->write_memory(m);
+    if (stale_factor_) return m;
+    const Step& s = factored_;
+    for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
+        m.push_back(value);
+    m.insert(m.end(), &s.motion[0][0], &s.motion[0][0] + 20);
+    m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
+    m.insert(m.end(), factored_state_.begin(), factored_state_.end());
+    m.insert(m.end(), factored_signals_.begin(), factored_signals_.end());
+    return m;
+}
+
+void System::remember(const std::vector<double>& memory) {
+    const double* m = memory.data();
+    touch();
+    const double contraction = m[0];
+    const double noise = m[1];
+    const int iterations_last = static_cast<int>(m[2]);
+    const bool stale = m[3] != 0;
+    std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
+    m = predictor_.read(m + 4 + solver.size());
+    bool changed = false;
+    for (const auto& term : terms_)
+        if (term->read_memory(m)) changed = true;
+    if (changed) rewire();
+    solver_->set_state(solver);
+    if (!stale) {
+        Step s;
+        s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
+        s.stress = static_cast<Stress>(static_cast<int>(m[6]));
+        std::copy(m + 7, m + 27, &s.motion[0][0]);
+        std::copy(m + 27, m + 47, &s.transport[0][0]);
+        m += 47;
+        const std::vector<double> now[5] = {x, dx, v, a, w};
+        std::vector<std::vector<double>*> kept = {&x, &dx, &v};
+        if (s.uses_history()) kept.insert(kept.end(), {&a, &w});
+        for (auto* u : kept) {
+            std::copy(m, m + u->size(), u->begin());
+            m += u->size();
+        }
+        for (const auto& term : terms_) term->begin(x.data());
+        set_base_rates(s);
+        update_vectors(s);
+        const std::size_t k = n_signals_;
+        const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
+        refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()}, signals}, s);
+        x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
+        solver_->set_state(solver);  // making the factorisation again has counted
+        stale_factor_ = false;
+    }
+    stale_begin_ = true;
+    noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
+}
+
+}  // namespace visviva

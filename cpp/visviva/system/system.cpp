@@ -1,0 +1,476 @@
+#include "visviva/system/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "visviva/base/aligned.hpp"
+#include "visviva/base/parallel.hpp"
+#include "visviva/base/stopwatch.hpp"
+#include "visviva/base/vector_dispatch.hpp"
+#include "visviva/linear/block_rows.hpp"
+#include "visviva/term/pattern.hpp"
+
+namespace visviva {
+
+System::System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale)
+    : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
+    // One entry more than unknowns: element slots of nothing may point there.
+    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
+                    &v_next_, &a_next_, &w_next_, &still_})
+        u->assign(n_ + 1, 0.0);
+    for (int i = 0; i < n_; ++i)
+        if (segments_.empty() || segments_.back().order != order_[i])
+            segments_.push_back({i, i + 1, order_[i]});
+        else
+            segments_.back().end = i + 1;
+    inverse_scale_.resize(n_);
+    for (int i = 0; i < n_; ++i) inverse_scale_[i] = scale[i] > 0 && !fixed_[i] ? 1 / scale[i] : 0;
+}
+
+void System::set_accounts(int n_accounts, int n_components) {
+    sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
+    sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
+    sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
+    sums.release.assign(n_, 0.0);
+}
+
+void System::finalize() {
+    wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
+    constraint_weight_.assign(n_, 0.0);
+    if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
+    n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
+    if (node_.empty()) {
+        node_.resize(n_);
+        std::iota(node_.begin(), node_.end(), 0);
+    }
+    Pattern pattern(node_, fixed_);
+    std::vector<std::pair<int, int>> entries;
+    for (const auto& term : terms_) term->pattern(entries), term->couple(pattern);
+    for (const auto& [i, j] : entries) pattern.couple(i, j);
+    pattern.finish(csr_);
+    ++revision_;
+    const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
+    assign_with_room(values_, csr_.col.size() + 1, 0.0);
+    std::vector<std::int64_t> position(entries.size());
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+        const auto p = pattern.position(entries[k].first, entries[k].second);
+        position[k] = p < 0 ? waste : p;
+    }
+    std::int64_t at = 0;
+    for (const auto& term : terms_) {
+        term->set_positions(position.data() + at);
+        at += term->n_entries();
+        term->connect(pattern);
+    }
+    std::vector<char> cleared(pattern.n_nodes(), 0);
+    for (const auto& term : terms_)
+        if (term->is_first()) term->clear_rows(pattern, cleared);
+    zeros_.clear();
+    for (int u : csr_.unknown)
+        if (const auto rows = pattern.rows(u); !cleared[rows.node]) {
+            cleared[rows.node] = 1;
+            zeros_.emplace_back(rows.begin, rows.end);
+        }
+    hold(pattern);
+    reduce();
+}
+
+// Rows that the first terms do not set to zero themselves
+void System::clear_values() {
+    for (const auto& [begin, end] : zeros_) std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
+    values_.back() = 0;
+}
+
+// The solver may know the old one.
+template <class T>
+static void renew(std::shared_ptr<T>& kept, T&& value) {
+    if (kept)
+        *kept = std::move(value);
+    else
+        kept = std::make_shared<T>(std::move(value));
+}
+
+// What leaves the equations before they are solved.
+void System::reduce() {
+    const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
+    if (local) renew(condensation_, Condensation(csr_, element_));
+    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_, node_));
+    if (!nodal_multipliers_.empty()) renew(exchange_, Exchange(eliminated(), nodal_multipliers_, fixed_));
+}
+
+// Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
+// the identity.
+void System::hold(const Pattern& pattern) {
+    std::vector<char> is_held(csr_.n, 0);
+    held_.clear(), held_zero_.clear(), held_one_.clear();
+    for (int i : pattern.held()) is_held[i] = 1, held_.push_back(csr_.unknown[i]);
+    for (int i = 0; i < csr_.n && !held_.empty(); ++i)
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+            const int j = csr_.col[k];
+            if (is_held[i] && i == j)
+                held_one_.push_back(k);
+            else if (is_held[i] || is_held[j])
+                held_zero_.push_back(k);
+        }
+}
+
+// The coupling has changed: a new pattern.
+void System::rewire() {
+    const Stopwatch watch(rewiring_);
+    finalize();
+    describe_nodes();
+    solver_->analyze(csr_, blocks_);
+    stale_factor_ = true;
+}
+
+bool System::search() {
+    vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    bool changed = false;
+    for (const auto& term : terms_)
+        if (term->search(x.data(), x1_.data())) changed = true;
+    if (changed) rewire(), stale_begin_ = true;
+    return changed;
+}
+
+void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
+
+// Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
+// multipliers for that.
+void System::prepare_predictor() {
+    std::vector<char> apart = fixed_;
+    for (const RigidUnknowns& body : blocks_.rigid) {
+        for (int k = 3; k < 12; ++k) apart[body.q[k]] = 1;
+        for (int k = 0; solver_->keeps_rigidity() && k < 6; ++k) apart[body.multiplier[k]] = 1;
+    }
+    std::vector<int> coordinates, multipliers;
+    std::vector<double> weight;
+    for (int i = 0; i < n_; ++i) {
+        if (apart[i]) continue;
+        (order_[i] > 0 ? coordinates : multipliers).push_back(i);
+        if (order_[i] > 0) weight.push_back(inverse_scale_[i]);
+    }
+    predictor_.resize(std::move(coordinates), std::move(weight), std::move(multipliers), blocks_.rigid);
+}
+
+// The start of the iteration: motion extrapolated, prescribed unknowns as set.
+void System::predict(const Step& step) {
+    for (int i = 0; i < n_; ++i)
+        if (!fixed_[i]) dx[i] = 0;
+    if (step.motion[0][0] != 0) predictor_.predict(step.h, x.data(), v.data(), dx.data());
+    predictor_.predict_multipliers(step.h, dx.data());
+    set_base_rates(step);
+}
+
+void System::set_base_rates(const Step& step) {
+    for (const Segment& s : segments_) {
+        if (s.order == 0) continue;
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        const bool history = t[0][2] != 0 || t[0][3] != 0 || t[1][2] != 0 || t[1][3] != 0;
+        for (int i = s.begin; i < s.end; ++i) {
+            base_rate_[i] = t[0][1] * v[i];
+            base_second_[i] = t[1][1] * v[i];
+        }
+        for (int i = s.begin; history && i < s.end; ++i) {
+            base_rate_[i] += t[0][2] * a[i] + t[0][3] * w[i];
+            base_second_[i] += t[1][2] * a[i] + t[1][3] * w[i];
+        }
+    }
+}
+
+void System::update_vectors(const Step& step) {
+    vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
+    update_rates(step);
+}
+
+void System::update_rates(const Step& step) {
+    const VectorKernels& k = vector_kernels();
+    for (const Segment& s : segments_) {
+        if (s.order == 0) continue;
+        const int i = s.begin, n = s.end - s.begin;
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        if (wants_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
+        if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
+    }
+}
+
+// Add the increment; its largest entry relative to the unknowns' scales.
+double System::iterate(const Step& step) {
+    const double size =
+        vector_kernels().update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());
+    update_rates(step);
+    return size;
+}
+
+void System::evaluate_residual(const Context& c, bool all, bool with_first_tangents) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    if (with_first_tangents) clear_values();
+    for (const auto& term : terms_)
+        if (with_first_tangents && term->is_first())
+            term->linearise(c, r_.data(), values_.data());
+        else if (all || !term->is_rigidity)
+            term->residual(c, r_.data());
+}
+
+void System::evaluate_tangent(const Context& c, bool inner, bool has_first_tangents) {
+    if (!has_first_tangents) {
+        clear_values();
+        for (const auto& term : terms_)
+            if (term->is_first()) term->tangent(c, values_.data());
+    }
+    for (const auto& term : terms_)
+        if (!term->is_first())
+            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
+                                       : term->tangent(c, values_.data());
+}
+
+// From the tangent's rows of constraints: by what their violation is weighed to compare with relative
+// increments, and the relative increment that rounding of the configuration alone can cause.
+void System::weigh_constraints() {
+    noise_ = 2e-15;
+    for (int i = 0; i < csr_.n; ++i) {
+        const int row = csr_.unknown[i];
+        constraint_weight_[row] = 0;
+        if (!blocks_.multiplier[row]) continue;
+        double sum = 0, largest = 0, smallest = 1e300, rounding = 0;
+        auto each = [&](auto f) {
+            for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+                const int u = csr_.unknown[csr_.col[k]];
+                if (inverse_scale_[u] > 0) f(std::abs(values_[k]), u);
+            }
+        };
+        each([&](double g, int u) {
+            sum += g / inverse_scale_[u];
+            largest = std::max(largest, g / inverse_scale_[u]);
+            rounding += g * std::abs(x1_[u]);
+        });
+        each([&](double g, int u) {
+            if (g / inverse_scale_[u] > 1e-4 * largest) smallest = std::min(smallest, g / inverse_scale_[u]);
+        });
+        if (sum == 0) continue;
+        constraint_weight_[row] = 1 / sum;
+        noise_ = std::max(noise_, 4.4e-16 * (rounding + 1e-3 * sum) / smallest);
+    }
+    noise_ = std::min(noise_, 5e-13);
+}
+
+// Largest violation of a constraint at the last evaluation, relative like increments.
+double System::constraint_error() const {
+    return vector_kernels().largest(n_, r_.data(), constraint_weight_.data());
+}
+
+int System::worst_constraint() const {
+    int worst = 0;
+    for (int i = 0; i < n_; ++i)
+        if (std::abs(r_[i]) * constraint_weight_[i] > std::abs(r_[worst]) * constraint_weight_[worst])
+            worst = i;
+    return worst;
+}
+
+bool System::refactor(const Context& c, const Step& step, bool has_first_tangents) {
+    evaluate_tangent(c, solver_->keeps_rigidity(), has_first_tangents);
+    for (auto k : held_zero_) values_[k] = 0;
+    for (auto k : held_one_) values_[k] = 1;
+    weigh_constraints();
+    factored_ = step, factored_revision_ = revision_;
+    factored_state_.clear();
+    std::vector<const std::vector<double>*> kept = {&x, &dx, &v};
+    if (step.uses_history()) kept.insert(kept.end(), {&a, &w});
+    for (const auto* u : kept) factored_state_.insert(factored_state_.end(), u->begin(), u->end());
+    factored_signals_.clear();
+    for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
+        factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
+    return solver_->factor(values_.data(), place(step));
+}
+
+bool System::branched() const {
+    return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->outdated(); });
+}
+
+// Where terms are on another branch, the kept tangent may need other rows and columns alone.
+bool System::amend(const Context& c) {
+    for (const auto& term : terms_)
+        if (term->outdated() && !term->amend(c, values_.data())) return false;
+    for (auto k : held_zero_) values_[k] = 0;
+    amended_ = true;
+    return solver_->factor(values_.data(), place(c.step));
+}
+
+// How far the predicted step goes, relative to the unknowns' scales; 1 where nothing is predicted.
+double System::extent() const {
+    double largest = 0;
+    for (const Segment& s : segments_)
+        if (s.order > 0)
+            largest = std::max(
+                largest, vector_kernels().largest(s.end - s.begin, &dx[s.begin], &inverse_scale_[s.begin]));
+    return largest > 0 ? largest : 1;
+}
+
+int System::worst() const {
+    double largest = 0;
+    int worst = -1;
+    for (int i = 0; i < n_; ++i) {
+        const double s = std::abs(d_[i]) * inverse_scale_[i];
+        if (std::isnan(s)) return i;
+        if (s > largest) largest = s, worst = i;
+    }
+    return worst;
+}
+
+namespace {
+bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 0 && s.transport[0][0] == 0; }
+}  // namespace
+
+void System::clear_sums() {
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
+        std::fill(s->begin(), s->end(), 0.0);
+}
+
+void System::book(const Context& c, const double* v1) {
+    clear_sums();
+    for (const auto& term : terms_) term->ledger(c, v1, sums);
+}
+
+// The same with the work of prescribed motion, which goes along dx or against it.
+void System::book_step(const Context& c, const double* v1, double direction) {
+    // before the terms go on to the end; on the way back they find their branches there
+    if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
+    book(c, v1);
+    for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+        const int u = prescribed_[k];
+        const double h = c.step.h, *x0 = c.vectors.x0, *x1 = c.vectors.x1;
+        const double through = supply_[k] == Supply::work    ? direction * dx[u]
+                               : supply_[k] == Supply::power ? h * (x0[u] + c.step.theta * (x1[u] - x0[u]))
+                                                             : h;
+        sums.work[prescribed_account_[k]] += r_[u] * through;
+    }
+}
+
+// Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its
+// beginning are those at the end of the step backwards: half of the work there and half of the work back,
+// taken off, is the trapezoidal rule along the path.
+void System::book_path(const Context& c) {
+    LedgerSums there = sums;
+    Step back = c.step;
+    back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
+    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
+    const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
+    for (const auto& term : terms_) term->begin(c.vectors.x1);
+    book_step({back, vectors, signals, true}, still_.data(), -1);
+    for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+    // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
+    for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];
+    sums = std::move(there);
+}
+
+static const char* const no_rates = "no rates satisfy the constraints at the end of the step";
+
+void System::accept(const Step& step, const Signals& signals, bool ledger) {
+    update_vectors(step);
+    if (!finish(step, signals, ledger)) throw std::runtime_error(no_rates);
+}
+
+Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
+    Report report = solve(step, signals, options);
+    if (report.converged && !finish(step, signals, true))
+        return failed(std::move(report), no_rates, rate_solver_->singular_unknown());
+    return report;
+}
+
+// Row k of the scheme's tables: rates or history at the end of the step. False where no unknown has any.
+bool System::end_of_step(const Step& step, int k, const std::vector<double>& now, std::vector<double>& next) {
+    auto used = [k](const double table[5][4]) {
+        return std::any_of(table[k], table[k] + 4, [](double c) { return c != 0; });
+    };
+    if (!used(step.motion) && !used(step.transport)) return false;
+    std::copy(now.begin(), now.end(), next.begin());
+    for (const Segment& s : segments_) {
+        const auto& t = s.order == 2 ? step.motion : step.transport;
+        if (s.order == 0 || !used(t)) continue;
+        for (int i = s.begin; i < s.end; ++i) next[i] = t[k][0] * dx[i] + t[k][1] * v[i];
+        const bool history = t[k][2] != 0 || t[k][3] != 0;
+        for (int i = s.begin; history && i < s.end; ++i) next[i] += t[k][2] * a[i] + t[k][3] * w[i];
+    }
+    return true;
+}
+
+bool System::finish(const Step& step, const Signals& signals, bool ledger) {
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    const Context context{step, vectors, signals};
+    const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
+               new_w = end_of_step(step, 4, w, w_next_);
+    stale_begin_ = true;
+    if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
+    // Functions from outside may throw in here; the accepted state is still the old one then.
+    const bool path = ledger && is_static(step);
+    if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
+    if (path) book_path(context);
+    for (const auto& term : terms_) term->accept(context);
+    predictor_.record(x.data(), dx.data(), step.h);
+    last_[0] = x, last_[1] = dx, last_[2] = v;
+    last_[3].clear(), last_[4].clear();
+    if (new_a) last_[3] = a;
+    if (new_w) last_[4] = w;
+    if (new_v) std::copy(v_next_.begin(), v_next_.end(), v.begin());
+    if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
+    if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
+    std::copy(x1_.begin(), x1_.end(), x.begin());
+    for (const auto& term : terms_) term->settle(step, x.data());
+    discard();
+    stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
+    return true;
+}
+
+void System::take_stock(const Step& step, const Signals& signals, bool moves) {
+    discard();
+    for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data(), v.data()};
+    book({step, vectors, signals}, moves ? v.data() : still_.data());
+}
+
+int System::find_redundant(const Step& step, const Signals& signals, bool on) {
+    solver_->find_redundant(on);
+    stale_factor_ = true;
+    if (!on) return 0;
+    std::vector<double> residual(n_);
+    assemble(step, signals, residual.data(), nullptr);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
+}
+
+void System::forces(const Step& step, const Signals& signals, double* residual) {
+    auto exchange = [&] {
+        x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]);
+        if (!last_[3].empty()) a.swap(last_[3]);
+        if (!last_[4].empty()) w.swap(last_[4]);
+    };
+    exchange();
+    const bool stale = stale_factor_;
+    assemble(step, signals, residual, nullptr);
+    stale_factor_ = stale;
+    exchange();
+    stale_begin_ = true;
+}
+
+void System::evaluate(const Step& step, const Signals& signals, bool with_first_tangents) {
+    for (const auto& term : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    set_base_rates(step);
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    evaluate_residual({step, vectors, signals}, true, with_first_tangents);
+}
+
+void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
+    evaluate(step, signals, values != nullptr);
+    std::copy(r_.begin(), r_.begin() + n_, residual);
+    if (!values) return;
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    evaluate_tangent({step, vectors, signals}, false, true);
+    std::copy(values_.begin(), values_.end() - 1, values);
+    stale_factor_ = true;
+}
+
+}  // namespace visviva

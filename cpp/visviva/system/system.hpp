@@ -1,0 +1,235 @@
+// Numbers the unknowns, gathers, evaluates, scatters into a pattern made once, and takes Newton's steps.
+#pragma once
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "visviva/linear/linear.hpp"
+#include "visviva/linear/reduce/condensed.hpp"
+#include "visviva/linear/reduce/eliminated.hpp"
+#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/system/predictor.hpp"
+#include "visviva/term/term.hpp"
+
+namespace visviva {
+
+struct NewtonOptions {
+    // Largest estimated error of an accepted iterate, relative to each unknown's own scale and to the step's
+    // extent.
+    double tolerance = 1e-13;
+    int max_iterations = 25;
+    // Keep a factorisation as long as it contracts the error at least by this factor per iteration; 0: full
+    // Newton.
+    double keep_factor = 0.3;
+    // So many iterations at the start of every step make tangents of their own.
+    int n_tangents = 0;
+    // A step that took more iterations than this lets the next one begin with a new factorisation.
+    static constexpr int many_iterations = 4;
+};
+
+struct Report {
+    bool converged = false;
+    int iterations = 0, factorizations = 0;
+    std::vector<double> increments;  // relative to the unknowns' scales
+    int worst_unknown = -1;          // of the last increment, or of a singular matrix
+    std::string reason;              // why not converged
+};
+
+// What a held unknown takes in over a step, from the force r that holds it: work of a position, power of a
+// velocity, or an amount (heat) that the ledger counts by itself.
+enum class Supply : int { work = 0, power = 1, amount = 2 };
+
+class System {
+  public:
+    // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
+    System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
+
+    void add(std::shared_ptr<Term> term) { terms_.push_back(std::move(term)); }
+    // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
+    void set_nodes(std::vector<int> node) { node_ = std::move(node); }
+    void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
+    // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
+    void set_local(std::vector<int> element) { element_ = std::move(element); }
+    // Unknowns that linear constraints give by others; see Elimination.
+    void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
+    // Multipliers that leave the equations by the forces on nodes of their own; see Exchange.
+    void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
+    void set_accounts(int n_accounts, int n_components);
+    void finalize();
+    // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
+    void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
+    void set_solver(std::unique_ptr<LinearSolver> solver);
+    // For the rates at the end of steps that project them; constraint[unknown]: multipliers of lasting
+    // constraints.
+    void set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint);
+    bool projects_rates() const;
+    void allow_last_resort(bool on) { solver_->allow_last_resort(on); }
+
+    // One step from the accepted state; leaves the trial state, which accept() makes the new state.
+    Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
+    // Both in one, the ledger booked: solved, the step is accepted.
+    Report advance(const Step& step, const Signals& signals, const NewtonOptions& options);
+    void set_signal_count(std::size_t n) { n_signals_ = n, no_signals_.assign(n, 0.0); }
+    Signals no_signals() const {
+        const double* zero = no_signals_.data();
+        return {zero, zero, zero, zero};
+    }
+    void set_driven(bool driven) { driven_ = driven; }
+    // Fixed unknowns that move as prescribed, or through which something flows: their increments are put into
+    // dx before a step is solved, and what they take in is booked on these accounts.
+    void set_prescribed(std::vector<int> unknown, std::vector<int> account, std::vector<Supply> supply) {
+        prescribed_ = std::move(unknown), prescribed_account_ = std::move(account),
+        supply_ = std::move(supply);
+    }
+    void accept(const Step& step, const Signals& signals, bool ledger);
+    void discard();
+    // The ledger of the present state (no work done).
+    // `moves`: the rates are velocities, and not what is left of them in statics.
+    void take_stock(const Step& step, const Signals& signals, bool moves);
+    // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
+    // which the kept factorisation was made. Importing makes that factorisation again.
+    std::vector<double> memory() const;
+    void remember(const std::vector<double>& memory);
+    // After the state vectors were changed from outside.
+    void touch() {
+        stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
+        predictor_.forget();
+    }
+
+    // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
+    // another one from now on.
+    bool search();
+    // Residual and tangent at the trial state x0 + dx, for checks and special solves.
+    void assemble(const Step& step, const Signals& signals, double* residual, double* values);
+
+    // Residual and factorised tangent at the trial state, and solutions with it, for iterations other than
+    // Newton's loop; false if the tangent is singular.
+    bool linearise(const Step& step, const Signals& signals, double* residual);
+    // Whether terms are on another branch than that tangent, or the pattern is another one, by the residual
+    // evaluated last.
+    bool outdated() const { return revision_ != factored_revision_ || branched(); }
+    // False if the linear solver failed; its message says why. `enough`: see LinearSolver::aim.
+    bool linear_solve(const Step& step, const double* residual, double* d, double enough = 0);
+    // Why the trial state is no solution though its residual may vanish; empty if it can be one.
+    std::string refuse(const Step& step, const Signals& signals);
+
+    // The residual of the step accepted last: at fixed unknowns, the force that holds them. History of terms
+    // is taken as it is now.
+    void forces(const Step& step, const Signals& signals, double* residual);
+
+    // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how
+    // many it found (0 from solvers that cannot). Without `on` it forgets them.
+    int find_redundant(const Step& step, const Signals& signals, bool on);
+
+    int n() const { return n_; }
+    const Csr& csr() const { return csr_; }
+    // The equations that the linear solver gets.
+    const Csr& solved() const { return exchange_ ? exchange_->left() : eliminated(); }
+    int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
+    int n_exchanged() const { return exchange_ ? exchange_->n() : 0; }
+    int revision() const { return revision_; }     // of the pattern
+    double rewiring() const { return rewiring_; }  // CPU seconds for new ones
+    const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
+    const LinearSolver* solver() const { return solver_.get(); }
+
+    // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
+    std::vector<double> x, dx, v, a, w;
+    LedgerSums sums;  // of the last accepted step
+
+  private:
+    const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
+    const Csr& eliminated() const { return elimination_ ? elimination_->left() : condensed(); }
+    void reduce();
+    void hold(const Pattern&);
+    void rewire();
+    void prepare_predictor();
+    void predict(const Step&);
+    bool lead(const Context&);
+    void start(const Step&);
+    bool renew_tangent(const Context&, bool assembled);
+    std::string singular() const;
+    Report failed(Report, const std::string& reason, int unknown);
+    Report succeeded(Report, const Context&, bool renewed);
+    void clear_values();
+    void set_base_rates(const Step&);
+    void update_vectors(const Step&);
+    void update_rates(const Step&);
+    bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
+    bool finish(const Step&, const Signals&, bool ledger);
+    void analyze_rates();
+    void evaluate_lasting(const Context&);
+    void evaluate_rate_matrix(const Context&);
+    void evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change);
+    std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
+    void add_later(const Context&, double later, double factor, std::vector<double>& d);
+    void drift(const Context&, std::vector<double>& d);
+    bool project_rates(const Context&);
+    void take_rates(const Step&);
+    void evaluate(const Step&, const Signals&, bool with_first_tangents);
+    void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
+    void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
+    bool refactor(const Context&, const Step&, bool has_first_tangents = false);
+    bool branched() const;
+    bool amend(const Context&);
+    int worst() const;
+    double extent() const;
+    double iterate(const Step&);
+    void weigh_constraints();
+    double constraint_error() const;
+    int worst_constraint() const;
+    Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
+    void clear_sums();
+    void book(const Context&, const double* v1);
+    void book_step(const Context&, const double* v1, double direction);
+    void book_path(const Context&);
+
+    int n_ = 0, revision_ = 0, factored_revision_ = -1;
+    double rewiring_ = 0;
+    std::vector<int> order_;
+    std::vector<char> fixed_;
+    std::vector<double> inverse_scale_;
+    std::vector<std::shared_ptr<Term>> terms_;
+    Blocks blocks_;
+    void describe_nodes();
+    std::vector<double> modes_;
+    int n_modes_ = 0;
+    std::vector<int> node_, held_;  // held: fixed unknowns with equations
+    std::vector<int> prescribed_, prescribed_account_;
+    std::vector<Supply> supply_;
+    std::vector<std::int64_t> held_zero_, held_one_;
+    Csr csr_;
+    std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero
+    std::vector<int> element_;
+    std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
+    std::vector<Dependence> dependences_;
+    std::shared_ptr<Elimination> elimination_;  // null where there are none
+    std::vector<NodalMultiplier> nodal_multipliers_;
+    std::shared_ptr<Exchange> exchange_;                  // the same
+    std::unique_ptr<LinearSolver> solver_, rate_solver_;  // null where rates cannot be projected here
+    std::vector<char> constraint_;
+    std::vector<std::int64_t> rate_zero_, rate_one_;
+    int rate_revision_ = -1;
+    struct Segment {
+        int begin, end, order;  // unknowns of equal order in a row
+    };
+    std::vector<Segment> segments_;
+    bool wants_rates_ = false, driven_ = false;
+    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
+    std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
+    std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
+    std::vector<double> still_;                     // the velocities of statics, none
+    std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
+    double contraction_ = 1, noise_ = 0;
+    int iterations_last_ = 0, n_fixed_ = 0;
+    Predictor predictor_;
+    bool stale_begin_ = true, stale_factor_ = true;
+    bool amended_ = false;  // the kept tangent has parts of another configuration
+    Step factored_;
+    std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
+    std::vector<double> factored_signals_;  // the prescribed functions of time then
+    std::size_t n_signals_ = 0;
+    std::vector<double> no_signals_;
+};
+
+}  // namespace visviva

@@ -1,0 +1,44 @@
+// Terms that are written outside the core.
+#pragma once
+#include <functional>
+
+#include "visviva/term/term.hpp"
+
+namespace visviva {
+
+// A whole term from outside: dense local tangents, element-slowest arrays [n][n_local].
+struct TermArguments {
+    const Step* step;
+    const double *x0, *x1, *rate, *second_rate;  // gathered, [n][n_local]
+    double *residual, *tangent;                  // [n][n_local], [n][n_local][n_local] or null
+    double *energy, *work, *momentum;            // [n], [n], [n][6], for the ledger
+    const double* v1;                            // ledger only
+};
+
+class CallbackTerm : public Term {
+  public:
+    using Function = std::function<void(const TermArguments&)>;
+    CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
+                 Function accept);
+    int work_account = -1;  // where work is booked that is done beside what is stored; -1: none
+
+    void pattern(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::int64_t* positions) override;
+    std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
+    bool wants_rates() const override { return true; }
+    bool sees_clock() const override { return true; }
+    void residual(const Context&, double* r) override;
+    void tangent(const Context&, double* values) override;
+    void ledger(const Context&, const double* v1, LedgerSums&) override;
+    void accept(const Context&) override;
+
+  private:
+    TermArguments gather(const Context&);
+    int n_, nl_;
+    std::vector<int> index_;
+    Function residual_, tangent_, ledger_, accept_;
+    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_, momentum_;
+    std::vector<std::int64_t> position_;
+};
+
+}  // namespace visviva
