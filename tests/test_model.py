@@ -10,6 +10,7 @@ import pytest
 import visviva as vv
 from visviva import stencil
 from visviva.component import Component
+from visviva.field import Role
 from visviva.form import product
 from visviva.law import quadratic
 
@@ -73,7 +74,7 @@ def test_potentials_of_transport_are_refused() -> None:
 
     class Heat(Component):
         def declare(self, model: Any) -> None:
-            self.temperature = model.field(self, "temperature", [1.0, 2.0], order=1)
+            self.temperature = model.field(self, "temperature", [1.0, 2.0], role=Role.CONTENT)
 
         def contribute(self, model: Any) -> None:
             e = self.temperature.form(1) * 3.0

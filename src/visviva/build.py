@@ -30,7 +30,7 @@ def build_core(system: System) -> _core.System:
     for term in terms:
         core.add(term)
     core.set_signal_count(max(len(model.signals), 1))
-    core.set_driven(any(a.kind in ("drive", "servo") for a in model.accounts))
+    core.set_driven(model.is_driven)
     core.set_blocks(*blocks(model))
     core.set_nodes(nodes(model))
     core.set_local(system.local)

@@ -76,6 +76,16 @@ class Component(metaclass=Validated):
         return ""
 
     @property
+    def touches(self) -> bool:
+        """Whether it acts by an inequality, as contact does."""
+        return False
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it acts by friction, which has no potential."""
+        return False
+
+    @property
     def collides(self) -> bool:
         """Whether velocities may jump in a step without a trace in how the motion bends before."""
         return False

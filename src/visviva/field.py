@@ -1,9 +1,10 @@
-"""Fields of unknowns, and what moves those that are fixed."""
+"""Fields of unknowns with their roles, and what moves those that are fixed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
@@ -35,9 +36,63 @@ class Owner(Protocol):
         ...
 
 
+class Role(Enum):
+    """What unknowns are: it decides how they move in time, how they are booked, and which solvers suit them.
+
+    Attributes
+    ----------
+    MOTION
+        Positions, directors, angles: order 2 in time.
+    CONTENT
+        What is transported and stored by itself, such as heat: order 1. The ledger counts the stored quantity.
+    VELOCITY
+        Of a flow: order 1. The ledger counts half its square; what it carries along makes tangents unsymmetric.
+    STATE
+        Without rates: where the energy is least, such as enhanced strains.
+    MULTIPLIER
+        Of constraints, such as the pressure of what is incompressible.
+    SOLID_PRESSURE, FLUID_PRESSURE, CONTACT_PRESSURE
+        Pressures (of contact: tractions, too) that follow from a compliance, a stabilisation, or by an inequality:
+        the energy is largest in them.
+    """
+
+    MOTION = "motion"
+    CONTENT = "content"
+    VELOCITY = "velocity"
+    STATE = "state"
+    MULTIPLIER = "multiplier"
+    SOLID_PRESSURE = "solid pressure"
+    FLUID_PRESSURE = "fluid pressure"
+    CONTACT_PRESSURE = "contact pressure"
+
+    @property
+    def order(self) -> int:
+        """In time."""
+        return ORDERS.get(self, 0)
+
+    @property
+    def bears(self) -> bool:
+        """Whether it stands for forces: the energy is largest in it."""
+        return self not in ORDERS and self is not Role.STATE
+
+    @property
+    def is_pressure(self) -> bool:
+        """Whether it bears without being the multiplier of a constraint."""
+        return self.bears and self is not Role.MULTIPLIER
+
+    @property
+    def has_least_energy(self) -> bool:
+        """Whether stable equilibria have the least energy in it."""
+        return self in (Role.MOTION, Role.STATE)
+
+
+ORDERS = {Role.MOTION: 2, Role.CONTENT: 1, Role.VELOCITY: 1}
+SUPPLIES = {Role.VELOCITY: 1, Role.CONTENT: 2}
+
+
 @dataclass(eq=False)
 class Field:
-    """A block of unknowns with its order in time: 2 motion, 1 transport, 0 algebraic.
+    """A block of unknowns of one role.
 
     Attributes
     ----------
@@ -53,38 +108,27 @@ class Field:
         Unknowns that keep their values and have no equation.
     node : int
         So many consecutive unknowns make up a node of a mesh.
-    definite : bool
-        Whether the energy is least in them; not so for pressures.
     element : int array (size,)
         The only element that touches each unknown, which is eliminated with that element's equations before the
         others are solved; -1 if several do. An element's own unknowns follow each other.
-    amount : bool
-        Of order 1: whether the ledger counts what they store by itself (heat), not by half its square as for
-        velocities. It decides what flows in through those that are held.
-    symmetric : bool
-        Whether the tangent is so, in statics at least; not where something is carried along.
-    lasting : bool
-        Of multipliers: whether their constraints speak of one instant, and not of what happens in a step alone.
+    instantaneous : bool
+        Of multipliers: whether their constraints hold at every instant; else they speak of what happens in a step.
     moves : bool
         Whether the component itself gave rates; what it is carried by or prescribed may add others later.
     """
 
     component: Owner
     name: str
-    order: int
+    role: Role
     start: int
     values: Array
     rates: Array
     scale: Array
     stage: int
-    multiplier: bool
     block: Any
     fixed: NDArray[np.bool_]
     node: int = 1
-    definite: bool = True
-    amount: bool = True
-    symmetric: bool = True
-    lasting: bool = True
+    instantaneous: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     moves: bool = field(init=False)
 
@@ -92,6 +136,16 @@ class Field:
         self.moves = bool(np.any(self.rates))
         if len(self.element) == 0:
             self.element = np.full(self.size, -1, dtype=np.int32)
+
+    @property
+    def order(self) -> int:
+        """In time, of its role."""
+        return self.role.order
+
+    @property
+    def multiplier(self) -> bool:
+        """Whether it holds multipliers of constraints."""
+        return self.role is Role.MULTIPLIER
 
     @property
     def is_local(self) -> bool:
@@ -109,7 +163,7 @@ class Field:
     @property
     def supply(self) -> int:
         """What held unknowns take in from the force r that holds them, see the core's `Supply`."""
-        return 0 if self.order != 1 else 1 + self.amount
+        return SUPPLIES.get(self.role, 0)
 
     def form(self, k: int = 0) -> Form:
         """The `k`-th unknown as a form."""

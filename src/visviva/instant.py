@@ -76,7 +76,7 @@ class Instant:
         unknown = system.free_unknowns
         is_multiplier = np.zeros(len(system.x), dtype=bool)
         for f in system.model.fields:
-            is_multiplier[f.start : f.start + f.size] = f.multiplier and f.lasting
+            is_multiplier[f.start : f.start + f.size] = f.multiplier and f.instantaneous
         self._q = np.flatnonzero(system.order[unknown] > 0)
         self._m = np.flatnonzero(is_multiplier[unknown])
         self.coordinates, self.multipliers = unknown[self._q], unknown[self._m]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.field import Role
 from visviva.instant import Instant, instant
 from visviva.output.tables import Table
 
@@ -233,7 +234,7 @@ class Bookkeeper:
 def held(system: System) -> NDArray[np.bool_]:
     """Unknowns (n,) in which energies are least: those that stood out of equilibrium release some in statics."""
     fields = system.model.fields
-    return np.concatenate([np.full(f.size, f.order != 1 and f.definite and not f.multiplier) for f in fields])
+    return np.concatenate([np.full(f.size, f.role.has_least_energy) for f in fields])
 
 
 def reaches(system: System) -> Array:
@@ -254,6 +255,6 @@ def pull(system: System) -> tuple[float, float]:
     force = np.abs(system.residual(instant(system.time, theta=1.0)))
     system.x[:] = saved
     fields, effect = system.model.fields, force * system.scale
-    moves = np.concatenate([(f.order == 2) & ~f.fixed for f in fields])
-    flows = np.concatenate([(f.order == 1 and not f.amount) & ~f.fixed for f in fields])
+    moves = np.concatenate([(f.role is Role.MOTION) & ~f.fixed for f in fields])
+    flows = np.concatenate([(f.role is Role.VELOCITY) & ~f.fixed for f in fields])
     return float(effect[moves].sum()), float(effect[flows].sum())

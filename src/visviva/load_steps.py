@@ -204,7 +204,7 @@ class Equilibrium:
         Returns the residual there, or nothing where the search ended without an answer. With friction, which has no
         potential, the work then tells nothing, and the whole increment is taken where that is possible.
         """
-        s, rubs, possible = 1.0, any(a.kind == "friction" for a in self.system.model.accounts), False
+        s, rubs, possible = 1.0, any(c.rubs for c in self.system.components), False
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva import _core
 from visviva.batch import along, book, strain_batch
 from visviva.errors import InputError
-from visviva.field import Field, Owner, Prescription
+from visviva.field import Field, Owner, Prescription, Role
 from visviva.form import Form, Strain, strain
 from visviva.law import Law, LawKind
 from visviva.timefunction import TimeFunction
@@ -67,6 +67,8 @@ class Model:
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
+    is_driven: bool = False  # by functions of time in constraints
+    has_servo: bool = False
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
@@ -91,24 +93,20 @@ class Model:
         values: ArrayLike,
         rates: ArrayLike | None = None,
         *,
-        order: int = 2,
+        role: Role = Role.MOTION,
         scale: float | ArrayLike | None = None,
         stage: int = 0,
-        multiplier: bool = False,
         block: Any = None,
         fixed: ArrayLike = False,
         node: int = 1,
-        definite: bool = True,
         element: ArrayLike = (),
-        amount: bool = True,
-        symmetric: bool = True,
-        lasting: bool = True,
+        instantaneous: bool = True,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
         v = np.zeros_like(x) if rates is None else np.array(rates, dtype=float).ravel()
         if scale is None:
-            scale = 0.0 if order == 0 else 1.0
+            scale = 0.0 if role.order == 0 else 1.0
         scales, held = np.empty_like(x), np.empty(x.shape, dtype=bool)
         scales[:], held[:] = scale, fixed
         start = self.n_unknowns
@@ -117,24 +115,20 @@ class Model:
         new = Field(
             component,
             name,
-            order,
+            role,
             start,
             x,
             v,
             scales,
             stage,
-            multiplier,
             block,
             held,
             node,
-            definite,
-            amount,
-            symmetric,
-            lasting,
+            instantaneous,
             local,
         )
         self.fields.append(new)
-        if order == 1:
+        if role.order == 1:
             self._transport.append(new)
         self._remember(new)
         return new
@@ -216,12 +210,12 @@ class Model:
         *,
         stage: int = 1,
         block: Any = None,
-        lasting: bool = True,
+        instantaneous: bool = True,
     ) -> Field:
         """Unknown multipliers of `n` constraints."""
         zero = np.zeros(n)
         return self.field(
-            component, name, zero, order=0, stage=stage, multiplier=True, block=block, lasting=lasting
+            component, name, zero, role=Role.MULTIPLIER, stage=stage, block=block, instantaneous=instantaneous
         )
 
     @property
@@ -324,6 +318,8 @@ class Model:
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
+            self.has_servo = True
+        self.is_driven = self.is_driven or driven or self.has_servo
         self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
         self._element(component, strains, law, numbers, signals, account, shift)
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.build import blocks
+from visviva.field import Role
 from visviva.linear import Problem, rigid_motions
 
 if TYPE_CHECKING:
-    from visviva.field import Field
     from visviva.model import Model
     from visviva.system import System
 
@@ -21,6 +21,8 @@ STATIC = 100.0
 """By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
 LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
+CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
+"""What is carried along by a flow makes the tangent unsymmetric."""
 
 
 def uses_null_space(system: System) -> bool:
@@ -30,8 +32,8 @@ def uses_null_space(system: System) -> bool:
         return system.newton.null_space
     small = int(np.bincount(blocks(model)[0]).max()) <= LARGEST_BLOCK
     small = small and not any(f.is_local for f in model.fields)
-    others = any(a.kind in ("servo", "contact") for a in model.accounts)
-    others = others or not all(f.symmetric for f in model.fields)
+    others = model.has_servo or any(c.touches for c in system.components)
+    others = others or any(f.role in CARRIED for f in model.fields)
     return small and not model.terms and not others and not model.dependences
 
 
@@ -40,17 +42,17 @@ def problem_of(system: System) -> Problem:
     core, model = system.core, system.model
     fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.nodal_multipliers)  # before anything is near
-    symmetric = all(f.symmetric for f in fields)
-    has_flow = not core.n_eliminated and any(f.order == 1 and not f.symmetric for f in fields)
+    symmetric = not any(f.role in CARRIED for f in fields)
+    has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
     return Problem(
         n=core.n_equations,
         n_entries=core.n_entries,
         symmetric=symmetric,
         nearly=symmetric and system.has_discrete_gradient and not condensed,
-        definite=all(f.order != 1 and f.definite for f in fields),
+        definite=all(f.role.has_least_energy or f.multiplier for f in fields),
         n_multipliers=system.n_constraints - core.n_eliminated,
         has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
-        n_pressures=sum(f.size for f in pressures_of_contact(model) if not f.is_local) - condensed,
+        n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
         n_condensed=condensed,
         has_inertia=system.has_inertia,
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
@@ -62,18 +64,11 @@ def problem_of(system: System) -> Problem:
 
 def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:
     """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
-    fields, contact = [f for f in model.fields if not f.is_local], pressures_of_contact(model)
+    fields = [f for f in model.fields if not f.is_local]
     free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
-    pressures = sum(f.size for f in contact if f.symmetric)
-    others = all(f.order > 0 or not f.symmetric or f in contact for f in fields if not f.multiplier)
-    return others and (free, pressures) == (eliminated, condensed)
-
-
-def pressures_of_contact(model: Model) -> list[Field]:
-    """Fields of pressures and tractions of contact; the pressures of mixed solids are none."""
-    contacts = {a.component for a in model.accounts if a.kind == "contact"}
-    algebraic = [f for f in model.fields if f.order == 0 and not f.multiplier and not f.definite]
-    return [f for f in algebraic if model.index(f.component) in contacts]
+    pressures = sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE)
+    others = any(f.role in (Role.STATE, Role.SOLID_PRESSURE) for f in fields)
+    return not others and (free, pressures) == (eliminated, condensed)
 
 
 def rigid_modes(model: Model) -> Array:

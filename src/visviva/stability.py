@@ -68,7 +68,7 @@ def falling_directions(system: System, step: Any) -> int | None:
 
 def judged(system: System, falling: int) -> int | None:
     """Gaps of facets have kinks where edges cross: in contact a falling direction may be one of the mesh alone."""
-    touches = any(a.kind == "contact" for a in system.model.accounts)
+    touches = any(c.touches for c in system.components)
     return None if falling > 0 and touches else max(falling, 0)
 
 
@@ -92,7 +92,7 @@ def count_falling(system: System, step: Any) -> int | None:
 def bears(system: System) -> NDArray[np.bool_]:
     """Unknowns (n,) that stand for forces, multipliers and pressures: the energy is largest in them."""
     fields = system.model.fields
-    return np.concatenate([~f.fixed & (f.multiplier or not f.definite) for f in fields])
+    return np.concatenate([~f.fixed & f.role.bears for f in fields])
 
 
 def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_]) -> Array | None:

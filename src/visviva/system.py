@@ -173,7 +173,7 @@ class System(metaclass=Named):
         """Let the core project the rates of motion, the equations of which are symmetric: mass and constraints."""
         if not self.has_lasting_constraints or np.any(self.order == 1):
             return
-        if any(a.kind == "servo" for a in self.model.accounts):
+        if self.model.has_servo:
             return
         constraint = self.is_lasting_constraint.astype(np.int32)
         regularization = self.newton.regularization
@@ -217,7 +217,7 @@ class System(metaclass=Named):
     @cached_property
     def is_lasting_constraint(self) -> NDArray[np.bool_]:
         """Unknowns (n,) that are multipliers of constraints which hold at every instant."""
-        return np.concatenate([np.full(f.size, f.multiplier and f.lasting) for f in self.model.fields])
+        return np.concatenate([np.full(f.size, f.multiplier and f.instantaneous) for f in self.model.fields])
 
     @property
     def has_lasting_constraints(self) -> bool:
@@ -424,7 +424,7 @@ class System(metaclass=Named):
         """Whether constraints act on motion alone: flows and servos keep the rates that the scheme gives."""
         from visviva.instant import Instant
 
-        if not self.n_constraints or any(a.kind == "servo" for a in self.model.accounts):
+        if not self.n_constraints or self.model.has_servo:
             return False
         at = Instant(self)
         touched = abs(at.G).sum(axis=0) > 0

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component import Component, settings
+from visviva.field import Role
 from visviva.model import Model
 from visviva.term import Stencils, Term
 from visviva.values import Number
@@ -66,7 +67,7 @@ class Bar(Component):
     outside: Number = 0.2
 
     def declare(self, model: Model) -> None:
-        self.heat = model.field(self, "temperature", self.temperatures, order=1)
+        self.heat = model.field(self, "temperature", self.temperatures, role=Role.CONTENT)
 
     def contribute(self, model: Model) -> None:
         nodes = np.arange(self.heat.start, self.heat.start + self.heat.size, dtype=np.int32)

@@ -14,6 +14,7 @@ from instances.shapes import CORNERS, gauss, hex8, neo_hooke
 from instances.stokes import Storage
 from visviva.callback import Function
 from visviva.component import Component, settings
+from visviva.field import Role
 from visviva.model import Model
 from visviva.term import Stencils, Term
 from visviva.values import Number
@@ -103,7 +104,7 @@ class ImmersedSolid(Component):
     def declare(self, model: Model) -> None:
         rng = np.random.default_rng(self.seed)
         self.velocity = model.field(
-            self, "velocity", self.speed * rng.standard_normal(24), order=1, amount=False
+            self, "velocity", self.speed * rng.standard_normal(24), role=Role.VELOCITY
         )
 
     def contribute(self, model: Model) -> None:

@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from instances.shapes import gauss, quad9
 from visviva.component import Component, settings
+from visviva.field import Role
 from visviva.model import Model
 from visviva.term import Stencils, Term
 from visviva.values import Number
@@ -85,8 +86,8 @@ class StokesCell(Component):
         self.M, self.A, self.B = cell(self.viscosity)
         free = sl.null_space(self.B)
         v = free @ np.random.default_rng(self.seed).standard_normal(free.shape[1])
-        self.velocity = model.field(self, "velocity", v, order=1, amount=False)
-        self.pressure = model.field(self, "pressure", np.zeros(3), order=0, multiplier=True, stage=1)
+        self.velocity = model.field(self, "velocity", v, role=Role.VELOCITY)
+        self.pressure = model.field(self, "pressure", np.zeros(3), role=Role.MULTIPLIER, stage=1)
 
     def contribute(self, model: Model) -> None:
         v = np.array([self.velocity.unknowns], dtype=np.int32)

@@ -19,7 +19,7 @@ from visviva.body.solid_term import own_energy, solid_term
 from visviva.callback import callback_of
 from visviva.component import settings
 from visviva.errors import InputError, nearest
-from visviva.field import Vectors
+from visviva.field import Role, Vectors
 from visviva.form import Form, Vector
 from visviva.material.base import Material
 from visviva.mesh.cells import CELLS
@@ -238,11 +238,11 @@ class Solid(Attachable, Meshed):
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
         )
         if self.formulation == "enhanced":  # d modes per element, without inertia; damping needs their rates
-            order = 2 if self.stiffness_damping > 0 else 0
+            role = Role.MOTION if self.stiffness_damping > 0 else Role.STATE
             zero = np.zeros((self.grid.n_cells, d, d))
             own = np.repeat(np.arange(len(zero)), d * d)
             self.inner = model.field(
-                self, "enhanced", zero, order=order, scale=model.length, stage=1, node=d, element=own
+                self, "enhanced", zero, role=role, scale=model.length, stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
             self.pressure_numbers, own = forms.pressure_numbers(self.grid)
@@ -250,9 +250,8 @@ class Solid(Attachable, Meshed):
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
             if bulk > forms.STIFFEST * self.material.lame[1]:
                 own[:] = -1
-            self.inner = model.field(
-                self, "pressure", 0.0 * own, order=0, stage=1, multiplier=free, definite=False, element=own
-            )
+            role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
+            self.inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
         self.terms: list[Any] = []  # of the core, one per cell type

@@ -26,6 +26,7 @@ from visviva.contact.obstacle import frame_surface
 from visviva.contact.resolve import resolve
 from visviva.contact.surface import Surface, points_of, positions, skin, surface_of
 from visviva.errors import InputError
+from visviva.field import Role
 from visviva.mesh.faces import Faces
 from visviva.point import Attachable
 from visviva.values import Number
@@ -194,10 +195,10 @@ class Contact(Component):
             self._see()
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":
-            self.pressure = model.field(self, "pressure", np.zeros(n), order=0, stage=1, definite=False)
+            self.pressure = model.field(self, "pressure", np.zeros(n), role=Role.CONTACT_PRESSURE, stage=1)
         if self.friction > 0 and self.tangential == "multipliers":
             zeros = np.zeros((n, self._surface.dimension - 1))
-            self.traction = model.field(self, "traction", zeros, order=0, stage=1, definite=False)
+            self.traction = model.field(self, "traction", zeros, role=Role.CONTACT_PRESSURE, stage=1)
 
     def _see(self) -> None:
         """The first surface."""
@@ -419,6 +420,14 @@ class Contact(Component):
 
     def record(self, x: Array) -> Array:
         return record(self, x)
+
+    @property
+    def touches(self) -> bool:
+        return True
+
+    @property
+    def rubs(self) -> bool:
+        return self.friction > 0
 
     @property
     def collides(self) -> bool:

@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.component import settings
 from visviva.errors import InputError, RunError
+from visviva.field import Role
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
@@ -173,19 +174,9 @@ class Fluid(Meshed):
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
         speed = self.speed or self._starts_at or 1.0
-        self.flow = model.field(
-            self, "velocity", v, order=1, amount=False, scale=speed, node=self.dimension, symmetric=False
-        )
-        self.pressure = model.field(
-            self,
-            "pressure",
-            np.zeros(self._n_pressures),
-            order=0,
-            stage=1,
-            multiplier=not self.is_stabilised,
-            definite=False,
-            symmetric=False,
-        )
+        self.flow = model.field(self, "velocity", v, role=Role.VELOCITY, scale=speed, node=self.dimension)
+        role = Role.FLUID_PRESSURE if self.is_stabilised else Role.MULTIPLIER
+        self.pressure = model.field(self, "pressure", np.zeros(self._n_pressures), role=role, stage=1)
         if self.conditions.closed:
             model.hold(self.pressure, [0])
 

@@ -133,7 +133,7 @@ class Immersed(Carried):
         super().declare(model)
         self.solid.is_carried_thin = self.is_thin
         size = self.solid.dimension * self.solid.grid.n_nodes
-        self.force = model.multipliers(self, "force", size, lasting=False)
+        self.force = model.multipliers(self, "force", size, instantaneous=False)
 
     def contribute(self, model: Model) -> None:
         d, motion = self.solid.dimension, self.solid.motion

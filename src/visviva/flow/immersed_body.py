@@ -143,7 +143,7 @@ class ImmersedBody(Carried):
             1 if self.fluid.is_stabilised else 2
         )
         self.marks = marks(self._shape, self.spacing * edge, plane=d == 2)
-        self.force = model.multipliers(self, "force", d * len(self.marks), lasting=False)
+        self.force = model.multipliers(self, "force", d * len(self.marks), instantaneous=False)
 
     def contribute(self, model: Model) -> None:
         n, d = len(self.marks), self.fluid.dimension
