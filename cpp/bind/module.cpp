@@ -370,6 +370,15 @@ static void bind_system(nb::module_& m) {
                      kinds.push_back(static_cast<Supply>(supply.data()[k]));
                  s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
+        .def("set_islands",
+             [](System& s, const Ints& island, const Ints& account, const Ints& island_of_account) {
+                 s.set_islands(vector_of<int>(island), vector_of<int>(account),
+                               vector_of<int>(island_of_account));
+             })
+        .def("set_drives",
+             [](System& s, const Ints& multiplier, const Ints& account) {
+                 s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
+             })
         .def_prop_ro("n_exchanged", &System::n_exchanged)
         .def_prop_ro("n_negative", [](const System& s) { return s.solver() ? s.solver()->n_negative() : -1; })
         .def("set_nodal_multipliers",
@@ -396,6 +405,7 @@ static void bind_system(nb::module_& m) {
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
         .def("touch", &System::touch)
+        .def_prop_ro("is_as_left", &System::is_as_left)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("take_stock",

@@ -57,6 +57,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
+    booked_ = {S_, gap1_, area1_, std::vector<double>(3 * n, 0.0), slips_};
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
@@ -104,14 +105,14 @@ bool ContactTerm::search(const double* x0, const double* x1) {
         to_[i] = from_[i] + (std::abs(step) > std::abs(ahead) ? step : ahead);
     }
     const bool changed = gaps_->search(from_.data(), to_.data());
-    known_at_.clear(), massed_.clear();
+    forget_gradients();
     narrow();
     return changed;
 }
 
 // Stencils for the present step.
 void ContactTerm::narrow() {
-    if (gaps_->narrow(X0_.data(), X1_.data())) known_at_.clear(), massed_.clear();
+    if (gaps_->narrow(X0_.data(), X1_.data())) forget_gradients();
     narrowed_ = X1_;
 }
 
@@ -201,10 +202,13 @@ bool ContactTerm::read_memory(const double*& m) {
 
 bool ContactTerm::read_search(const double*& m) {
     const std::size_t n = gaps_->skin().constant.size();
-    if (*m++ == 0) return false;
-    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n), known_.clear();
+    forget_gradients(), known_.clear();
+    if (*m++ == 0) {
+        from_.clear(), to_.clear();
+        return false;
+    }
+    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n);
     m += 2 * n;
-    known_at_.clear(), massed_.clear();
     return gaps_->search(from_.data(), to_.data());
 }
 
@@ -274,7 +278,7 @@ void ContactTerm::begin(const double* x0) {
 
 void ContactTerm::settle() {
     const Stopwatch watch(costs_.segments);
-    if (gaps_->settle(X0_.data())) known_.clear(), known_at_.clear();
+    if (gaps_->settle(X0_.data())) known_.clear(), forget_gradients();
 }
 
 void ContactTerm::find_gaps() {
@@ -715,8 +719,33 @@ void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<d
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     if (!c.backwards) return book(c, sums);
     const auto forces = forces_, friction = friction_forces_;
+    const Booked booked = booked_;
     book(c, sums);
-    forces_ = forces, friction_forces_ = friction;
+    forces_ = forces, friction_forces_ = friction, booked_ = booked;
+}
+
+// Whether a gap of rigid bodies closes as the step begins, so that its pressure is that of an impact.
+bool ContactTerm::collides(int A, const Context& c) const {
+    if (!rebounds() || !holds(c) || !active_[A]) return false;
+    return -c.step.h * rate0_[A] > touching * reach_ * area0_[A];
+}
+
+// An impulse changes the kinetic energy by its work along the mean of the velocities before and after it.
+// Increments of the scheme are those only if it goes on with that mean.
+void ContactTerm::find_way(const Context& c) {
+    const double* v1 = c.step.motion[2];
+    gaps_->skin().increments(c.vectors.v0, V0_);
+    mean_way_.resize(D_.size());
+    for (std::size_t i = 0; i < D_.size(); ++i)
+        mean_way_[i] = 0.5 * c.step.h * (v1[0] * D_[i] + (1 + v1[1]) * V0_[i]);
+}
+
+Impact ContactTerm::impact(int A, const Eigen::VectorXd& f) const {
+    Impact hit{work_account, S_[A] * f.dot(stencil_of(A, D_) - stencil_of(A, mean_way_)), 0, {}};
+    if (has_friction()) hit.rubbed = slip_work(A, D_) - slip_work(A, mean_way_);
+    const Skin& skin = gaps_->skin();
+    each_form(gaps_->stencil(A), [&](int, int k) { hit.unknowns.push_back(skin.unknown[k]); });
+    return hit;
 }
 
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
@@ -724,18 +753,24 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
     evaluate(c, false);
     find_gradients();
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
+    booked_ = {S_, gap1_, area1_, evaluated_tractions(), slips_};
+    const bool bends = c.step.motion[2][1] != -1;  // velocities in a step otherwise than by their mean
+    if (rebounds() && bends) find_way(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!has_multipliers()) sums.energy[energy_account] += potential(A, gap1_[A]);
         if (!options_.damping.empty())
             sums.work[work_account] +=
                 S_[A] * (gap1_[A] - gap0_[A]) + potential(A, gap1_[A]) - potential(A, gap0_[A]);
-        if (has_friction()) book_friction(A, c, sums);
+        const bool collided = bends && collides(A, c);
+        const std::vector<double>& way = collided ? mean_way_ : D_;
+        if (has_friction()) book_friction(A, c, way, sums);
         if (!active_[A]) continue;
         force(A, c, f);
+        if (collided) sums.impacts.push_back(impact(A, f));
         add_to_vertices(A, S_[A] * f, forces_);
         if (has_friction()) add_to_vertices(A, -sliding(A).force(traction_[A].value), friction_forces_);
-        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
+        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, way));
     }
 }
 

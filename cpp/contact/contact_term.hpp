@@ -66,13 +66,14 @@ class ContactTerm : public Term {
     bool is_lasting() const override { return false; }
     double resolution() const override { return gaps_->resolution(); }
 
-    // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
-    const std::vector<double>& pressures() const { return S_; }
-    const std::vector<double>& gap_values() const { return gap1_; }
-    const std::vector<double>& areas() const { return area1_; }
+    // As booked last, by vertices of the first surface: pressure, weighted gap, area; what is looked at
+    // in between leaves them alone.
+    const std::vector<double>& pressures() const { return booked_.pressure; }
+    const std::vector<double>& gap_values() const { return booked_.gap; }
+    const std::vector<double>& areas() const { return booked_.area; }
     /// Tractions on the first surface, three numbers each, and whether what is in contact slips.
-    std::vector<double> tractions() const;
-    const std::vector<char>& slips() const { return slips_; }
+    const std::vector<double>& tractions() const { return booked_.traction; }
+    const std::vector<char>& slips() const { return booked_.slips; }
     /// Gaps that the last iteration opened or closed, or made slip or stick.
     const std::vector<int>& unsettled() const { return unsettled_gaps_; }
     int n() const { return gaps_->n(); }
@@ -91,6 +92,11 @@ class ContactTerm : public Term {
     // Elastic tractions, two numbers each, belong to a configuration of the vertices.
     struct Record {
         std::vector<double> X, traction;
+    };
+    // What is shown of a step.
+    struct Booked {
+        std::vector<double> pressure, gap, area, traction;
+        std::vector<char> slips;
     };
     // Where a gap's part of the tangent is among the values.
     struct Places {
@@ -136,10 +142,15 @@ class ContactTerm : public Term {
     bool is_covered(int A, const std::vector<double>& area) const;
     void find_masses(bool gradients);
     double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
+    void forget_gradients() { known_at_.clear(), massed_.clear(), rates_at_.clear(); }
     void recall();
     void keep(const Context&);
     void rub(int A, const Context&);
     void book(const Context&, LedgerSums&);
+    bool collides(int A, const Context&) const;
+    void find_way(const Context&);
+    Impact impact(int A, const Eigen::VectorXd& f) const;
+    std::vector<double> evaluated_tractions() const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A, const Context&);
@@ -153,8 +164,10 @@ class ContactTerm : public Term {
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void scatter(int A, const Border&, double* values);
     void narrow();
-    void book_friction(int A, const Context&, LedgerSums&);
-    Sliding sliding(int A) const;
+    void book_friction(int A, const Context&, const std::vector<double>& way, LedgerSums&);
+    Sliding sliding(int A) const { return sliding(A, D_); }
+    Sliding sliding(int A, const std::vector<double>& D) const;
+    double slip_work(int A, const std::vector<double>& way) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
     void each_form(const std::vector<int>& vertices, F f) const;
@@ -174,6 +187,8 @@ class ContactTerm : public Term {
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
+    std::vector<double> mean_way_;  // increments by the mean of the velocities before and after a step
+    Booked booked_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet

@@ -23,7 +23,7 @@ std::vector<double> System::memory() const {
 
 void System::remember(const std::vector<double>& memory) {
     const double* m = memory.data();
-    touch();
+    forget();
     const double contraction = m[0];
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
@@ -35,6 +35,8 @@ void System::remember(const std::vector<double>& memory) {
         if (term->read_memory(m)) changed = true;
     if (changed) rewire();
     solver_->set_state(solver);
+    solver_->forget();
+    amended_ = false;
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -60,6 +62,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
+    leave();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

@@ -24,10 +24,19 @@ struct Context {
     bool backwards = false;
 };
 
+// Bodies that collide in a step, by some of their unknowns: what its impulse and friction have booked less
+// than their forces do along the increments of the scheme, and on which account the impulse is booked.
+struct Impact {
+    int account = -1;
+    double pressed = 0, rubbed = 0;
+    std::vector<int> unknowns;
+};
+
 // What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
 // statics `release` per unknown, the work of what held it out of equilibrium when the step began.
 struct LedgerSums {
     std::vector<double> energy, work, momentum, defect, release;
+    std::vector<Impact> impacts;
 };
 
 class Pattern;
@@ -88,6 +97,7 @@ class Term {
     virtual void settle(const Step&, double* /*x*/) {}
 
     std::string name;            // for messages
+    bool is_inertia = false;     // constant masses alone
     bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is

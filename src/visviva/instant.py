@@ -139,7 +139,7 @@ class Instant:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
             along = self.prescribed(lambda p: system.v[p.unknowns])
-            total = total + 0.5 * (self._at(along) - self._at(-along))
+            total = total + 0.5 * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
             total = total + difference(lambda s: self.violation(s), 1e-4)
         return total
@@ -211,7 +211,7 @@ class Instant:
         force: Array = (moved - system.residual(step))[self.coordinates]
         return force
 
-    def _at(self, dx: Array) -> Array:
+    def values_at(self, dx: Array) -> Array:
         """Values (m,) of the constraints at a trial increment of all unknowns."""
         self.system.core.dx[:] = dx
         values = self.violation()
@@ -221,7 +221,7 @@ class Instant:
     def _bend(self, v: Array) -> Array:
         """Second derivatives (m,) of the constraints along `v`."""
         s = 0.1 / max(float(np.abs(v).max(initial=0.0)), 1.0)
-        bend: Array = (self._at(s * v) + self._at(-s * v) - 2 * self.violation()) / s**2
+        bend: Array = (self.values_at(s * v) + self.values_at(-s * v) - 2 * self.violation()) / s**2
         return bend
 
     def _prescribed_convection(self) -> Array:
@@ -229,7 +229,7 @@ class Instant:
         free, a = self.system.v.copy(), self.prescribed_acceleration()
         free[~np.isin(np.arange(len(free)), self.coordinates)] = 0.0
         moved = free + self.prescribed(lambda p: self.system.v[p.unknowns])
-        return self._bend(moved) - self._bend(free) + 0.5 * (self._at(a) - self._at(-a))
+        return self._bend(moved) - self._bend(free) + 0.5 * (self.values_at(a) - self.values_at(-a))
 
     # --- solution -------------------------------------------------------------------------------------------
     @cached_property

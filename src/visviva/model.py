@@ -63,6 +63,7 @@ class Model:
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
     kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
+    drives: list[tuple[int, int]] = field(default_factory=list)  # multipliers of what is driven, accounts
     dependences: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -325,6 +326,8 @@ class Model:
         law = Law(LawKind.CONSTRAINT) if law is None else law
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
+        else:
+            self.drives += [(u, account) for u, s in zip(numbers, signals, strict=True) if s >= 0]
         self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
         self._element(component, strains, law, numbers, signals, account, shift)
 

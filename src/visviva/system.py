@@ -436,8 +436,10 @@ class System(metaclass=Named):
 
         assert self._last is not None
         step = self._last[0]
-        project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
+        work = project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
         self._take_stock_again()
+        for (_, account), part in zip(self.model.drives, work, strict=True):
+            self.core.work[account] += part
 
     def _take_stock_again(self) -> None:
         """The sums of the present state after its rates were changed; the works of the step stay."""
