@@ -404,7 +404,10 @@ static void bind_system(nb::module_& m) {
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
+        .def("keep_shown", &System::keep_shown)
+        .def("show_again", &System::show_again)
         .def("touch", &System::touch)
+        .def("leave", &System::leave)
         .def_prop_ro("is_as_left", &System::is_as_left)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })

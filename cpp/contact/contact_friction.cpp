@@ -37,7 +37,7 @@ Sliding ContactTerm::sliding(int A, const std::vector<double>& D) const {
     return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D), turning, gaps_->skin().dim};
 }
 
-std::vector<double> ContactTerm::evaluated_tractions() const {
+std::vector<double> ContactTerm::tractions() const {
     std::vector<double> t(3 * gaps_->n(), 0.0);
     for (int A = 0; has_friction() && A < gaps_->n(); ++A)
         if (active_[A]) Eigen::Vector3d::Map(&t[3 * A]) = grips_[A].tangent * traction_[A].value;

@@ -57,7 +57,6 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
-    booked_ = {S_, gap1_, area1_, std::vector<double>(3 * n, 0.0), slips_};
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
@@ -198,6 +197,17 @@ bool ContactTerm::read_memory(const double*& m) {
             m += part->size();
         }
     return changed;
+}
+
+void ContactTerm::hold() {
+    held_ = {S_, gap1_, area1_, forces_, friction_forces_, active_, slips_, grips_, traction_};
+}
+
+void ContactTerm::release() {
+    S_ = held_.S, gap1_ = held_.gap1, area1_ = held_.area1;
+    forces_ = held_.forces, friction_forces_ = held_.friction_forces;
+    active_ = held_.active, slips_ = held_.slips, grips_ = held_.grips, traction_ = held_.traction;
+    known_.clear();
 }
 
 bool ContactTerm::read_search(const double*& m) {
@@ -719,9 +729,8 @@ void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<d
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     if (!c.backwards) return book(c, sums);
     const auto forces = forces_, friction = friction_forces_;
-    const Booked booked = booked_;
     book(c, sums);
-    forces_ = forces, friction_forces_ = friction, booked_ = booked;
+    forces_ = forces, friction_forces_ = friction;
 }
 
 // Whether a gap of rigid bodies closes as the step begins, so that its pressure is that of an impact.
@@ -753,7 +762,6 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
     evaluate(c, false);
     find_gradients();
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
-    booked_ = {S_, gap1_, area1_, evaluated_tractions(), slips_};
     const bool bends = c.step.motion[2][1] != -1;  // velocities in a step otherwise than by their mean
     if (rebounds() && bends) find_way(c);
     Eigen::VectorXd f;

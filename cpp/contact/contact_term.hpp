@@ -63,17 +63,18 @@ class ContactTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
+    void hold() override;
+    void release() override;
     bool is_lasting() const override { return false; }
     double resolution() const override { return gaps_->resolution(); }
 
-    // As booked last, by vertices of the first surface: pressure, weighted gap, area; what is looked at
-    // in between leaves them alone.
-    const std::vector<double>& pressures() const { return booked_.pressure; }
-    const std::vector<double>& gap_values() const { return booked_.gap; }
-    const std::vector<double>& areas() const { return booked_.area; }
+    // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
+    const std::vector<double>& pressures() const { return S_; }
+    const std::vector<double>& gap_values() const { return gap1_; }
+    const std::vector<double>& areas() const { return area1_; }
     /// Tractions on the first surface, three numbers each, and whether what is in contact slips.
-    const std::vector<double>& tractions() const { return booked_.traction; }
-    const std::vector<char>& slips() const { return booked_.slips; }
+    std::vector<double> tractions() const;
+    const std::vector<char>& slips() const { return slips_; }
     /// Gaps that the last iteration opened or closed, or made slip or stick.
     const std::vector<int>& unsettled() const { return unsettled_gaps_; }
     int n() const { return gaps_->n(); }
@@ -93,10 +94,12 @@ class ContactTerm : public Term {
     struct Record {
         std::vector<double> X, traction;
     };
-    // What is shown of a step.
-    struct Booked {
-        std::vector<double> pressure, gap, area, traction;
-        std::vector<char> slips;
+    // What an evaluation has left.
+    struct Held {
+        std::vector<double> S, gap1, area1, forces, friction_forces;
+        std::vector<char> active, slips;
+        std::vector<Grip> grips;
+        std::vector<Traction> traction;
     };
     // Where a gap's part of the tangent is among the values.
     struct Places {
@@ -150,7 +153,6 @@ class ContactTerm : public Term {
     bool collides(int A, const Context&) const;
     void find_way(const Context&);
     Impact impact(int A, const Eigen::VectorXd& f) const;
-    std::vector<double> evaluated_tractions() const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A, const Context&);
@@ -188,7 +190,7 @@ class ContactTerm : public Term {
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
     std::vector<double> mean_way_;  // increments by the mean of the velocities before and after a step
-    Booked booked_;
+    Held held_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet

@@ -62,7 +62,6 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    leave();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

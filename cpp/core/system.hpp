@@ -101,11 +101,20 @@ class System {
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
+    // What terms show of the last evaluation, around others that shall leave no trace.
+    void keep_shown() {
+        for (const auto& term : terms_) term->hold();
+    }
+    void show_again() {
+        for (const auto& term : terms_) term->release();
+    }
     // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
     void touch() {
         if (!is_as_left()) forget();
     }
-    // Whether the state vectors are those with which the last step, or a restart, has ended.
+    // What the state vectors are now is that of the step accepted last.
+    void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
+    // Whether the state vectors are those with which the last step has ended.
     bool is_as_left() const { return left_[0] == x && left_[1] == v && left_[2] == a && left_[3] == w; }
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
@@ -155,7 +164,6 @@ class System {
         stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
         predictor_.forget();
     }
-    void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
     void reduce();
     void hold(const Pattern&);
     void rewire();

@@ -64,6 +64,9 @@ class Term {
     // changed.
     virtual void write_memory(std::vector<double>&) const {}
     virtual bool read_memory(const double*& /*memory*/) { return false; }
+    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
+    virtual void hold() {}
+    virtual void release() {}
     // Relative increments below which its residual may jump, so that they do not shrink any further.
     virtual double resolution() const { return 0; }
     // Asked after convergence, about the last residual.

@@ -16,7 +16,7 @@ from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
 from visviva.output.checkpoint import load_state, save_state
 from visviva.result import Result
-from visviva.system import System
+from visviva.system import System, recall
 
 Arrays = Mapping[str, NDArray[Any]]
 Notes = Mapping[str, float | str]
@@ -100,6 +100,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     for name in STATE:
         getattr(system.core, name)[:] = arrays[name]
     _load_memory(system, arrays, changed)
+    system.is_given = False
     for part in fields(system.clock):
         setattr(system.clock, part.name, attributes[f"clock.{part.name}"])
     system.rejected = int(attributes["rejected"])
@@ -114,16 +115,18 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
 
 
 def _load_memory(system: System, arrays: Arrays, changed: bool) -> None:
-    """Bring back the kept factorisation, then the histories of terms in Python.
+    """Bring back what the core and terms in Python remembered."""
+    terms = [term for term, _ in system.model.terms]
+    histories = [(_history(arrays, k, "now"), _history(arrays, k, "at_tangent")) for k in range(len(terms))]
+    if not changed:
+        recall(system.core, arrays["memory"], terms, histories)
+    for term, (now, _) in zip(terms, histories, strict=True):
+        term.history.update(now)
 
-    The factorisation is made again from the tangent of its own time, so terms need the history of that time.
-    """
-    for when, restore in (("at_tangent", True), ("now", False)):
-        for k, (term, _) in enumerate(system.model.terms):
-            found = {n.split("/")[-1]: a for n, a in arrays.items() if n.startswith(f"terms/{k}/{when}/")}
-            term.history.update({name: value.copy() for name, value in found.items()})
-        if restore and not changed:
-            system.core.remember(np.ascontiguousarray(arrays["memory"]))
+
+def _history(arrays: Arrays, k: int, when: str) -> dict[str, NDArray[Any]]:
+    start = f"terms/{k}/{when}/"
+    return {n.removeprefix(start): a.copy() for n, a in arrays.items() if n.startswith(start)}
 
 
 def signature(system: System) -> str:

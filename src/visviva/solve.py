@@ -146,8 +146,9 @@ def still_fits(system: System) -> bool:
     from visviva.consistency import rate_violation, worst
     from visviva.instant import Instant
 
-    at = Instant(system)
-    return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
+    with system.aside():
+        at = Instant(system)
+        return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
 
 def simulate(
@@ -205,7 +206,8 @@ def begin(
     system.stability = Stability()
     books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
-    system.take_stock()
+    with system.aside():
+        system.take_stock()
     books.book(system.time, system.core)
     keep(result)
     return result, books

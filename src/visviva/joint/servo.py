@@ -96,7 +96,8 @@ class Servo(Component):
 
     def _is_indirect(self, system: System) -> bool:
         """Whether some inputs of this servo do not accelerate its outputs (index above three)."""
-        at, K, _ = equations(system)
+        with system.aside():
+            at, K, _ = equations(system)
         _, size, V = np.linalg.svd(K)
         own = np.isin(at.multipliers, list(self._multipliers.unknowns))
         null = V[size < RANK * size[0]][:, len(at.coordinates) :][:, own]
