@@ -82,7 +82,9 @@ LOOKS: dict[str, Looked] = {"check": vv.System.check, "touch": vv.System.touch}
 STEPS = 24
 
 
-def marched(make: Callable[[], list[Component]], h: float, scheme: Any, look: Looked | None) -> tuple[Any, ...]:
+def marched(
+    make: Callable[[], list[Component]], h: float, scheme: Any, look: Looked | None
+) -> tuple[Any, ...]:
     system = vv.System(make())
     contacts = [c for c in system.components if isinstance(c, vv.Contact)]
     shown = []
@@ -91,7 +93,9 @@ def marched(make: Callable[[], list[Component]], h: float, scheme: Any, look: Lo
         if look is not None:
             look(s)
         shown.append(
-            np.concatenate([s.x, s.v, *[np.ravel(u) for c in contacts for u in (c.pressures, c.forces, c.gaps)]])
+            np.concatenate(
+                [s.x, s.v, *[np.ravel(u) for c in contacts for u in (c.pressures, c.forces, c.gaps)]]
+            )
         )
 
     result = vv.simulate(system, until=STEPS * h, step=h, scheme=scheme, observe=observe)

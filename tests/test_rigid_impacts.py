@@ -108,7 +108,9 @@ def test_what_backward_euler_loses_beside_impacts_is_never_a_gain(share: float, 
 def test_impact_through_a_joint_is_booked_whole() -> None:
     """One of two balls on a rod hits: e v is the point's new velocity, and 3/4 of J^2 / m_eff / 2 is lost."""
     for scheme in (vv.EnergyMomentum(), vv.BackwardEuler()):
-        low, high = (vv.PointMass(mass=1.0, position=(0, 0, z), velocity=(0, 0, -1)) for z in (0.1037, 0.6037))
+        low, high = (
+            vv.PointMass(mass=1.0, position=(0, 0, z), velocity=(0, 0, -1)) for z in (0.1037, 0.6037)
+        )
         rod, plane = vv.Distance(a=low.point(), b=high.point()), vv.Plane()
         other = vv.PointMass(mass=3.0, position=(5, 0, 0), velocity=(0, 1, 0))
         contact = vv.Contact(first=low, second=plane, stiffness=1e5, restitution=0.5)

@@ -282,7 +282,7 @@ def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
 
 def settle(system: System, at: Instant) -> int:
     """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as
-    well; returns how many are. Aside the solver is not told.
+    well; returns how many are. What is undisturbed is not told.
 
     In a singular configuration (bars in one line) constraints depend on each other for an instant only and
     have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
@@ -298,7 +298,7 @@ def settle(system: System, at: Instant) -> int:
         near.factor()
         step = instant(system.time, leading=1.0)
         lasting = near.redundancies().shape[1]
-        if not system.is_aside:
+        if not system.is_undisturbed:
             tell_redundant(system, step, lasting)
     system.x[:] = x
     return lasting

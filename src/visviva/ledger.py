@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.instant import Instant, instant
+from visviva.memory import undisturbed
 from visviva.output.tables import Table
 
 if TYPE_CHECKING:
@@ -195,7 +196,7 @@ class Bookkeeper:
         mass = sum(c.total_mass for c in system.components)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
-        with system.aside():
+        with undisturbed(system):
             self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
             self._per_reach = 1 / reaches(system)[:, None]
         if system.report is not None:

@@ -15,6 +15,7 @@ from visviva.arguments import number, positive, refuse_other, whole
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
+from visviva.memory import undisturbed
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
@@ -146,7 +147,7 @@ def still_fits(system: System) -> bool:
     from visviva.consistency import rate_violation, worst
     from visviva.instant import Instant
 
-    with system.aside():
+    with undisturbed(system):
         at = Instant(system)
         return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
@@ -206,7 +207,7 @@ def begin(
     system.stability = Stability()
     books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
-    with system.aside():
+    with undisturbed(system):
         system.take_stock()
     books.book(system.time, system.core)
     keep(result)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bisect
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from visviva.field import Field
 from visviva.form import Form, Strain, Vector
 from visviva.instant import NO_LENGTH
 from visviva.linear import Automatic, Direct, Problem
+from visviva.memory import undisturbed
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
 from visviva.problem import problem_of, rigid_modes, uses_null_space
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
     from visviva.check import CheckReport
-    from visviva.term import Term
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class System(metaclass=Named):
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
         self.is_given = True  # whether the state was given, and is not that of a step
-        self.is_aside = False  # whether what is done now leaves no trace
+        self.is_undisturbed = False  # whether what is done now leaves no trace
         self.is_edited = False  # whether the state was touched since the last step, or the last check
         self.stability = Stability()  # of the equilibria that statics has found
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
@@ -260,32 +260,6 @@ class System(metaclass=Named):
         self._last = None
         self.is_edited = self.is_given = True
         self.core.touch()
-
-    @contextmanager
-    def aside(self) -> Iterator[None]:
-        """Inside, the system may be looked at in any state: afterwards it goes on to the bit as if it had not been.
-
-        What decides the bits to come is what restarts keep; sums of the ledger are left as they are found.
-        """
-        if self.is_aside:
-            yield
-            return
-        core, terms = self.core, [term for term, _ in self.model.terms]
-        vectors = [(u, u.copy()) for u in (core.x, core.v, core.a, core.w)]
-        memory, histories = core.memory(), histories_of(terms)
-        flags = self._last, self.is_edited, self.is_given, self.has_acceleration
-        core.keep_shown()
-        self.is_aside = True
-        try:
-            yield
-        finally:
-            self.is_aside = False
-            for u, kept in vectors:
-                u[:] = kept
-            core.discard()
-            recall(core, memory, terms, histories)
-            core.show_again()
-            self._last, self.is_edited, self.is_given, self.has_acceleration = flags
 
     def describe(self, unknown: int) -> tuple[str, str]:
         """Component and unknown of a number, in words."""
@@ -473,7 +447,7 @@ class System(metaclass=Named):
             self.core.work[account] += part
 
     def _take_stock_again(self) -> None:
-        """The sums of the present state after its rates were changed, and this is how the step leaves it; its works stay."""
+        """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
         self.core.leave()
         work = self.core.work.copy()
         self.take_stock()
@@ -562,30 +536,7 @@ class System(metaclass=Named):
         from visviva.check import check
 
         if not self.is_given:
-            with self.aside():
+            with undisturbed(self):
                 return check(self, repair=False)
         self.report = check(self, repair=repair)
         return self.report
-
-
-Histories = list[tuple[dict[str, Array], dict[str, Array]]]
-"""Of terms in Python: those of now, and of the time of the kept tangent."""
-
-
-def histories_of(terms: Sequence[Term]) -> Histories:
-    """Copies of the histories of terms."""
-    copied = [[{n: a.copy() for n, a in h.items()} for h in (t.history, t.history_at_tangent)] for t in terms]
-    return [(now, at_tangent) for now, at_tangent in copied]
-
-
-def recall(core: Any, memory: Array, terms: Sequence[Term], histories: Histories) -> None:
-    """Bring back what the core remembered, then the histories of terms in Python.
-
-    The kept factorisation is made again from the tangent of its own time, so terms need the history of that time.
-    """
-    for term, (_, at_tangent) in zip(terms, histories, strict=True):
-        term.history.update({name: value.copy() for name, value in at_tangent.items()})
-    core.remember(np.ascontiguousarray(memory))
-    for term, (now, at_tangent) in zip(terms, histories, strict=True):
-        term.history.update({name: value.copy() for name, value in now.items()})
-        term.history_at_tangent = at_tangent
