@@ -101,7 +101,8 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
         const std::size_t shape[3] = {n, nl, nl};
         alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
                  own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
-                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6));
+                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6),
+                 own(a.v0, n, nl));
     };
 }
 

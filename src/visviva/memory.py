@@ -40,6 +40,7 @@ def _recall(system: System, arrays: Arrays, when: str) -> None:
         start = f"terms/{k}/{when}/"
         found = {n.removeprefix(start): a.copy() for n, a in arrays.items() if n.startswith(start)}
         term.history.update(found)
+        term.trial.clear()
         if when == "at_tangent":
             term.history_at_tangent = {n: a.copy() for n, a in found.items()}
 

@@ -66,6 +66,7 @@ def march(
     own = scheme.march(system, until=until, step=step)
     if own is None and not (until > system.time and math.isfinite(until)):
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+    know(system, step)
     prepare(system, scheme, project=project)
     if scheme.needs_acceleration and not system.has_acceleration:
         from visviva.consistency import initial_acceleration
@@ -77,6 +78,12 @@ def march(
         yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
     else:
         yield from counted_steps(system, until=until, step=step, scheme=scheme)
+
+
+def know(system: System, step: float) -> None:
+    """Tell a clock that has not run yet the length of the first step: what is looked at before needs a measure of time."""
+    if system.clock.step == 0.0:
+        system.clock.use(step)
 
 
 def checked_times(until: Any, step: Any) -> tuple[float, float]:
@@ -187,8 +194,9 @@ def simulate(
         the constraints.
     """
     every = whole("simulate", "every", every)
+    until, step = checked_times(until, step)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
-    result, books = begin(system, scheme, project=project)
+    result, books = begin(system, scheme, project=project, step=step)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
         if result.statistics.steps % every == 0:
             keep(result)
@@ -198,9 +206,10 @@ def simulate(
 
 
 def begin(
-    system: System, scheme: Scheme | None = None, *, project: bool = False
+    system: System, scheme: Scheme | None = None, *, project: bool = False, step: float = 0.0
 ) -> tuple[Result, Bookkeeper]:
-    """A result that holds the present state, and the books opened with it."""
+    """A result that holds the present state, and the books opened with it; `step` as far as it is known."""
+    know(system, step)
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme, project=project)
     system.pace.clear()
