@@ -125,3 +125,8 @@ def test_each_drive_books_its_own_impulses() -> None:
     times = np.linspace(0, 2, 2001)
     sampled = vv.TimeFunction(np.column_stack([times, 0.1 * np.sin(times)]))
     assert len(sampled.kinks) <= 2
+
+
+def test_kinks_are_found_once() -> None:
+    function = vv.TimeFunction(RAMP)
+    assert function.kinks is function.kinks

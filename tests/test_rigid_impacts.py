@@ -120,6 +120,24 @@ def test_impact_through_a_joint_is_booked_whole() -> None:
         assert ledger.size("imbalance") < 1e-12
 
 
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler()])
+@pytest.mark.parametrize("impact", ["dissipative", "conserving"])
+@pytest.mark.parametrize(("depth", "speed"), [(0.001, 0.0), (0.001, 1.0), (0.0, 1.0), (-0.02, 1.0)])
+def test_bodies_that_are_pressed_out_do_not_keep_their_closing_speed(
+    depth: float, speed: float, impact: Any, scheme: vv.Scheme
+) -> None:
+    """The overlap is pushed out with what that takes; what is left of the closing speed is for `impact` to say."""
+    h, plane = 0.01, vv.Plane()
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=0.1), density=1e3, position=(0, 0, 0.1 - depth), velocity=(0, 0, -speed)
+    )
+    contact = vv.Contact(first=ball, second=plane, stiffness=1e5, initial="press", impact=impact)
+    system = vv.System([ball, plane, contact])
+    vv.simulate(system, until=0.08, step=h, scheme=scheme)
+    pushed = max(depth, 0.0) / h * (1 if scheme == vv.BackwardEuler() else 2)
+    assert system.v[2] == pytest.approx(pushed + (speed if impact == "conserving" else 0.0), abs=1e-12)
+
+
 def test_bouncing_point_loses_its_height_as_the_formula_says() -> None:
     """From height 1 with restitution 0.8: sqrt(2 / g), then flights of 2 0.8^k times that; in the end it rests."""
     point, plane = vv.PointMass(mass=1.0, position=(0, 0, 1)), vv.Plane()

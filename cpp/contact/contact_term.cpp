@@ -177,7 +177,7 @@ int ContactTerm::passes(const std::vector<Approach>& approach, int n_parts) {
 
 void ContactTerm::write_memory(std::vector<double>& m) const {
     m.insert(m.end(), active_at_tangent_.begin(), active_at_tangent_.end());
-    m.push_back(from_.empty() ? 0 : 1);
+    m.push_back(pushed_out_ ? 1 : 0), m.push_back(from_.empty() ? 0 : 1);
     m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
     for (const Record* r : {&now_, &before_, &at_tangent_}) {
         if (!has_history()) break;
@@ -189,6 +189,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
 // The kept tangent will be made again, which needs its active set.
 bool ContactTerm::read_memory(const double*& m) {
     for (char& active : active_) active = *m++ != 0;
+    pushed_out_ = *m++ != 0;
     const bool changed = read_search(m);
     for (Record* r : {&now_, &before_, &at_tangent_})
         for (std::vector<double>* part : {&r->X, &r->traction}) {
@@ -376,7 +377,7 @@ double ContactTerm::rebound(int A, const Context& c) const {
 // give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.motion[0][0] == 0) return 0;
-    if (rebounds()) return gap0_[A] + rebound(A, c);
+    if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
     const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
@@ -788,6 +789,7 @@ void ContactTerm::accept(const Context& c) {
         settle();
         evaluate(c, true);
     }
+    if (c.step.motion[0][0] != 0) pushed_out_ = true;
     if (has_history()) keep(c);
     begin(c.vectors.x1);
 }

@@ -114,7 +114,9 @@ class ContactTerm : public Term {
     bool has_history() const { return has_friction() && !has_tangential(); }
     std::vector<int> multipliers(int A) const;
     int n_multipliers() const;
-    bool rebounds() const { return options_.rigid && has_multipliers() && !options_.presses_out; }
+    bool rebounds() const { return options_.rigid && has_multipliers(); }
+    // Rigid bodies are pushed out of each other in the first step: what impacts leave later is not.
+    bool pushes_out() const { return options_.presses_out && !pushed_out_; }
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const {
         return (options_.conserving || rebounds()) && c.step.motion[0][0] != 0;
@@ -194,7 +196,7 @@ class ContactTerm : public Term {
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
-    bool unsettled_ = false;
+    bool unsettled_ = false, pushed_out_ = false;
     std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;

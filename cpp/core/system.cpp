@@ -430,8 +430,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     const bool path = ledger && is_static(step);
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
-    for (std::size_t k = 0; ledger && k < drives_.size(); ++k)
-        sums.work[drive_account_[k]] += drive_work_[k];
+    for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;

@@ -192,7 +192,9 @@ class Instant:
             second = (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (
                 12 * d * d
             )
-            total = total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self._moment)
+            total = (
+                total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self._moment)
+            )
         return total
 
     # --- prescribed unknowns --------------------------------------------------------------------------------

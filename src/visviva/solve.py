@@ -81,7 +81,7 @@ def march(
 
 
 def know(system: System, step: float) -> None:
-    """Tell a clock that has not run yet the length of the first step: what is looked at before needs a measure of time."""
+    """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
     if system.clock.step == 0.0:
         system.clock.use(step)
 

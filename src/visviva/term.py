@@ -176,7 +176,7 @@ class Term:
 
 def seen(args: tuple[Any, ...]) -> Stencils:
     """What the core hands over of a step."""
-    return Stencils(*args[:6], v0=args[11])
+    return Stencils(*args[:6], args[11])
 
 
 @dataclass(frozen=True)
