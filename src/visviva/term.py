@@ -176,7 +176,8 @@ class Term:
 
 def seen(args: tuple[Any, ...]) -> Stencils:
     """What the core hands over of a step."""
-    return Stencils(*args[:6], args[11])
+    step, x0, x1, rate, second_rate, v1 = args[:6]
+    return Stencils(step, x0, x1, rate, second_rate, v1, v0=args[11])
 
 
 @dataclass(frozen=True)
