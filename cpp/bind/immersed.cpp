@@ -68,13 +68,12 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
     };
 }
 
-// Takes unknowns and places (n, dim); None where nobody asks.
+// Takes places (n, dim); None where nobody asks.
 Reach reach_of(nb::object function, std::size_t n, std::size_t dim) {
     if (function.is_none()) return {};
-    return [f = nb::weakref(function), n, dim](const std::vector<int>& unknowns, const double* places) {
+    return [f = nb::weakref(function), n, dim](const double* places) {
         nb::gil_scoped_acquire gil;
-        alive(f)(nb::cast(nb::ndarray<nb::numpy, const int>(unknowns.data(), {unknowns.size()}, nb::none())),
-                 rows(places, n, dim));
+        alive(f)(rows(places, n, dim));
     };
 }
 

@@ -32,6 +32,13 @@ struct LedgerSums {
 
 class Pattern;
 
+// Where a step goes, as far as that is known before it is solved: its start and end, the latter extrapolated from
+// the steps before. `on_way` is where forces are evaluated, by the state at the start alone: by its rates, and
+// as prescribed. Outside of steps it is the start.
+struct Way {
+    const double *x0, *x1, *on_way;
+};
+
 // Why a converged step is no solution; empty if it is one.
 struct Refusal {
     int unknown = -1;
@@ -44,8 +51,10 @@ class Term {
     // Terms on meshes couple whole nodes and find their places by themselves.
     virtual void couple(Pattern&) const {}
     virtual void connect(const Pattern&) {}
-    // Before a step, with its predicted end: looks for new neighbours; true if the coupling has changed.
-    virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
+    // Before a step: looks for new neighbours; true if the coupling has changed.
+    virtual bool search(const Way&) { return false; }
+    // Whether it looks at the middle of that way.
+    virtual bool wants_way() const { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
     // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does
