@@ -108,15 +108,10 @@ void Predictor::predict(double h, const double* x, const double* v, double* dx) 
     if (h == h_ && motion_.knows()) {
         motion_.next(work_.data());
         scatter(coordinates_, work_.data(), dx);
-        predict_rotations(turn_.knows(), h, x, v, dx);
     } else {
-        follow_rates(h, x, v, dx);
+        for (int i : coordinates_) dx[i] = h * v[i];
     }
-}
-
-void Predictor::follow_rates(double h, const double* x, const double* v, double* dx) {
-    for (int i : coordinates_) dx[i] = h * v[i];
-    predict_rotations(false, h, x, v, dx);
+    predict_rotations(h, x, v, dx);
 }
 
 void Predictor::predict_multipliers(double h, double* dx) {
@@ -127,7 +122,8 @@ void Predictor::predict_multipliers(double h, double* dx) {
     scatter(multipliers_, work_.data(), dx);
 }
 
-void Predictor::predict_rotations(bool known, double h, const double* x, const double* v, double* dx) {
+void Predictor::predict_rotations(double h, const double* x, const double* v, double* dx) {
+    const bool known = h == h_ && turn_.knows();
     if (known) turn_.next(work_.data());
     for (std::size_t body = 0; body < rigid_.size(); ++body) {
         double* t = &work_[3 * body];

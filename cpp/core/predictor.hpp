@@ -38,8 +38,6 @@ class Predictor {
     // The increment of a step of length h from x with the rates v. Nothing known: coordinates go on with
     // their rates, multipliers keep their values. Nothing else in dx is changed.
     void predict(double h, const double* x, const double* v, double* dx);
-    // The same as if nothing were known: by the state alone.
-    void follow_rates(double h, const double* x, const double* v, double* dx);
     void predict_multipliers(double h, double* dx);
     void record(const double* x0, const double* dx, double h);
 
@@ -47,7 +45,7 @@ class Predictor {
     const double* read(const double* memory);
 
   private:
-    void predict_rotations(bool known, double h, const double* x, const double* v, double* dx);
+    void predict_rotations(double h, const double* x, const double* v, double* dx);
     void record_rotations(const double* x0, const double* dx);
 
     std::vector<int> coordinates_, multipliers_;

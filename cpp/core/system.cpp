@@ -35,7 +35,6 @@ void System::set_accounts(int n_accounts, int n_components) {
 
 void System::finalize() {
     wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
-    wants_way_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_way(); });
     constraint_weight_.assign(n_, 0.0);
     if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
@@ -123,11 +122,11 @@ void System::rewire() {
     stale_factor_ = true;
 }
 
-bool System::look(const double* on_way) {
+bool System::look(double theta, double h) {
     kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
     for (const auto& term : terms_)
-        if (term->search({x.data(), x1_.data(), on_way})) changed = true;
+        if (term->search({x.data(), x1_.data(), v.data(), theta, h})) changed = true;
     if (changed) rewire(), stale_begin_ = true;
     return changed;
 }
@@ -159,17 +158,6 @@ void System::predict(const Step& step) {
     if (step.motion[0][0] != 0) predictor_.predict(step.h, x.data(), v.data(), dx.data());
     predictor_.predict_multipliers(step.h, dx.data());
     set_base_rates(step);
-}
-
-// What steps before have left is not asked: what terms find there decides where a step ends, and has to follow
-// from the state.
-const double* System::on_way(const Step& step) {
-    if (!wants_way_) return x.data();
-    way_.assign(n_ + 1, 0.0);
-    if (step.motion[0][0] != 0) predictor_.follow_rates(step.h, x.data(), v.data(), way_.data());
-    for (int u : prescribed_) way_[u] = dx[u];
-    kernels().vector_affine(n_, step.theta, way_.data(), x.data(), way_.data());
-    return way_.data();
 }
 
 void System::set_base_rates(const Step& step) {

@@ -99,7 +99,7 @@ class System {
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
     // another one from now on.
-    bool search() { return look(x.data()); }
+    bool search() { return look(0, 0); }
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -145,8 +145,7 @@ class System {
     void rewire();
     void prepare_predictor();
     void predict(const Step&);
-    const double* on_way(const Step&);
-    bool look(const double* on_way);
+    bool look(double theta, double h);
     bool lead(const Context&);
     void start(const Step&);
     bool renew_tangent(const Context&, bool assembled);
@@ -216,9 +215,8 @@ class System {
         int begin, end, order;  // unknowns of equal order in a row
     };
     std::vector<Segment> segments_;
-    bool wants_rates_ = false, wants_way_ = false, driven_ = false;
+    bool wants_rates_ = false, driven_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
-    std::vector<double> way_;  // where forces of a step are evaluated, by its start alone
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none

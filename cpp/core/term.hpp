@@ -32,11 +32,11 @@ struct LedgerSums {
 
 class Pattern;
 
-// Where a step goes, as far as that is known before it is solved: its start and end, the latter extrapolated from
-// the steps before. `on_way` is where forces are evaluated, by the state at the start alone: by its rates, and
-// as prescribed. Outside of steps it is the start.
+// Where a step goes, as far as that is known before it is solved: its start with the rates there, and its end, of
+// motion extrapolated from the steps before. What decides where a step ends has to follow from its start alone.
 struct Way {
-    const double *x0, *x1, *on_way;
+    const double *x0, *x1, *v0;
+    double theta = 0, h = 0;  // both zero outside of steps
 };
 
 // Why a converged step is no solution; empty if it is one.
@@ -53,8 +53,6 @@ class Term {
     virtual void connect(const Pattern&) {}
     // Before a step: looks for new neighbours; true if the coupling has changed.
     virtual bool search(const Way&) { return false; }
-    // Whether it looks at the middle of that way.
-    virtual bool wants_way() const { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
     // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does

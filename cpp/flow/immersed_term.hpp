@@ -37,6 +37,7 @@ struct ImmersedPoints {
     std::vector<int> vector;
     std::vector<double> weight;
     std::vector<int> multiplier;
+    std::vector<char> held;  // [point][dim]: what is fixed or moves as prescribed
     int n() const { return static_cast<int>(multiplier.size()); }
     double value(const double* x, int point, int i) const {
         double sum = 0;
@@ -51,7 +52,6 @@ class ImmersedTerm : public Term {
                  Reach reach);
 
     bool search(const Way&) override;
-    bool wants_way() const override { return true; }
     bool outdated() const override;
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
@@ -72,6 +72,9 @@ class ImmersedTerm : public Term {
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
     void couple(const Way&);
+    bool is_known(const Way&);
+    void go_on(const Way&);
+    void interpolate();
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
     bool is_free(int first) const { return is_free(now_.weight, first); }

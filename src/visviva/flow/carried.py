@@ -116,8 +116,13 @@ class Carried(Component):
         ):
             raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
 
-    def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
-        """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
+    def _follow(
+        self, model: Model, vectors: Ints, weights: Array, multipliers: Cells, held: Mask | None = None
+    ) -> None:
+        """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does.
+
+        What is `held` (n, d) does not, nor does the fluid there.
+        """
         transfer = Transfer(self.fluid)
         reach = self._reacher(transfer) if self._tells_reach else None
         n = len(multipliers)
@@ -132,6 +137,7 @@ class Carried(Component):
             np.ascontiguousarray(vectors, dtype=np.int32),
             np.ascontiguousarray(weights, dtype=float),
             np.ascontiguousarray(multipliers, dtype=np.int32),
+            np.zeros((n, self.fluid.dimension), dtype=bool) if held is None else held,
             *self._calls,
         )
         term.name = self.label
