@@ -122,9 +122,9 @@ def test_an_elastic_body_moves_to_second_order(scheme: vv.Scheme, density: float
         vv.simulate(system, until=0.16, step=h, scheme=scheme)
         return np.asarray(part(parts, vv.Solid).positions(system.x))
 
-    exact = end(0.0005, vv.Midpoint())
-    coarse, fine = (np.abs(end(h, scheme) - exact).max() for h in (0.008, 0.002))
-    assert np.log2(coarse / fine) / 2 > 1.8
+    exact = end(0.00025, vv.Midpoint())
+    coarse, fine = (np.abs(end(h, scheme) - exact).max() for h in (0.008, 0.001))
+    assert np.log2(coarse / fine) / 3 > 1.8
 
 
 def test_bodies_begin_with_the_acceleration_of_the_fluid() -> None:
@@ -296,8 +296,8 @@ def test_damping_takes_what_swings_and_the_books_say_how_much() -> None:
 
     def swing(result: vv.Result) -> float:
         fluid = part(result.system.components, vv.Fluid)
-        v = np.array([fluid.velocities(x) for x in result.states[-4:]])
-        return float(np.abs(v[3] - 3 * v[2] + 3 * v[1] - v[0]).max())
+        v = np.array([fluid.velocities(x) for x in result.states[-13:]])  # over steps: new cells put more in
+        return float(np.abs(v[3:] - 3 * v[2:-1] + 3 * v[1:-2] - v[:-3]).max(axis=(1, 2)).mean())
 
     (_, free), (_, damped) = stiff(), stiff(damping=0.1)
     ledger = damped.ledger

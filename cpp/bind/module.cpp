@@ -396,6 +396,8 @@ static void bind_system(nb::module_& m) {
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
         .def("touch", &System::touch)
+        .def("leave", &System::leave)
+        .def_prop_ro("is_as_left", &System::is_as_left)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("take_stock",

@@ -23,7 +23,7 @@ std::vector<double> System::memory() const {
 
 void System::remember(const std::vector<double>& memory) {
     const double* m = memory.data();
-    touch();
+    forget();
     const double contraction = m[0];
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
@@ -60,6 +60,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
+    leave();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

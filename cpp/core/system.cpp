@@ -131,6 +131,18 @@ bool System::look(double theta, double h) {
     return changed;
 }
 
+void System::forget() {
+    stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0;
+    predictor_.forget();
+}
+
+bool System::touch() {
+    stale_begin_ = true;
+    if (is_as_left()) return false;
+    forget();
+    return true;
+}
+
 void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
 
 // Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
@@ -414,6 +426,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
     for (const auto& term : terms_) term->settle(step, x.data());
+    leave();
     discard();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;

@@ -24,6 +24,7 @@ from visviva.consistency import (
 )
 from visviva.errors import InputError
 from visviva.instant import COMPLIANCE, Instant, instant
+from visviva.memory import undisturbed
 from visviva.scheme import EnergyMomentum
 
 if TYPE_CHECKING:
@@ -167,6 +168,11 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     >>> vv.System([ground, ball, rod]).check().degrees_of_freedom
     2
     """
+    with undisturbed(system):
+        return _checked(system, repair, tangents)
+
+
+def _checked(system: System, repair: bool, tangents: bool) -> CheckReport:
     at = Instant(system)
     refuse_unheld(system, at)
     positions = project_positions(system, at) if repair else told(worst(at))

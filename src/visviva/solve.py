@@ -15,6 +15,7 @@ from visviva.arguments import number, positive, refuse_other, whole
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
+from visviva.memory import undisturbed
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
@@ -146,8 +147,9 @@ def still_fits(system: System) -> bool:
     from visviva.consistency import rate_violation, worst
     from visviva.instant import Instant
 
-    at = Instant(system)
-    return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
+    with undisturbed(system):
+        at = Instant(system)
+        return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
 
 def simulate(

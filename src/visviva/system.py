@@ -251,10 +251,9 @@ class System(metaclass=Named):
         return self.core.v
 
     def touch(self) -> None:
-        """Tell the core that the state was changed from outside."""
-        self._last = None
-        self.is_edited = True
-        self.core.touch()
+        """Tell the core that the state may have been changed from outside."""
+        if self.core.touch():
+            self._last, self.is_edited = None, True
 
     def describe(self, unknown: int) -> tuple[str, str]:
         """Component and unknown of a number, in words."""
@@ -339,6 +338,7 @@ class System(metaclass=Named):
         self._take_stock_again()
         self.core.work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
         self._last, self.is_edited = last, False
+        self.core.leave()
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
@@ -423,10 +423,12 @@ class System(metaclass=Named):
     def constrains_motion(self) -> bool:
         """Whether constraints act on motion alone: flows and servos keep the rates that the scheme gives."""
         from visviva.instant import Instant
+        from visviva.memory import undisturbed
 
         if not self.n_constraints or any(a.kind == "servo" for a in self.model.accounts):
             return False
-        at = Instant(self)
+        with undisturbed(self):
+            at = Instant(self)
         touched = abs(at.G).sum(axis=0) > 0
         return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
 
@@ -438,6 +440,7 @@ class System(metaclass=Named):
         step = self._last[0]
         project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
         self._take_stock_again()
+        self.core.leave()
 
     def _take_stock_again(self) -> None:
         """The sums of the present state after its rates were changed; the works of the step stay."""
@@ -521,8 +524,11 @@ class System(metaclass=Named):
         return found
 
     def check(self, repair: bool = True) -> CheckReport:
-        """Look the system over before its first step; see `visviva.check.check`."""
+        """Look the system over before its first step; see `visviva.check.check`.
+
+        What a step has left is not repaired, and goes on to the same bits: its rates are those of the scheme.
+        """
         from visviva.check import check
 
-        self.report = check(self, repair=repair)
+        self.report = check(self, repair=repair and not self.core.is_as_left)
         return self.report
