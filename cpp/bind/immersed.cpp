@@ -89,14 +89,21 @@ void bind_immersed(nb::module_& m) {
                 const int n = static_cast<int>(multiplier.size()),
                           terms = static_cast<int>(vector.size()) / n;
                 new (t)
-                    ImmersedTerm({dim, terms, width, damping, leaves, vector_of(vector), vector_of(weight),
-                                  vector_of(multiplier), {held.data(), held.data() + held.size()}},
+                    ImmersedTerm({dim,
+                                  terms,
+                                  width,
+                                  damping,
+                                  leaves,
+                                  vector_of(vector),
+                                  vector_of(weight),
+                                  vector_of(multiplier),
+                                  {held.data(), held.data() + held.size()}},
                                  interpolation_of(std::move(interpolate), n, dim, width),
                                  admission_of(std::move(admit), n, dim),
                                  coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
             },
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
-            nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"), nb::arg("admit"),
-            nb::arg("couple"), nb::arg("reach").none())
+            nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"),
+            nb::arg("admit"), nb::arg("couple"), nb::arg("reach").none())
         .def_prop_ro("location", &ImmersedTerm::location);
 }

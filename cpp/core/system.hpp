@@ -91,7 +91,8 @@ class System {
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
-    // After the state vectors may have been changed from outside; false if they are as the last step left them.
+    // After the state vectors may have been changed from outside; false if they are as the last step left
+    // them.
     bool touch();
     // What was changed since a step belongs to it.
     void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
@@ -185,6 +186,7 @@ class System {
     void book_step(const Context&, const double* v1, double direction);
     void book_path(const Context&);
     void forget();
+    void record_mean(const Step&);
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
@@ -222,6 +224,7 @@ class System {
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
+    std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
     std::vector<double> left_[4];                   // x, v, a, w that it left
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;

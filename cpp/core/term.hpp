@@ -32,10 +32,11 @@ struct LedgerSums {
 
 class Pattern;
 
-// Where a step goes, as far as that is known before it is solved: its start with the rates there, and its end, of
-// motion extrapolated from the steps before. What decides where a step ends has to follow from its start alone.
+// Where a step goes, as far as that is known before it is solved: its start and its end, extrapolated from
+// the steps before. What decides where a step ends has to follow from its start and its rate alone: the
+// velocities there, or where these swing from step to step the mean ones of the step before.
 struct Way {
-    const double *x0, *x1, *v0;
+    const double *x0, *x1, *rate;
     double theta = 0, h = 0;  // both zero outside of steps
 };
 

@@ -57,45 +57,24 @@ bool ImmersedTerm::outdated() const {
     return false;
 }
 
-void ImmersedTerm::interpolate() {
-    interpolate_(start_.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
-}
-
-// Whether this is where the present weights belong, which is often asked outside of steps.
-bool ImmersedTerm::is_known(const Way& way) {
-    bool same = !coupled_.empty() && way.h == 0;
-    each([&](int k, int i, int, int) {
-        const double from = points_.value(way.x0, k, i);
-        double &start = start_[k * points_.dim + i], &place = now_.places[k * points_.dim + i];
-        same = same && start == from && place == from;
-        start = place = from;
-    });
-    return same;
-}
-
-// To where the scheme evaluates forces, with the velocities of the fluid: those of the points themselves swing
-// about them under midpoint rules, the more the longer they are followed.
-void ImmersedTerm::go_on(const Way& way) {
-    interpolate();
-    each([&](int k, int i, int, int first) {
-        const double span = way.theta * way.h, from = points_.value(way.x0, k, i);
-        double& place = now_.places[k * points_.dim + i];
-        if (points_.held[k * points_.dim + i])
-            place += way.theta * (points_.value(way.x1, k, i) - from);
-        else if (is_free(first))
-            place += span * points_.value(way.v0, k, i);
-        else
-            place += span * velocity(way.x0, first, i);
-    });
-}
-
-// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end), as far as its start
-// tells, keeps the second order, and makes the motion linear in the velocities. It stays through all iterations.
+// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end), as far as its
+// start tells, keeps the second order, and makes the motion linear in the velocities. It stays through all
+// iterations. The rates are those of the points: those of the fluid at long steps lead away from where a body
+// is held.
 bool ImmersedTerm::search(const Way& way) {
     const Stopwatch watch(location_);
-    if (is_known(way)) return false;
-    if (way.h > 0) go_on(way);
-    interpolate();
+    bool same = !coupled_.empty();
+    each([&](int k, int i, int, int) {
+        const double from = points_.value(way.x0, k, i);
+        const double goes = points_.held[k * points_.dim + i] ? points_.value(way.x1, k, i) - from
+                                                              : way.h * points_.value(way.rate, k, i);
+        double &start = start_[k * points_.dim + i], &place = now_.places[k * points_.dim + i];
+        const double to = from + way.theta * goes;
+        same = same && start == from && place == to;
+        start = from, place = to;
+    });
+    if (same) return false;
+    interpolate_(start_.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
     if (reach_) reach_(now_.places.data());
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)

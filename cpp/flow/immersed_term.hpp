@@ -72,9 +72,6 @@ class ImmersedTerm : public Term {
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
     void couple(const Way&);
-    bool is_known(const Way&);
-    void go_on(const Way&);
-    void interpolate();
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
     bool is_free(int first) const { return is_free(now_.weight, first); }

@@ -248,7 +248,7 @@ class Carried(Component):
         return couple
 
     def _around(self, transfer: Transfer, places: Array, ahead: Array, moves: Array) -> tuple[Ints, Ints]:
-        """First unknowns that places and what is around them, so many moves `ahead`, refer to: see `Transfer.within`."""
+        """First unknowns that places, so many moves `ahead` and what is around them, refer to, as `Transfer.within`."""
         n, d = places.shape
         inside = self.fluid.find(places)[0]
         edges = np.where(inside >= 0, self.fluid.grid.volumes[inside] ** (1 / d), 0.0)
