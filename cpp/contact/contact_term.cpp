@@ -89,11 +89,11 @@ int ContactTerm::beyond(const double* X, double margin) const {
 }
 
 // Looks a few steps ahead, so that the tangent's pattern lasts.
-bool ContactTerm::search(const double* x0, const double* x1) {
+bool ContactTerm::search(const Way& way) {
     constexpr double steps_ahead = 4;
     const Stopwatch watch(costs_.search);
     changes_ = -1;
-    gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
+    gaps_->skin().positions(way.x0, X0_), gaps_->skin().positions(way.x1, X1_);
     if (beyond(X0_.data(), again * reach_) < 0 && beyond(X1_.data(), again * reach_) < 0) {
         narrow();
         return false;

@@ -50,7 +50,7 @@ class ContactTerm : public Term {
     std::int64_t n_entries() const override { return 0; }
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
-    bool search(const double* x0, const double* x1) override;
+    bool search(const Way&) override;
     bool outdated() const override {
         return unsettled_ || active_ != active_at_tangent_ || slips_ != slips_at_tangent_;
     }

@@ -9,6 +9,8 @@ std::vector<double> System::memory() const {
     const std::vector<double> solver = solver_->state();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
+    m.push_back(static_cast<double>(mean_.size()));
+    m.insert(m.end(), mean_.begin(), mean_.end());
     for (const auto& term : terms_) term->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
@@ -30,6 +32,8 @@ void System::remember(const std::vector<double>& memory) {
     const bool stale = m[3] != 0;
     std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
     m = predictor_.read(m + 4 + solver.size());
+    const auto n_mean = static_cast<std::size_t>(*m++);
+    mean_.assign(m, m + n_mean), m += n_mean;
     bool changed = false;
     for (const auto& term : terms_)
         if (term->read_memory(m)) changed = true;
@@ -62,6 +66,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
+    leave();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

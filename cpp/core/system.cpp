@@ -122,11 +122,12 @@ void System::rewire() {
     stale_factor_ = true;
 }
 
-bool System::search() {
+bool System::look(double theta, double h) {
+    const double* rate = mean_.empty() ? v.data() : mean_.data();
     kernels().vector_affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
     for (const auto& term : terms_)
-        if (term->search(x.data(), x1_.data())) changed = true;
+        if (term->search({x.data(), x1_.data(), rate, theta, h})) changed = true;
     if (changed) rewire(), stale_begin_ = true;
     return changed;
 }
@@ -418,6 +419,14 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
     return true;
 }
 
+// Midpoint rules turn velocities about the mean of the step: what is wrong in them swings for good.
+void System::record_mean(const Step& step) {
+    mean_.clear();
+    if (step.motion[2][1] != -1 || step.h <= 0) return;
+    mean_ = dx;
+    for (double& rate : mean_) rate /= step.h;
+}
+
 bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
@@ -435,6 +444,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
+    record_mean(step);
     if (new_a) last_[3] = a;
     if (new_w) last_[4] = w;
     if (new_v) std::copy(v_next_.begin(), v_next_.end(), v.begin());

@@ -119,7 +119,7 @@ class System {
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
     // another one from now on.
-    bool search();
+    bool search() { return look(0, 0); }
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -163,12 +163,14 @@ class System {
     void forget() {
         stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
         predictor_.forget();
+        mean_.clear();
     }
     void reduce();
     void hold(const Pattern&);
     void rewire();
     void prepare_predictor();
     void predict(const Step&);
+    bool look(double theta, double h);
     bool lead(const Context&);
     void start(const Step&);
     bool renew_tangent(const Context&, bool assembled);
@@ -211,6 +213,7 @@ class System {
     void book_step(const Context&, const double* v1, double direction);
     void book_path(const Context&);
     void book_impacts(const Context&, const double* v1);
+    void record_mean(const Step&);
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
@@ -250,6 +253,7 @@ class System {
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
+    std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
     std::vector<double> left_[4];                   // x, v, a, w at its end
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;

@@ -41,6 +41,14 @@ struct LedgerSums {
 
 class Pattern;
 
+// Where a step goes, as far as that is known before it is solved: its start and its end, extrapolated from
+// the steps before. What decides where a step ends has to follow from its start and its rate alone: the
+// velocities there, or where these swing from step to step the mean ones of the step before.
+struct Way {
+    const double *x0, *x1, *rate;
+    double theta = 0, h = 0;  // both zero outside of steps
+};
+
 // Why a converged step is no solution; empty if it is one.
 struct Refusal {
     int unknown = -1;
@@ -53,8 +61,8 @@ class Term {
     // Terms on meshes couple whole nodes and find their places by themselves.
     virtual void couple(Pattern&) const {}
     virtual void connect(const Pattern&) {}
-    // Before a step, with its predicted end: looks for new neighbours; true if the coupling has changed.
-    virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
+    // Before a step: looks for new neighbours; true if the coupling has changed.
+    virtual bool search(const Way&) { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
     // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does

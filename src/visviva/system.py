@@ -431,7 +431,8 @@ class System(metaclass=Named):
 
         if not self.n_constraints or any(a.kind == "servo" for a in self.model.accounts):
             return False
-        at = Instant(self)
+        with undisturbed(self):
+            at = Instant(self)
         touched = abs(at.G).sum(axis=0) > 0
         return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
 
