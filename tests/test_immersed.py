@@ -122,9 +122,9 @@ def test_an_elastic_body_moves_to_second_order(scheme: vv.Scheme, density: float
         vv.simulate(system, until=0.16, step=h, scheme=scheme)
         return np.asarray(part(parts, vv.Solid).positions(system.x))
 
-    exact = end(0.0005, vv.Midpoint())
-    coarse, fine = (np.abs(end(h, scheme) - exact).max() for h in (0.008, 0.002))
-    assert np.log2(coarse / fine) / 2 > 1.8
+    exact = end(0.00025, vv.Midpoint())
+    coarse, fine = (np.abs(end(h, scheme) - exact).max() for h in (0.008, 0.001))
+    assert np.log2(coarse / fine) / 3 > 1.8
 
 
 def test_bodies_begin_with_the_acceleration_of_the_fluid() -> None:
@@ -296,8 +296,8 @@ def test_damping_takes_what_swings_and_the_books_say_how_much() -> None:
 
     def swing(result: vv.Result) -> float:
         fluid = part(result.system.components, vv.Fluid)
-        v = np.array([fluid.velocities(x) for x in result.states[-4:]])
-        return float(np.abs(v[3] - 3 * v[2] + 3 * v[1] - v[0]).max())
+        v = np.array([fluid.velocities(x) for x in result.states[-13:]])  # over steps: new cells put more in
+        return float(np.abs(v[3:] - 3 * v[2:-1] + 3 * v[1:-2] - v[:-3]).max(axis=(1, 2)).mean())
 
     (_, free), (_, damped) = stiff(), stiff(damping=0.1)
     ledger = damped.ledger
@@ -494,8 +494,8 @@ def test_start_stays_where_the_check_moves_something_else() -> None:
     assert np.allclose(solid.velocities(system.v), given, rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.5])
-def test_adaptive_steps_follow_a_body_in_a_vortex(damping: float) -> None:
+@pytest.mark.parametrize(("damping", "tolerance"), [(0.0, 3e-4), (0.5, 2.5e-4)])
+def test_adaptive_steps_follow_a_body_in_a_vortex(damping: float, tolerance: float) -> None:
     """Against short steps of one length; balances hold with every step, and velocities that swing from step to step
     without damping shorten none."""
 
@@ -505,7 +505,7 @@ def test_adaptive_steps_follow_a_body_in_a_vortex(damping: float) -> None:
         result = vv.simulate(system, until=0.3, step=step, adaptive=rule)
         return np.asarray(part(parts, vv.Solid).positions(system.x)), result
 
-    (exact, _), (found, result) = end(0.001, None), end(0.002, vv.Adaptive(tolerance=3e-4))
+    (exact, _), (found, result) = end(0.001, None), end(0.002, vv.Adaptive(tolerance=tolerance))
     assert result.statistics.rejected == 0
     assert (
         150 < result.statistics.steps < 250

@@ -77,9 +77,9 @@ def test_the_last_step_is_shortened_or_stretched(part: float, last: float) -> No
     ("part", "tried"),
     [
         (1.0, [1.0, *0.5 ** np.arange(1, 7)]),
-        (0.5, [0.5, *0.5 ** np.arange(2, 7)]),
-        (0.3, [0.3, *0.5 ** np.arange(2, 7)]),
-        (0.012, [0.012, 0.5**7]),
+        (0.5, 0.5 * 0.5 ** np.arange(7)),
+        (0.3, 0.3 * 0.5 ** np.arange(7)),
+        (0.012, 0.012 * 0.5 ** np.arange(7)),
         (1.005, [1.005, *0.5 ** np.arange(1, 7)]),
     ],
 )
@@ -87,7 +87,8 @@ def test_the_last_step_is_shortened_or_stretched(part: float, last: float) -> No
 def test_no_length_is_tried_twice(
     part: float, tried: list[float], static: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The last step, cut short by the end, failed again and again until halves of the whole one were shorter."""
+    """The last step, cut short by the end, failed again and again until halves of the whole one were shorter, and these
+    had used up the halvings: it has as many of its own."""
     system, lengths = hung() if static else falling(), []
     take, iterate = vv.System.step, Equilibrium.iterate
 

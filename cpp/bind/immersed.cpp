@@ -68,13 +68,12 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
     };
 }
 
-// Takes unknowns and places (n, dim); None where nobody asks.
+// Takes places (n, dim); None where nobody asks.
 Reach reach_of(nb::object function, std::size_t n, std::size_t dim) {
     if (function.is_none()) return {};
-    return [f = nb::weakref(function), n, dim](const std::vector<int>& unknowns, const double* places) {
+    return [f = nb::weakref(function), n, dim](const double* places) {
         nb::gil_scoped_acquire gil;
-        alive(f)(nb::cast(nb::ndarray<nb::numpy, const int>(unknowns.data(), {unknowns.size()}, nb::none())),
-                 rows(places, n, dim));
+        alive(f)(rows(places, n, dim));
     };
 }
 
@@ -85,19 +84,26 @@ void bind_immersed(nb::module_& m) {
         .def(
             "__init__",
             [](ImmersedTerm* t, int dim, int width, double damping, bool leaves, const Array<int>& vector,
-               const Array<double>& weight, const Array<int>& multiplier, nb::object interpolate,
-               nb::object admit, nb::object couple, nb::object reach) {
+               const Array<double>& weight, const Array<int>& multiplier, const Array<bool>& held,
+               nb::object interpolate, nb::object admit, nb::object couple, nb::object reach) {
                 const int n = static_cast<int>(multiplier.size()),
                           terms = static_cast<int>(vector.size()) / n;
                 new (t)
-                    ImmersedTerm({dim, terms, width, damping, leaves, vector_of(vector), vector_of(weight),
-                                  vector_of(multiplier)},
+                    ImmersedTerm({dim,
+                                  terms,
+                                  width,
+                                  damping,
+                                  leaves,
+                                  vector_of(vector),
+                                  vector_of(weight),
+                                  vector_of(multiplier),
+                                  {held.data(), held.data() + held.size()}},
                                  interpolation_of(std::move(interpolate), n, dim, width),
                                  admission_of(std::move(admit), n, dim),
                                  coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
             },
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
-            nb::arg("weight"), nb::arg("multiplier"), nb::arg("interpolate"), nb::arg("admit"),
-            nb::arg("couple"), nb::arg("reach").none())
+            nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"),
+            nb::arg("admit"), nb::arg("couple"), nb::arg("reach").none())
         .def_prop_ro("location", &ImmersedTerm::location);
 }

@@ -104,7 +104,8 @@ static CallbackTerm::Function term_callback(nb::object function, std::size_t n, 
         const std::size_t shape[3] = {n, nl, nl};
         alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
                  own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
-                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6));
+                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6),
+                 own(a.v0, n, nl));
     };
 }
 
@@ -375,6 +376,15 @@ static void bind_system(nb::module_& m) {
                      kinds.push_back(static_cast<Supply>(supply.data()[k]));
                  s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
              })
+        .def("set_islands",
+             [](System& s, const Ints& island, const Ints& account, const Ints& island_of_account) {
+                 s.set_islands(vector_of<int>(island), vector_of<int>(account),
+                               vector_of<int>(island_of_account));
+             })
+        .def("set_drives",
+             [](System& s, const Ints& multiplier, const Ints& account) {
+                 s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
+             })
         .def_prop_ro("n_exchanged", &System::n_exchanged)
         .def_prop_ro("n_negative", [](const System& s) { return s.solver() ? s.solver()->n_negative() : -1; })
         .def("set_nodal_multipliers",
@@ -400,7 +410,11 @@ static void bind_system(nb::module_& m) {
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
+        .def("keep_shown", &System::keep_shown)
+        .def("show_again", &System::show_again)
         .def("touch", &System::touch)
+        .def("leave", &System::leave)
+        .def_prop_ro("is_as_left", &System::is_as_left)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("take_stock",

@@ -33,8 +33,12 @@ def build_core(system: System) -> _core.System:
     core.set_driven(model.is_driven)
     core.set_blocks(*blocks(model))
     core.set_nodes(nodes(model))
+    if any(c.collides for c in model.components):
+        core.set_islands(*islands(model))
     core.set_local(system.local)
     core.set_prescribed(*supplied)
+    if model.drives:
+        core.set_drives(*columns(model.drives))
     if model.dependences and not system.newton.null_space:  # which takes constraints block by block
         core.set_dependences(*columns(model.dependences))
     if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
@@ -62,6 +66,27 @@ def blocks(model: Model) -> tuple[Ints, ...]:
         multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
     rigid = np.array(model.rigid, dtype=np.int32).reshape(-1, 18)
     return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+
+def islands(model: Model) -> tuple[Ints, ...]:
+    """What constraints hold together has one number: that of each unknown, and accounts of constraints with theirs."""
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import connected_components
+
+    owner = np.concatenate([np.full(f.size, model.index(f.component)) for f in model.fields])
+    pairs = {
+        (int(owner[u + e.shift]), e.component)
+        for e in model.elements
+        if len(e.multipliers)
+        for strain in e.strains
+        for u in strain.unknowns
+    }
+    a, b = columns([*pairs, (0, 0)])
+    graph = sp.coo_array((np.ones(len(a)), (a, b)), shape=(len(model.components),) * 2)
+    island = connected_components(graph, directed=False)[1].astype(np.int32)
+    accounts = [k for k, a in enumerate(model.accounts) if a.category == "constraint"]
+    of_accounts = island[[model.accounts[k].component for k in accounts]]
+    return island[owner], np.array(accounts, dtype=np.int32), of_accounts
 
 
 def nodes(model: Model) -> Ints:

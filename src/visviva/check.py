@@ -144,7 +144,8 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     Parameters
     ----------
     repair : bool
-        Project the initial state onto the constraints; otherwise only tell what is violated.
+        Project the initial state onto the constraints; otherwise only tell what is violated. `System.check` repairs
+        states that were given, and leaves those of steps alone.
     tangents : bool
         Compare tangents with differences (of a sample of columns in large systems).
 
@@ -281,7 +282,7 @@ def redundancies(system: System, at: Instant, null: Array) -> list[Redundancy]:
 
 def settle(system: System, at: Instant) -> int:
     """Tell the solver where constraints are redundant, if they are so in a neighbouring configuration as
-    well; returns how many are.
+    well; returns how many are. What is undisturbed is not told.
 
     In a singular configuration (bars in one line) constraints depend on each other for an instant only and
     have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
@@ -297,10 +298,16 @@ def settle(system: System, at: Instant) -> int:
         near.factor()
         step = instant(system.time, leading=1.0)
         lasting = near.redundancies().shape[1]
-        if system.core.find_redundant(step, system.signals(step), True) != lasting:
-            system.core.find_redundant(step, system.signals(step), False)
+        if not system.is_undisturbed:
+            tell_redundant(system, step, lasting)
     system.x[:] = x
     return lasting
+
+
+def tell_redundant(system: System, step: Any, lasting: int) -> None:
+    """Have the solver find redundant constraints where it finds as many as there are."""
+    if system.core.find_redundant(step, system.signals(step), True) != lasting:
+        system.core.find_redundant(step, system.signals(step), False)
 
 
 # --- coordinates that nothing holds -------------------------------------------------------------------------

@@ -73,9 +73,11 @@ class Clock:
             self.step = h
 
     def halve(self, failed: float) -> None:
-        """Halve the length until steps are shorter than the one that failed, which the end may have shortened."""
-        while failed <= (1 + SLIVER) * self.length:
-            self.halvings, self.count = self.halvings + 1, 2 * self.count
+        """Take steps of half the length that failed; where the end had shortened it, a new count of such begins."""
+        if failed < self.length - self.rounding(self.time):
+            self.restart(self.time)
+            self.step = failed
+        self.halvings, self.count = self.halvings + 1, 2 * self.count
 
     def lengthen(self) -> None:
         """Twice the length again where a step of that length begins, so that the whole steps' times are met again."""

@@ -282,7 +282,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
     return later if change < 0.5 * size else now
 
 
-def project_step(system: System, step: Any, table: Table, x0: Array, trial: Array) -> None:
+def project_step(system: System, step: Any, table: Table, x0: Array, trial: Array) -> Array:
     """Rates at the end of a step on the constraints; what `cpp/visviva/system/rates.cpp` does, for systems of any kind.
 
     Parameters
@@ -293,6 +293,11 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
         The scheme's table of motion.
     x0, trial : array (n,)
         Unknowns at its start and as solved.
+
+    Returns
+    -------
+    array
+        Work of what is driven by functions of time as the rates change, of each of ``system.model.drives``.
     """
     at = Instant(system)
     impulse = np.zeros(len(at.coordinates))
@@ -304,13 +309,32 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
         impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
         system.x[:], system.core.dx[:] = x1, 0.0
     at.factor()
-    before = system.v[at.coordinates]
+    before = system.v[at.coordinates].copy()
     after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
+    work = drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     if table[1][2] == 0.0:  # nothing but rates is remembered
         system.v[at.coordinates] = after
-        return
+        return work
     moves = system.order[at.coordinates] == 2
     change, coordinates = (after - before)[moves], at.coordinates[moves]
     for history, row in ((system.v, 2), (system.core.a, 3), (system.core.w, 4)):
         history[coordinates] += table[row][0] / table[2][0] * change
     system.x[at.multipliers] += table[1][0] / table[2][0] * mu
+    return work
+
+
+def drive_works(
+    system: System, at: Instant, step: Any, x0: Array, trial: Array, mu: Array, mean: Array
+) -> Array:
+    """Work of each drive by its share of the impulses of a projection, along the `mean` of the rates."""
+    drives = np.array([u for u, _ in system.model.drives], dtype=int)
+    if not len(drives):
+        return np.zeros(0)
+    rows = np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives])
+    work: Array = -mu[rows] * (at.G[rows] @ mean)
+    if step.theta_g == 0.0:
+        x1, along = system.x.copy(), np.zeros(len(system.x))
+        system.x[:], along[at.coordinates] = x0, step.h * mean
+        work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
+        system.x[:] = x1
+    return work

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+NO_STEP = 1e-3
+"""What stands for the length of steps before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
 REDUNDANT = 1e-9
@@ -130,6 +132,11 @@ class Instant:
         model = self.system.model
         return bool(model.terms) or any(e.law.callback is not None for e in model.elements)
 
+    @property
+    def _moment(self) -> float:
+        """How far from now functions of time are looked at: a step, as far as its length is known."""
+        return self.system.clock.step or NO_STEP
+
     def drift(self) -> Array:
         """Partial time derivative (m,) of the constraints."""
         system, total = self.system, np.zeros(len(self.multipliers))
@@ -137,9 +144,9 @@ class Instant:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
             along = self.prescribed(lambda p: system.v[p.unknowns])
-            total = total + 0.5 * (self._at(along) - self._at(-along))
+            total = total + 0.5 * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
-            total = total + difference(lambda s: self.violation(s), 1e-4)
+            total = total + difference(lambda s: self.violation(s), 0.1 * self._moment)
         return total
 
     def gradient_along(self, v: Array, later: float = 0.0, shift: float = 0.0) -> Array:
@@ -157,7 +164,7 @@ class Instant:
 
     def _span(self, v: Array) -> float:
         """How far along velocities to look for differences."""
-        return 1e-3 / max(float(np.max(np.abs(v) / self.scale, initial=0.0)), 1.0)
+        return 1e-3 / (float(np.max(np.abs(v) / self.scale, initial=0.0)) or 1.0)
 
     def bend(self, null: Array) -> Array:
         """Derivatives (n, r) along the velocities of the gradients of combinations (m, r) of constraints."""
@@ -173,17 +180,19 @@ class Instant:
             total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
         if system.model.signals:
             functions = system.model.signals
-            bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), 1e-3)
+            bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), self._moment)
             total = total + self._by_signals(bend)
         if system.model.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
-            d = 5e-4
+            d = self._moment
             values = [self.violation(k * d) for k in (-2, -1, 0, 1, 2)]
             second = (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (
                 12 * d * d
             )
-            total = total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 1e-4)
+            total = (
+                total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self._moment)
+            )
         return total
 
     # --- prescribed unknowns --------------------------------------------------------------------------------
@@ -209,7 +218,7 @@ class Instant:
         force: Array = (moved - system.residual(step))[self.coordinates]
         return force
 
-    def _at(self, dx: Array) -> Array:
+    def values_at(self, dx: Array) -> Array:
         """Values (m,) of the constraints at a trial increment of all unknowns."""
         self.system.core.dx[:] = dx
         values = self.violation()
@@ -218,8 +227,8 @@ class Instant:
 
     def _bend(self, v: Array) -> Array:
         """Second derivatives (m,) of the constraints along `v`."""
-        s = 0.1 / max(float(np.abs(v).max(initial=0.0)), 1.0)
-        bend: Array = (self._at(s * v) + self._at(-s * v) - 2 * self.violation()) / s**2
+        s = 0.1 / (float(np.abs(v * self.system.inverse_scale).max(initial=0.0)) or 1.0)
+        bend: Array = (self.values_at(s * v) + self.values_at(-s * v) - 2 * self.violation()) / s**2
         return bend
 
     def _prescribed_convection(self) -> Array:
@@ -227,7 +236,7 @@ class Instant:
         free, a = self.system.v.copy(), self.prescribed_acceleration()
         free[~np.isin(np.arange(len(free)), self.coordinates)] = 0.0
         moved = free + self.prescribed(lambda p: self.system.v[p.unknowns])
-        return self._bend(moved) - self._bend(free) + 0.5 * (self._at(a) - self._at(-a))
+        return self._bend(moved) - self._bend(free) + 0.5 * (self.values_at(a) - self.values_at(-a))
 
     # --- solution -------------------------------------------------------------------------------------------
     @cached_property

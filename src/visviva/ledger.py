@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.field import Role
 from visviva.instant import Instant, instant
+from visviva.memory import undisturbed
 from visviva.output.tables import Table
 
 if TYPE_CHECKING:
@@ -196,10 +197,11 @@ class Bookkeeper:
         mass = sum(c.total_mass for c in system.components)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
-        self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
+        with undisturbed(system):
+            self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
+            self._per_reach = 1 / reaches(system)[:, None]
         if system.report is not None:
             self.ledger.moves = system.report.moves
-        self._per_reach = 1 / reaches(system)[:, None]
         ledger, n = self.ledger, len(accounts)
         self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)
         self._potential = np.zeros((len(ledger.potentials), n))

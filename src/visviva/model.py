@@ -62,6 +62,7 @@ class Model:
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
     kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
+    drives: list[tuple[int, int]] = field(default_factory=list)  # multipliers of what is driven, accounts
     dependences: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
@@ -319,6 +320,8 @@ class Model:
         if law.kind is LawKind.SERVO:
             account = self.account(component, "servo", "work")
             self.has_servo = True
+        else:
+            self.drives += [(u, account) for u, s in zip(numbers, signals, strict=True) if s >= 0]
         self.is_driven = self.is_driven or driven or self.has_servo
         self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
         self._element(component, strains, law, numbers, signals, account, shift)

@@ -9,16 +9,15 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from visviva.errors import InputError
 from visviva.ledger import Bookkeeper
+from visviva.memory import bring_back, memory_of
 from visviva.output.checkpoint import load_state, save_state
 from visviva.result import Result
 from visviva.system import System
 
-Arrays = Mapping[str, NDArray[Any]]
 Notes = Mapping[str, float | str]
 
 STATE = ("x", "v", "a", "w")
@@ -43,12 +42,8 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     """
     system = result.system
     arrays: dict[str, NDArray[Any]] = {name: getattr(system.core, name) for name in STATE}
-    arrays |= {"memory": system.core.memory(), "books/done": books.done}
-    arrays["books/span"] = books.ledger.span
+    arrays |= memory_of(system) | {"books/done": books.done, "books/span": books.ledger.span}
     arrays |= {f"pace/{name}": value for name, value in system.pace.items()}
-    for k, (term, _) in enumerate(system.model.terms):
-        for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
-            arrays |= {f"terms/{k}/{when}/{name}": value for name, value in history.items()}
     attributes: dict[str, float | str] = {
         "time": system.time,
         "rejected": system.rejected,
@@ -99,7 +94,8 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
             )
     for name in STATE:
         getattr(system.core, name)[:] = arrays[name]
-    _load_memory(system, arrays, changed)
+    bring_back(system, arrays, histories_alone=changed)
+    system.is_given = False
     for part in fields(system.clock):
         setattr(system.clock, part.name, attributes[f"clock.{part.name}"])
     system.rejected = int(attributes["rejected"])
@@ -111,19 +107,6 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         setattr(system.stability, known.name, attributes[f"stability.{known.name}"])
     books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
     books.ledger.span = arrays["books/span"]
-
-
-def _load_memory(system: System, arrays: Arrays, changed: bool) -> None:
-    """Bring back the kept factorisation, then the histories of terms in Python.
-
-    The factorisation is made again from the tangent of its own time, so terms need the history of that time.
-    """
-    for when, restore in (("at_tangent", True), ("now", False)):
-        for k, (term, _) in enumerate(system.model.terms):
-            found = {n.split("/")[-1]: a for n, a in arrays.items() if n.startswith(f"terms/{k}/{when}/")}
-            term.history.update({name: value.copy() for name, value in found.items()})
-        if restore and not changed:
-            system.core.remember(np.ascontiguousarray(arrays["memory"]))
 
 
 def signature(system: System) -> str:

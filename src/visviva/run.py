@@ -218,7 +218,7 @@ class Recorder:
     ) -> Recorder:
         """Open the files of a new run and write the initial state into them."""
         origin = Origin.of(study)
-        result, books = begin(study.system, study.scheme, project=project)
+        result, books = begin(study.system, study.scheme, project=project, step=study.step)
         columns = probe_columns(study)
         recorder = cls(study, RunDirectory.create(files.path, overwrite), result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
@@ -245,7 +245,7 @@ class Recorder:
         kept = restart.notes_of(files.state)
         origin, changed = Origin.read(files).resumed(files, study, force)
         result, books = begin(
-            study.system, study.scheme, project=True
+            study.system, study.scheme, project=True, step=study.step
         )  # as in the run, which settles the solver
         restart.load(files.state, result, books, bool(changed))
         now = study.system.time

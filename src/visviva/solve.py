@@ -15,6 +15,7 @@ from visviva.arguments import number, positive, refuse_other, whole
 from visviva.errors import InputError
 from visviva.freedom import refuse_free, refuse_massless
 from visviva.ledger import Bookkeeper
+from visviva.memory import undisturbed
 from visviva.newton import StepFailure
 from visviva.result import Result
 from visviva.scheme import EnergyMomentum, Scheme
@@ -74,6 +75,7 @@ def march(
     own = scheme.march(system, until=until, step=step) if isinstance(scheme, Marching) else None
     if own is None and not (until > system.time and math.isfinite(until)):
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+    know(system, step)
     prepare(system, scheme, project=project)
     if scheme.needs_acceleration and not system.has_acceleration:
         from visviva.consistency import initial_acceleration
@@ -85,6 +87,12 @@ def march(
         yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
     else:
         yield from counted_steps(system, until=until, step=step, scheme=scheme)
+
+
+def know(system: System, step: float) -> None:
+    """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
+    if system.clock.step == 0.0:
+        system.clock.use(step)
 
 
 def checked_times(until: Any, step: Any) -> tuple[float, float]:
@@ -155,8 +163,9 @@ def still_fits(system: System) -> bool:
     from visviva.consistency import rate_violation, worst
     from visviva.instant import Instant
 
-    at = Instant(system)
-    return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
+    with undisturbed(system):
+        at = Instant(system)
+        return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
 
 def simulate(
@@ -194,8 +203,9 @@ def simulate(
         the constraints.
     """
     every = whole("simulate", "every", every)
+    until, step = checked_times(until, step)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
-    result, books = begin(system, scheme, project=project)
+    result, books = begin(system, scheme, project=project, step=step)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
         if result.statistics.steps % every == 0:
             keep(result)
@@ -205,16 +215,18 @@ def simulate(
 
 
 def begin(
-    system: System, scheme: Scheme | None = None, *, project: bool = False
+    system: System, scheme: Scheme | None = None, *, project: bool = False, step: float = 0.0
 ) -> tuple[Result, Bookkeeper]:
-    """A result that holds the present state, and the books opened with it."""
+    """A result that holds the present state, and the books opened with it; `step` as far as it is known."""
+    know(system, step)
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme, project=project)
     system.pace.clear()
     system.stability = Stability()
     books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
-    system.take_stock()
+    with undisturbed(system):
+        system.take_stock()
     books.book(system.time, system.core)
     keep(result)
     return result, books

@@ -21,6 +21,7 @@ from visviva.errors import InputError, RunError, VisvivaError
 from visviva.field import Field
 from visviva.form import Form, Strain, Vector
 from visviva.linear import Automatic, Direct, Problem
+from visviva.memory import undisturbed
 from visviva.model import Model
 from visviva.newton import Newton, StepFailure
 from visviva.point import Attachable
@@ -74,6 +75,8 @@ class System(metaclass=Named):
         self.rejected = 0
         self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
         self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
+        self.is_given = True  # whether the state was given, and is not that of a step
+        self.is_undisturbed = False  # whether what is done now leaves no trace
         self.is_edited = False  # whether the state was touched since the last step, or the last check
         self.stability = Stability()  # of the equilibria that statics has found
         self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
@@ -251,9 +254,11 @@ class System(metaclass=Named):
         return self.core.v
 
     def touch(self) -> None:
-        """Tell the core that the state was changed from outside."""
+        """Tell the core that the state was changed from outside; if it was not, nothing happens."""
+        if self.core.is_as_left:
+            return
         self._last = None
-        self.is_edited = True
+        self.is_edited = self.is_given = True
         self.core.touch()
 
     def describe(self, unknown: int) -> tuple[str, str]:
@@ -319,7 +324,7 @@ class System(metaclass=Named):
         return report
 
     def _arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
-        self._last, self.is_edited = (step, signals), False
+        self._last, self.is_edited, self.is_given = (step, signals), False, False
         self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
         if self.model.kinks and scheme.keeps_swinging:
@@ -338,7 +343,7 @@ class System(metaclass=Named):
             project_velocities(self)
         self._take_stock_again()
         self.core.work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
-        self._last, self.is_edited = last, False
+        self._last, self.is_edited, self.is_given = last, False, False
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
@@ -426,7 +431,8 @@ class System(metaclass=Named):
 
         if not self.n_constraints or self.model.has_servo:
             return False
-        at = Instant(self)
+        with undisturbed(self):
+            at = Instant(self)
         touched = abs(at.G).sum(axis=0) > 0
         return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
 
@@ -436,11 +442,14 @@ class System(metaclass=Named):
 
         assert self._last is not None
         step = self._last[0]
-        project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
+        work = project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
         self._take_stock_again()
+        for (_, account), part in zip(self.model.drives, work, strict=True):
+            self.core.work[account] += part
 
     def _take_stock_again(self) -> None:
-        """The sums of the present state after its rates were changed; the works of the step stay."""
+        """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
+        self.core.leave()
         work = self.core.work.copy()
         self.take_stock()
         self.core.work[:] = work
@@ -521,8 +530,14 @@ class System(metaclass=Named):
         return found
 
     def check(self, repair: bool = True) -> CheckReport:
-        """Look the system over before its first step; see `visviva.check.check`."""
+        """Look the system over before its first step; see `visviva.check.check`.
+
+        The state of a step is told about, not repaired: the run goes on to the bit as if nobody had looked.
+        """
         from visviva.check import check
 
+        if not self.is_given:
+            with undisturbed(self):
+                return check(self, repair=False)
         self.report = check(self, repair=repair)
         return self.report

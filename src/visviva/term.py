@@ -32,6 +32,8 @@ class Stencils:
         Rates of motion and transport unknowns at the evaluation point, second rates of motion.
     v1 : array
         Rates at the end of an accepted step (for the ledger).
+    v0 : array
+        Rates at the start of the step.
     """
 
     step: Any
@@ -40,6 +42,7 @@ class Stencils:
     rate: Array
     second_rate: Array
     v1: Array
+    v0: Array
 
     @property
     def x(self) -> Array:
@@ -64,6 +67,8 @@ class Term:
         'potential' or 'kinetic': what its energy, if it has one, counts as.
     history : dict of arrays
         State of its own; changed in `accept` only, and kept in restart files.
+    trial : dict of arrays
+        What the residual has found of the same names, for the tangent and the books of the same trial state.
 
     Notes
     -----
@@ -80,6 +85,7 @@ class Term:
 
     def __init__(self) -> None:
         self.history: dict[str, Array] = {}
+        self.trial: dict[str, Array] = {}
         self.history_at_tangent: dict[
             str, Array
         ] = {}  # when the tangent last asked for was made, for restarts
@@ -146,15 +152,16 @@ class Term:
         return term
 
     def _residual(self, *args: Any) -> None:
-        args[6][:] = checked(self.label, "residual", self.residual(Stencils(*args[:6])), args[6].shape)
+        args[6][:] = checked(self.label, "residual", self.residual(seen(args)), args[6].shape)
 
     def _tangent(self, *args: Any) -> None:
         if args[0].has_length:  # that of an instant is not kept
-            self.history_at_tangent = {name: value.copy() for name, value in self.history.items()}
-        args[7][:] = checked(self.label, "tangent", self.tangent(Stencils(*args[:6])), args[7].shape)
+            known = self.history | self.trial
+            self.history_at_tangent = {name: value.copy() for name, value in known.items()}
+        args[7][:] = checked(self.label, "tangent", self.tangent(seen(args)), args[7].shape)
 
     def _ledger(self, *args: Any) -> None:
-        s = Stencils(*args[:6])
+        s = seen(args)
         if self.energy is not None:
             args[8][:] = checked(self.label, "energy", self.energy(s), args[8].shape)
         if self._works:
@@ -162,7 +169,13 @@ class Term:
         args[10][:] = checked(self.label, "momentum", self.momentum(s), args[10].shape)
 
     def _accept(self, *args: Any) -> None:
-        self.accept(Stencils(*args[:6]))
+        self.accept(seen(args))
+
+
+def seen(args: tuple[Any, ...]) -> Stencils:
+    """What the core hands over of a step."""
+    step, x0, x1, rate, second_rate, v1 = args[:6]
+    return Stencils(step, x0, x1, rate, second_rate, v1, v0=args[11])
 
 
 @dataclass(frozen=True)

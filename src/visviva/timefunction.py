@@ -9,6 +9,7 @@ import math
 import operator
 import sys
 from collections.abc import Callable, Mapping, Sequence, Set
+from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -129,7 +130,7 @@ class TimeFunction:
     def __hash__(self) -> int:
         return hash(repr(self.source))
 
-    @property
+    @cached_property
     def kinks(self) -> tuple[float, ...]:
         """Times at which its rate jumps, as far as they are known: points of a table where it bends noticeably."""
         if not isinstance(self.source, list):

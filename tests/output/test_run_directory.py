@@ -46,7 +46,7 @@ def test_state_of_others_is_refused(tmp_path):
         load_state(tmp_path / "other.h5")
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file.attrs["format"] = "visviva state 99"
-    with pytest.raises(InputError, match=r"visviva state 99.*visviva state 5"):
+    with pytest.raises(InputError, match=r"visviva state 99.*visviva state 6"):
         load_state(tmp_path / "other.h5")
     (tmp_path / "text.h5").write_text("hello")
     for name in ("text.h5", "missing.h5"):

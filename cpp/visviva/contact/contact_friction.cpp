@@ -31,10 +31,10 @@ double ContactTerm::tangential(int A, const Context& c) const {
     return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
 }
 
-Sliding ContactTerm::sliding(int A) const {
+Sliding ContactTerm::sliding(int A, const std::vector<double>& D) const {
     Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
     turning.head(gaps_->n_turning(A)).setOnes();
-    return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D_), turning, gaps_->skin().dim};
+    return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D), turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {
@@ -85,9 +85,13 @@ void ContactTerm::keep(const Context& c) {
         for (int i = 0; i < 2; ++i) now_.traction[2 * A + i] = traction_[A].value[i];
 }
 
+double ContactTerm::slip_work(int A, const std::vector<double>& way) const {
+    return -traction_[A].value.dot(sliding(A, way).displacement());
+}
+
 // What slip takes is what the forces do less what the elastic slip stores; nothing happens in no time.
-void ContactTerm::book_friction(int A, const Context& c, LedgerSums& sums) {
-    const double work = -traction_[A].value.dot(slid_[A]);
+void ContactTerm::book_friction(int A, const Context& c, const std::vector<double>& way, LedgerSums& sums) {
+    const double work = active_[A] ? slip_work(A, way) : 0;
     if (!has_history()) {
         sums.work[friction_account] += work;
         return;

@@ -89,11 +89,11 @@ int ContactTerm::beyond(const double* X, double margin) const {
 }
 
 // Looks a few steps ahead, so that the tangent's pattern lasts.
-bool ContactTerm::search(const double* x0, const double* x1) {
+bool ContactTerm::search(const Way& way) {
     constexpr double steps_ahead = 4;
     const Stopwatch watch(costs_.search);
     changes_ = -1;
-    gaps_->skin().positions(x0, X0_), gaps_->skin().positions(x1, X1_);
+    gaps_->skin().positions(way.x0, X0_), gaps_->skin().positions(way.x1, X1_);
     if (beyond(X0_.data(), again * reach_) < 0 && beyond(X1_.data(), again * reach_) < 0) {
         narrow();
         return false;
@@ -104,14 +104,14 @@ bool ContactTerm::search(const double* x0, const double* x1) {
         to_[i] = from_[i] + (std::abs(step) > std::abs(ahead) ? step : ahead);
     }
     const bool changed = gaps_->search(from_.data(), to_.data());
-    known_at_.clear(), massed_.clear();
+    forget_gradients();
     narrow();
     return changed;
 }
 
 // Stencils for the present step.
 void ContactTerm::narrow() {
-    if (gaps_->narrow(X0_.data(), X1_.data())) known_at_.clear(), massed_.clear();
+    if (gaps_->narrow(X0_.data(), X1_.data())) forget_gradients();
     narrowed_ = X1_;
 }
 
@@ -177,7 +177,7 @@ int ContactTerm::passes(const std::vector<Approach>& approach, int n_parts) {
 
 void ContactTerm::write_memory(std::vector<double>& m) const {
     m.insert(m.end(), active_at_tangent_.begin(), active_at_tangent_.end());
-    m.push_back(from_.empty() ? 0 : 1);
+    m.push_back(pushed_out_ ? 1 : 0), m.push_back(from_.empty() ? 0 : 1);
     m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
     for (const Record* r : {&now_, &before_, &at_tangent_}) {
         if (!has_history()) break;
@@ -189,6 +189,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
 // The kept tangent will be made again, which needs its active set.
 bool ContactTerm::read_memory(const double*& m) {
     for (char& active : active_) active = *m++ != 0;
+    pushed_out_ = *m++ != 0;
     const bool changed = read_search(m);
     for (Record* r : {&now_, &before_, &at_tangent_})
         for (std::vector<double>* part : {&r->X, &r->traction}) {
@@ -199,12 +200,26 @@ bool ContactTerm::read_memory(const double*& m) {
     return changed;
 }
 
+void ContactTerm::hold() {
+    held_ = {S_, gap1_, area1_, forces_, friction_forces_, active_, slips_, grips_, traction_};
+}
+
+void ContactTerm::release() {
+    S_ = held_.S, gap1_ = held_.gap1, area1_ = held_.area1;
+    forces_ = held_.forces, friction_forces_ = held_.friction_forces;
+    active_ = held_.active, slips_ = held_.slips, grips_ = held_.grips, traction_ = held_.traction;
+    known_.clear();
+}
+
 bool ContactTerm::read_search(const double*& m) {
     const std::size_t n = gaps_->skin().constant.size();
-    if (*m++ == 0) return false;
-    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n), known_.clear();
+    forget_gradients(), known_.clear();
+    if (*m++ == 0) {
+        from_.clear(), to_.clear();
+        return false;
+    }
+    from_.assign(m, m + n), to_.assign(m + n, m + 2 * n);
     m += 2 * n;
-    known_at_.clear(), massed_.clear();
     return gaps_->search(from_.data(), to_.data());
 }
 
@@ -274,7 +289,7 @@ void ContactTerm::begin(const double* x0) {
 
 void ContactTerm::settle() {
     const Stopwatch watch(costs_.segments);
-    if (gaps_->settle(X0_.data())) known_.clear(), known_at_.clear();
+    if (gaps_->settle(X0_.data())) known_.clear(), forget_gradients();
 }
 
 void ContactTerm::find_gaps() {
@@ -362,7 +377,7 @@ double ContactTerm::rebound(int A, const Context& c) const {
 // give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.motion[0][0] == 0) return 0;
-    if (rebounds()) return gap0_[A] + rebound(A, c);
+    if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
     const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
@@ -720,23 +735,52 @@ void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     forces_ = forces, friction_forces_ = friction;
 }
 
+// Whether a gap of rigid bodies closes as the step begins, so that its pressure is that of an impact.
+bool ContactTerm::collides(int A, const Context& c) const {
+    if (!rebounds() || !holds(c) || !active_[A]) return false;
+    return -c.step.h * rate0_[A] > touching * reach_ * area0_[A];
+}
+
+// An impulse changes the kinetic energy by its work along the mean of the velocities before and after it.
+// Increments of the scheme are those only if it goes on with that mean.
+void ContactTerm::find_way(const Context& c) {
+    const double* v1 = c.step.motion[2];
+    gaps_->skin().increments(c.vectors.v0, V0_);
+    mean_way_.resize(D_.size());
+    for (std::size_t i = 0; i < D_.size(); ++i)
+        mean_way_[i] = 0.5 * c.step.h * (v1[0] * D_[i] + (1 + v1[1]) * V0_[i]);
+}
+
+Impact ContactTerm::impact(int A, const Eigen::VectorXd& f) const {
+    Impact hit{work_account, S_[A] * f.dot(stencil_of(A, D_) - stencil_of(A, mean_way_)), 0, {}};
+    if (has_friction()) hit.rubbed = slip_work(A, D_) - slip_work(A, mean_way_);
+    const Skin& skin = gaps_->skin();
+    each_form(gaps_->stencil(A), [&](int, int k) { hit.unknowns.push_back(skin.unknown[k]); });
+    return hit;
+}
+
 void ContactTerm::book(const Context& c, LedgerSums& sums) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, false);
     find_gradients();
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
+    const bool bends = c.step.motion[2][1] != -1;  // velocities in a step otherwise than by their mean
+    if (rebounds() && bends) find_way(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!has_multipliers()) sums.energy[energy_account] += potential(A, gap1_[A]);
         if (!options_.damping.empty())
             sums.work[work_account] +=
                 S_[A] * (gap1_[A] - gap0_[A]) + potential(A, gap1_[A]) - potential(A, gap0_[A]);
-        if (has_friction()) book_friction(A, c, sums);
+        const bool collided = bends && collides(A, c);
+        const std::vector<double>& way = collided ? mean_way_ : D_;
+        if (has_friction()) book_friction(A, c, way, sums);
         if (!active_[A]) continue;
         force(A, c, f);
+        if (collided) sums.impacts.push_back(impact(A, f));
         add_to_vertices(A, S_[A] * f, forces_);
         if (has_friction()) add_to_vertices(A, -sliding(A).force(traction_[A].value), friction_forces_);
-        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, D_));
+        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, way));
     }
 }
 
@@ -746,6 +790,7 @@ void ContactTerm::accept(const Context& c) {
         settle();
         evaluate(c, true);
     }
+    if (c.step.motion[0][0] != 0) pushed_out_ = true;
     if (has_history()) keep(c);
     begin(c.vectors.x1);
 }

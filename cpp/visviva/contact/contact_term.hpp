@@ -50,7 +50,7 @@ class ContactTerm : public Term {
     std::int64_t n_entries() const override { return 0; }
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
-    bool search(const double* x0, const double* x1) override;
+    bool search(const Way&) override;
     bool outdated() const override {
         return unsettled_ || active_ != active_at_tangent_ || slips_ != slips_at_tangent_;
     }
@@ -63,6 +63,8 @@ class ContactTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
+    void hold() override;
+    void release() override;
     bool is_lasting() const override { return false; }
     double resolution() const override { return gaps_->resolution(); }
 
@@ -92,6 +94,13 @@ class ContactTerm : public Term {
     struct Record {
         std::vector<double> X, traction;
     };
+    // What an evaluation has left.
+    struct Held {
+        std::vector<double> S, gap1, area1, forces, friction_forces;
+        std::vector<char> active, slips;
+        std::vector<Grip> grips;
+        std::vector<Traction> traction;
+    };
     // Where a gap's part of the tangent is among the values.
     struct Places {
         bool known = false;
@@ -105,7 +114,9 @@ class ContactTerm : public Term {
     bool has_history() const { return has_friction() && !has_tangential(); }
     std::vector<int> multipliers(int A) const;
     int n_multipliers() const;
-    bool rebounds() const { return options_.rigid && has_multipliers() && !options_.presses_out; }
+    bool rebounds() const { return options_.rigid && has_multipliers(); }
+    // Rigid bodies are pushed out of each other in the first step: what impacts leave later is not.
+    bool pushes_out() const { return options_.presses_out && !pushed_out_; }
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const {
         return (options_.conserving || rebounds()) && c.step.motion[0][0] != 0;
@@ -136,10 +147,14 @@ class ContactTerm : public Term {
     bool is_covered(int A, const std::vector<double>& area) const;
     void find_masses(bool gradients);
     double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
+    void forget_gradients() { known_at_.clear(), massed_.clear(), rates_at_.clear(); }
     void recall();
     void keep(const Context&);
     void rub(int A, const Context&);
     void book(const Context&, LedgerSums&);
+    bool collides(int A, const Context&) const;
+    void find_way(const Context&);
+    Impact impact(int A, const Eigen::VectorXd& f) const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
     void press(int A, const Context&, double gap_theta);
     void press_discretely(int A, const Context&);
@@ -153,8 +168,10 @@ class ContactTerm : public Term {
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void scatter(int A, const Border&, double* values);
     void narrow();
-    void book_friction(int A, const Context&, LedgerSums&);
-    Sliding sliding(int A) const;
+    void book_friction(int A, const Context&, const std::vector<double>& way, LedgerSums&);
+    Sliding sliding(int A) const { return sliding(A, D_); }
+    Sliding sliding(int A, const std::vector<double>& D) const;
+    double slip_work(int A, const std::vector<double>& way) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
     void each_form(const std::vector<int>& vertices, F f) const;
@@ -174,10 +191,12 @@ class ContactTerm : public Term {
     std::vector<double> gap0_, area0_, gap1_, area1_, gapt_;
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
+    std::vector<double> mean_way_;  // increments by the mean of the velocities before and after a step
+    Held held_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
-    bool unsettled_ = false;
+    bool unsettled_ = false, pushed_out_ = false;
     std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;

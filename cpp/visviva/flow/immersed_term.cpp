@@ -17,8 +17,8 @@ ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Adm
       reach_(std::move(reach)) {
     const std::size_t n = static_cast<std::size_t>(points_.n());
     now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
+    start_.assign(n * points_.dim, std::numeric_limits<double>::quiet_NaN()), now_.places = start_;
     at_tangent_ = now_;
-    start_.assign(n * points_.dim, 0.0), places_ = start_, reached_ = start_;
 }
 
 template <class F>
@@ -57,27 +57,29 @@ bool ImmersedTerm::outdated() const {
     return false;
 }
 
-// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end) on the predicted
-// way keeps the second order, and makes the motion linear in the velocities. It stays through all iterations
-// and attempts of a step.
-bool ImmersedTerm::search(const double* x0, const double* x1) {
+// Interpolation where the scheme evaluates forces (in the middle of the step, or at its end), as far as its
+// start tells, keeps the second order, and makes the motion linear in the velocities. It stays through all
+// iterations. The rates are those of the points: those of the fluid at long steps lead away from where a body
+// is held.
+bool ImmersedTerm::search(const Way& way) {
     const Stopwatch watch(location_);
-    bool same = true, moves = false;
+    bool same = !coupled_.empty();
     each([&](int k, int i, int, int) {
-        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
-        same = same && start_[k * points_.dim + i] == from, moves = moves || to != from;
+        const double from = points_.value(way.x0, k, i);
+        const double goes = points_.held[k * points_.dim + i] ? points_.value(way.x1, k, i) - from
+                                                              : way.h * points_.value(way.rate, k, i);
+        double &start = start_[k * points_.dim + i], &place = now_.places[k * points_.dim + i];
+        const double to = from + way.theta * goes;
+        same = same && start == from && place == to;
+        start = from, place = to;
     });
-    if (!coupled_.empty() && same && (ahead_ || !moves) && !refused_) return false;
-    ahead_ = moves, refused_ = false;
-    each([&](int k, int i, int, int) {
-        const double from = points_.value(x0, k, i), to = points_.value(x1, k, i);
-        start_[k * points_.dim + i] = from, places_[k * points_.dim + i] = from + theta_ * (to - from);
-    });
-    interpolate_(start_.data(), places_.data(), now_.unknown.data(), now_.weight.data());
+    if (same) return false;
+    interpolate_(start_.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
+    if (reach_) reach_(now_.places.data());
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
         known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
-    if (!known) couple(x0, x1);
+    if (!known) couple(way);
     return !known;
 }
 
@@ -88,19 +90,16 @@ Refusal ImmersedTerm::refused(const Lost& lost) const {
 
 Refusal ImmersedTerm::refuse(const Context& c) {
     const Stopwatch watch(location_);
-    std::vector<double> ends(places_.size()), starts(places_.size());
+    std::vector<double> ends(start_.size()), starts(start_.size());
     each([&](int k, int i, int, int) {
         starts[k * points_.dim + i] = points_.value(c.vectors.x0, k, i);
         ends[k * points_.dim + i] = points_.value(c.vectors.x1, k, i);
     });
-    const Lost lost = admit_(starts.data(), ends.data());
-    refused_ = lost.point >= 0;
-    return refused(lost);
+    return refused(admit_(starts.data(), ends.data()));
 }
 
 // The pattern, and the weights of the kept tangent; those of the next step follow from its start.
 void ImmersedTerm::write_memory(std::vector<double>& m) const {
-    m.push_back(theta_);
     m.push_back(static_cast<double>(coupled_.size()));
     for (const auto& all : coupled_) {
         m.push_back(static_cast<double>(all.size()));
@@ -108,11 +107,10 @@ void ImmersedTerm::write_memory(std::vector<double>& m) const {
     }
     m.insert(m.end(), at_tangent_.unknown.begin(), at_tangent_.unknown.end());
     m.insert(m.end(), at_tangent_.weight.begin(), at_tangent_.weight.end());
-    m.insert(m.end(), reached_.begin(), reached_.end());
+    m.insert(m.end(), at_tangent_.places.begin(), at_tangent_.places.end());
 }
 
 bool ImmersedTerm::read_memory(const double*& m) {
-    theta_ = *m++;
     coupled_.resize(static_cast<std::size_t>(*m++));
     for (auto& all : coupled_) {
         all.resize(static_cast<std::size_t>(*m++));
@@ -120,10 +118,10 @@ bool ImmersedTerm::read_memory(const double*& m) {
     }
     for (int& u : at_tangent_.unknown) u = static_cast<int>(*m++);
     for (double& w : at_tangent_.weight) w = *m++;
-    for (double& p : reached_) p = *m++;
+    for (double& p : at_tangent_.places) p = *m++;
     now_ = at_tangent_;
     std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
-    tell_reach();
+    if (reach_) reach_(now_.places.data());
     return true;
 }
 
@@ -132,28 +130,18 @@ bool ImmersedTerm::is_coupled(int point, int unknown) const {
 }
 
 // The pattern lasts for some steps if it holds what comes next.
-void ImmersedTerm::couple(const double* x0, const double* x1) {
-    std::vector<double> moves(places_.size());
+void ImmersedTerm::couple(const Way& way) {
+    std::vector<double> moves(start_.size());
     each([&](int k, int i, int, int) {
-        moves[k * points_.dim + i] = points_.value(x1, k, i) - points_.value(x0, k, i);
+        moves[k * points_.dim + i] = points_.value(way.x1, k, i) - points_.value(way.x0, k, i);
     });
-    coupled_ = couple_(places_.data(), moves.data());
+    coupled_ = couple_(now_.places.data(), moves.data());
     for (std::size_t e = 0; e < now_.unknown.size(); ++e)
         coupled_[e / points_.width].push_back(now_.unknown[e]);
     for (auto& all : coupled_) {
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());
     }
-    reached_ = places_;
-    tell_reach();
-}
-
-// It changes with the pattern alone: a kept tangent and a restart know the same.
-void ImmersedTerm::tell_reach() const {
-    if (!reach_) return;
-    std::vector<int> unknowns;
-    for (const auto& all : coupled_) unknowns.insert(unknowns.end(), all.begin(), all.end());
-    reach_(unknowns, reached_.data());
 }
 
 // f(row, column) of every entry, two by two those of a constraint and its transpose.
@@ -183,7 +171,6 @@ void ImmersedTerm::set_positions(const std::int64_t* positions) {
 }
 
 void ImmersedTerm::residual(const Context& c, double* r) {
-    theta_ = c.step.theta;
     const auto& x1 = c.vectors.x1;
     each([&](int k, int i, int m, int first) {
         r[m] += is_free(first) ? x1[m] : moved(c, k, i) - c.step.h * carrying(c, first, i);

@@ -25,9 +25,8 @@ using Admission = std::function<Lost(const double* starts, const double* ends)>;
 /// step: for each, without order.
 using Coupling = std::function<std::vector<std::vector<int>>(const double* places, const double* moves)>;
 
-/// Told of the first unknowns of all velocities that points follow or may come to follow, and where these are
-/// [n][dim].
-using Reach = std::function<void(const std::vector<int>& unknowns, const double* places)>;
+/// Told where points [n][dim] follow the fluid in a step.
+using Reach = std::function<void(const double* places)>;
 
 /// Points: each is a sum of `terms` vectors, with their first unknowns and weights [point][terms], has a
 /// multiplier and follows `width` velocities.
@@ -38,6 +37,7 @@ struct ImmersedPoints {
     std::vector<int> vector;
     std::vector<double> weight;
     std::vector<int> multiplier;
+    std::vector<char> held;  // [point][dim]: what is fixed or moves as prescribed
     int n() const { return static_cast<int>(multiplier.size()); }
     double value(const double* x, int point, int i) const {
         double sum = 0;
@@ -51,7 +51,7 @@ class ImmersedTerm : public Term {
     ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
                  Reach reach);
 
-    bool search(const double* x0, const double* x1) override;
+    bool search(const Way&) override;
     bool outdated() const override;
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
@@ -71,11 +71,10 @@ class ImmersedTerm : public Term {
     template <class F>
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
-    void couple(const double* x0, const double* x1);
+    void couple(const Way&);
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
     bool is_free(int first) const { return is_free(now_.weight, first); }
-    void tell_reach() const;
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
     double moved(const Context&, int point, int i) const;
@@ -87,18 +86,15 @@ class ImmersedTerm : public Term {
     Admission admit_;
     Coupling couple_;
     Reach reach_;  // or none
-    // [point][width] first unknowns of velocities, and their weights
+    // [point][width] first unknowns of velocities, and their weights, at places [point][dim]
     struct Weights {
         std::vector<int> unknown;
-        std::vector<double> weight;
+        std::vector<double> weight, places;
     };
     Weights now_, at_tangent_;
-    std::vector<std::vector<int>> coupled_;         // per point: all velocities in the pattern, sorted
-    std::vector<double> start_, places_, reached_;  // the last: places when the pattern was made
-    double theta_ = 0.5;                            // of the last step: schemes do not change
+    std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
+    std::vector<double> start_;              // of the step that `now_` belongs to
     double location_ = 0;
-    bool refused_ = false;  // the end of the attempt before
-    bool ahead_ = false;    // whether the places were those of a predicted motion
     std::vector<std::int64_t> position_;
 };
 

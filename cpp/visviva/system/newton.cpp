@@ -48,7 +48,7 @@ bool System::lead(const Context& c) {
 void System::start(const Step& step) {
     predict(step);
     solver_->project(x.data(), dx.data());
-    search();
+    look(step.theta, step.h);
     if (stale_begin_)
         for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;

@@ -82,10 +82,11 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 
 // The partial time derivative of the constraints at the end, by prescribed unknowns and functions of time,
 // for which central differences are exact, as constraints are quadratic in them, and by the clock.
-void System::drift(const Context& c, std::vector<double>& d) {
+void System::drift(const Context& c, double h, std::vector<double>& d) {
+    constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
     if (std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->sees_clock(); })) {
-        constexpr double apart = 1e-4;
+        const double apart = part * h;
         for (const double way : {1.0, -1.0}) {
             add_later(c, way * apart, 8 * way / (12 * apart), d);
             add_later(c, 2 * way * apart, -way / (12 * apart), d);
@@ -132,6 +133,35 @@ void System::evaluate_rate_residual(const std::vector<double>& impulse, const st
     }
 }
 
+// G v at some place, by central differences, which are exact as constraints are quadratic.
+std::vector<double> System::constraint_rates(const Context& c, const std::vector<double>& at,
+                                             const std::vector<double>& rates) {
+    std::vector<double> found(drives_.size(), 0.0);
+    const std::vector<double> x1 = x1_;
+    for (const double way : {1.0, -1.0}) {
+        for (int u = 0; u < n_; ++u) x1_[u] = constraint_[u] ? 0.0 : at[u] + way * rates[u];
+        evaluate_lasting(c);
+        for (std::size_t k = 0; k < drives_.size(); ++k) found[k] += 0.5 * way * r_[drives_[k]];
+    }
+    x1_ = x1;
+    return found;
+}
+
+// The work of what is driven by functions of time while rates change from v* to v1: that of its share of the
+// impulses p - G^T mu along the mean of both rates. `rates` are those before.
+void System::book_drives(const Context& c, const Context& end, const std::vector<double>& rates) {
+    if (drives_.empty()) return;
+    std::vector<double> mean(n_ + 1, 0.0);
+    for (int u = 0; u < n_; ++u)
+        if (order_[u] > 0 && !fixed_[u]) mean[u] = 0.5 * (rates[u] + v_next_[u]);
+    const std::vector<double> at_end = constraint_rates(end, std::vector<double>(x1_), mean);
+    for (std::size_t k = 0; k < drives_.size(); ++k) drive_work_[k] = -d_[drives_[k]] * at_end[k];
+    if (c.step.theta_g != 0) return;
+    const std::vector<double> at_start = constraint_rates(end, x, mean);
+    for (std::size_t k = 0; k < drives_.size(); ++k)
+        drive_work_[k] += 0.5 * c.step.h * x1_[drives_[k]] * at_start[k];
+}
+
 bool System::project_rates(const Context& c) {
     if (rate_revision_ != revision_) analyze_rates();
     const std::vector<double> x1 = x1_;
@@ -143,7 +173,7 @@ bool System::project_rates(const Context& c) {
     const Step step = instant_after(c.step);
     const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
     const Context instant{step, end_of_step, c.signals};
-    drift(instant, change);
+    drift(instant, c.step.h, change);
     // parts of the kept tangent may be written anew in steps to come
     rate_values_.resize(values_.size()), values_.swap(rate_values_);
     evaluate_rate_matrix(instant);
@@ -155,8 +185,11 @@ bool System::project_rates(const Context& c) {
         rate_solver_->factor(values_.data(), end) && rate_solver_->solve_rates(r_.data(), end, d_.data());
     values_.swap(rate_values_);
     x1_ = x1;
-    if (solved) take_rates(c.step);
-    return solved;
+    if (!solved) return false;
+    const std::vector<double> rates = v_next_;
+    take_rates(c.step);
+    book_drives(c, instant, rates);
+    return true;
 }
 
 // The projected rates, and with them the histories and multipliers of schemes that have some.

@@ -9,6 +9,8 @@ std::vector<double> System::memory() const {
     const std::vector<double> solver = solver_->state();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
+    m.push_back(static_cast<double>(mean_.size()));
+    m.insert(m.end(), mean_.begin(), mean_.end());
     for (const auto& term : terms_) term->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
@@ -23,18 +25,22 @@ std::vector<double> System::memory() const {
 
 void System::remember(const std::vector<double>& memory) {
     const double* m = memory.data();
-    touch();
+    forget();
     const double contraction = m[0];
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
     std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
     m = predictor_.read(m + 4 + solver.size());
+    const auto n_mean = static_cast<std::size_t>(*m++);
+    mean_.assign(m, m + n_mean), m += n_mean;
     bool changed = false;
     for (const auto& term : terms_)
         if (term->read_memory(m)) changed = true;
     if (changed) rewire();
     solver_->set_state(solver);
+    solver_->forget();
+    amended_ = false;
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -60,6 +66,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
+    leave();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

@@ -124,11 +124,12 @@ void System::rewire() {
     stale_factor_ = true;
 }
 
-bool System::search() {
+bool System::look(double theta, double h) {
+    const double* rate = mean_.empty() ? v.data() : mean_.data();
     vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
     for (const auto& term : terms_)
-        if (term->search(x.data(), x1_.data())) changed = true;
+        if (term->search({x.data(), x1_.data(), rate, theta, h})) changed = true;
     if (changed) rewire(), stale_begin_ = true;
     return changed;
 }
@@ -324,6 +325,31 @@ bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 
 void System::clear_sums() {
     for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
         std::fill(s->begin(), s->end(), 0.0);
+    sums.impacts.clear();
+}
+
+// In a step with an impact dissipating schemes take a part of the kinetic energy that does not vanish with
+// its length: it is lost by the impact, with what other forces and constraints do as the velocities jump.
+void System::book_impacts(const Context& c, const double* v1) {
+    if (sums.impacts.empty() || island_.empty()) return;
+    std::vector<char> hit(n_ + 1, 0);
+    double pressed = 0, booked = 0;
+    for (const Impact& i : sums.impacts) {
+        for (int u : i.unknowns) hit[island_[u]] = 1;
+        pressed += i.pressed, booked += i.pressed + i.rubbed;
+    }
+    if (pressed <= 0) return;
+    std::vector<double> jump(n_ + 1, 0.0), momentum(n_ + 1, 0.0);
+    for (int u = 0; u < n_; ++u)
+        if (order_[u] == 2 && hit[island_[u]]) jump[u] = v1[u] - v[u];
+    const Vectors vectors{x.data(), x1_.data(), still_.data(), jump.data(), still_.data()};
+    for (const auto& term : terms_)
+        if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
+    double lost = 0;
+    for (int u = 0; u < n_; ++u) lost += 0.5 * jump[u] * momentum[u];
+    for (std::size_t k = 0; k < constraint_account_.size(); ++k)
+        if (hit[account_island_[k]]) lost -= sums.work[constraint_account_[k]];
+    for (const Impact& i : sums.impacts) sums.work[i.account] -= (lost - booked) * i.pressed / pressed;
 }
 
 void System::book(const Context& c, const double* v1) {
@@ -336,6 +362,7 @@ void System::book_step(const Context& c, const double* v1, double direction) {
     // before the terms go on to the end; on the way back they find their branches there
     if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
     book(c, v1);
+    book_impacts(c, v1);
     for (std::size_t k = 0; k < prescribed_.size(); ++k) {
         const int u = prescribed_[k];
         const double h = c.step.h, *x0 = c.vectors.x0, *x1 = c.vectors.x1;
@@ -394,21 +421,32 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
     return true;
 }
 
+// Midpoint rules turn velocities about the mean of the step: what is wrong in them swings for good.
+void System::record_mean(const Step& step) {
+    mean_.clear();
+    if (step.motion[2][1] != -1 || step.h <= 0) return;
+    mean_ = dx;
+    for (double& rate : mean_) rate /= step.h;
+}
+
 bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
     const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
                new_w = end_of_step(step, 4, w, w_next_);
     stale_begin_ = true;
+    drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && is_static(step);
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
+    for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
     for (const auto& term : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
+    record_mean(step);
     if (new_a) last_[3] = a;
     if (new_w) last_[4] = w;
     if (new_v) std::copy(v_next_.begin(), v_next_.end(), v.begin());
@@ -417,6 +455,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     std::copy(x1_.begin(), x1_.end(), x.begin());
     for (const auto& term : terms_) term->settle(step, x.data());
     discard();
+    leave();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;
 }

@@ -55,6 +55,12 @@ class System {
     void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
     // Multipliers that leave the equations by the forces on nodes of their own; see Exchange.
     void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
+    // island[unknown], and of accounts of constraints: what joints hold together, so that an impact goes
+    // through all of it.
+    void set_islands(std::vector<int> island, std::vector<int> account, std::vector<int> island_of_account) {
+        island_ = std::move(island);
+        constraint_account_ = std::move(account), account_island_ = std::move(island_of_account);
+    }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
     // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
@@ -82,6 +88,10 @@ class System {
         prescribed_ = std::move(unknown), prescribed_account_ = std::move(account),
         supply_ = std::move(supply);
     }
+    // Multipliers of constraints that functions of time drive, and where the work of each is booked.
+    void set_drives(std::vector<int> multiplier, std::vector<int> account) {
+        drives_ = std::move(multiplier), drive_account_ = std::move(account);
+    }
     void accept(const Step& step, const Signals& signals, bool ledger);
     void discard();
     // The ledger of the present state (no work done).
@@ -91,15 +101,25 @@ class System {
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
     void remember(const std::vector<double>& memory);
-    // After the state vectors were changed from outside.
-    void touch() {
-        stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
-        predictor_.forget();
+    // What terms show of the last evaluation, around others that shall leave no trace.
+    void keep_shown() {
+        for (const auto& term : terms_) term->hold();
     }
+    void show_again() {
+        for (const auto& term : terms_) term->release();
+    }
+    // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
+    void touch() {
+        if (!is_as_left()) forget();
+    }
+    // What the state vectors are now is that of the step accepted last.
+    void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
+    // Whether the state vectors are those with which the last step has ended.
+    bool is_as_left() const { return left_[0] == x && left_[1] == v && left_[2] == a && left_[3] == w; }
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
     // another one from now on.
-    bool search();
+    bool search() { return look(0, 0); }
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -140,11 +160,17 @@ class System {
   private:
     const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
     const Csr& eliminated() const { return elimination_ ? elimination_->left() : condensed(); }
+    void forget() {
+        stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
+        predictor_.forget();
+        mean_.clear();
+    }
     void reduce();
     void hold(const Pattern&);
     void rewire();
     void prepare_predictor();
     void predict(const Step&);
+    bool look(double theta, double h);
     bool lead(const Context&);
     void start(const Step&);
     bool renew_tangent(const Context&, bool assembled);
@@ -163,9 +189,12 @@ class System {
     void evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change);
     std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
     void add_later(const Context&, double later, double factor, std::vector<double>& d);
-    void drift(const Context&, std::vector<double>& d);
+    void drift(const Context&, double h, std::vector<double>& d);
     bool project_rates(const Context&);
     void take_rates(const Step&);
+    std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
+                                         const std::vector<double>& rates);
+    void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
     void evaluate(const Step&, const Signals&, bool with_first_tangents);
     void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
     void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
@@ -183,6 +212,8 @@ class System {
     void book(const Context&, const double* v1);
     void book_step(const Context&, const double* v1, double direction);
     void book_path(const Context&);
+    void book_impacts(const Context&, const double* v1);
+    void record_mean(const Step&);
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
@@ -194,8 +225,10 @@ class System {
     void describe_nodes();
     std::vector<double> modes_;
     int n_modes_ = 0;
+    std::vector<int> island_, constraint_account_, account_island_;
     std::vector<int> node_, held_;  // held: fixed unknowns with equations
-    std::vector<int> prescribed_, prescribed_account_;
+    std::vector<int> prescribed_, prescribed_account_, drives_, drive_account_;
+    std::vector<double> drive_work_;  // of each drive, by the projection of the rates of this step
     std::vector<Supply> supply_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
@@ -220,6 +253,8 @@ class System {
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
+    std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
+    std::vector<double> left_[4];                   // x, v, a, w at its end
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;

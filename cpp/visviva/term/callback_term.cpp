@@ -14,7 +14,7 @@ CallbackTerm::CallbackTerm(int n, int n_local, const int* index, Function residu
       ledger_(std::move(ledger)),
       accept_(std::move(accept)) {
     const std::size_t size = index_.size();
-    for (auto* a : {&x0_, &x1_, &rate_, &second_rate_, &v1_, &r_}) a->assign(size, 0.0);
+    for (auto* a : {&x0_, &x1_, &rate_, &second_rate_, &v1_, &v0_, &r_}) a->assign(size, 0.0);
     k_.assign(size * n_local, 0.0);
     energy_.assign(n, 0.0), work_.assign(n, 0.0), momentum_.assign(6 * static_cast<std::size_t>(n), 0.0);
 }
@@ -34,9 +34,10 @@ TermArguments CallbackTerm::gather(const Context& c) {
     for (std::size_t k = 0; k < index_.size(); ++k) {
         x0_[k] = v.x0[index_[k]], x1_[k] = v.x1[index_[k]];
         rate_[k] = v.rate[index_[k]], second_rate_[k] = v.second_rate[index_[k]];
+        v0_[k] = v.v0[index_[k]];
     }
     return {&c.step,   x0_.data(),     x1_.data(),   rate_.data(),     second_rate_.data(), r_.data(),
-            k_.data(), energy_.data(), work_.data(), momentum_.data(), v1_.data()};
+            k_.data(), energy_.data(), work_.data(), momentum_.data(), v1_.data(), v0_.data()};
 }
 
 void CallbackTerm::residual(const Context& c, double* r) {

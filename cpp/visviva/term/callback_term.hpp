@@ -13,6 +13,7 @@ struct TermArguments {
     double *residual, *tangent;                  // [n][n_local], [n][n_local][n_local] or null
     double *energy, *work, *momentum;            // [n], [n], [n][6], for the ledger
     const double* v1;                            // ledger only
+    const double* v0;                            // rates at the start of the step
 };
 
 class CallbackTerm : public Term {
@@ -37,7 +38,7 @@ class CallbackTerm : public Term {
     int n_, nl_;
     std::vector<int> index_;
     Function residual_, tangent_, ledger_, accept_;
-    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, r_, k_, energy_, work_, momentum_;
+    std::vector<double> x0_, x1_, rate_, second_rate_, v1_, v0_, r_, k_, energy_, work_, momentum_;
     std::vector<std::int64_t> position_;
 };
 

@@ -9,6 +9,7 @@ namespace visviva {
 InertiaTerm::InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int> pair, const double* mass,
                          const int* index, std::vector<char> is_position)
     : pair_(std::move(pair)), is_position_(std::move(is_position)) {
+    is_inertia = order == 2;
     const int stride = (n + 7) / 8 * 8, n_pairs = static_cast<int>(pair_.size() / 2);
     auto padded = [&](auto& to, const auto* from, int rows) {
         to.resize(static_cast<std::size_t>(rows) * stride);

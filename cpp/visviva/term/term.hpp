@@ -19,13 +19,30 @@ struct Context {
     bool backwards = false;
 };
 
+// Bodies that collide in a step, by some of their unknowns: what its impulse and friction have booked less
+// than their forces do along the increments of the scheme, and on which account the impulse is booked.
+struct Impact {
+    int account = -1;
+    double pressed = 0, rubbed = 0;
+    std::vector<int> unknowns;
+};
+
 // What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
 // statics `release` per unknown, the work of what held it out of equilibrium when the step began.
 struct LedgerSums {
     std::vector<double> energy, work, momentum, defect, release;
+    std::vector<Impact> impacts;
 };
 
 class Pattern;
+
+// Where a step goes, as far as that is known before it is solved: its start and its end, extrapolated from
+// the steps before. What decides where a step ends has to follow from its start and its rate alone: the
+// velocities there, or where these swing from step to step the mean ones of the step before.
+struct Way {
+    const double *x0, *x1, *rate;
+    double theta = 0, h = 0;  // both zero outside of steps
+};
 
 // Why a converged step is no solution; empty if it is one.
 struct Refusal {
@@ -39,8 +56,8 @@ class Term {
     // Terms on meshes couple whole nodes and find their places by themselves.
     virtual void couple(Pattern&) const {}
     virtual void connect(const Pattern&) {}
-    // Before a step, with its predicted end: looks for new neighbours; true if the coupling has changed.
-    virtual bool search(const double* /*x0*/, const double* /*x1*/) { return false; }
+    // Before a step: looks for new neighbours; true if the coupling has changed.
+    virtual bool search(const Way&) { return false; }
     // Whether the last residual was on another branch than the last tangent.
     virtual bool outdated() const { return false; }
     // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does
@@ -50,6 +67,9 @@ class Term {
     // changed.
     virtual void write_memory(std::vector<double>&) const {}
     virtual bool read_memory(const double*& /*memory*/) { return false; }
+    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
+    virtual void hold() {}
+    virtual void release() {}
     // Relative increments below which its residual may jump, so that they do not shrink any further.
     virtual double resolution() const { return 0; }
     // Asked after convergence, about the last residual.
@@ -83,6 +103,7 @@ class Term {
     virtual void settle(const Step&, double* /*x*/) {}
 
     std::string name;            // for messages
+    bool is_inertia = false;     // constant masses alone
     bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is

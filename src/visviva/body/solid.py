@@ -233,6 +233,7 @@ class Solid(Attachable, Meshed):
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
+        self.is_carried_thin = False  # until what immerses it in this system says so
         d = self.dimension
         self.motion = model.field(
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d

@@ -107,9 +107,9 @@ class Contact(Component):
         default that of a layer of elements, ten times that for a penalty.
     initial : {'touch', 'press', 'resolve'}
         'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
-        pushes out; in dynamics that adds energy, in the ledger's share of contact, and rigid bodies have no restitution
-        then: what an impact leaves depends on where in the step it falls. 'resolve': nodes of solids are moved apart,
-        by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
+        pushes out; in dynamics that adds energy, in the ledger's share of contact; rigid bodies are pushed out in the
+        first step, with the velocity that this takes, beside what impacts leave. 'resolve': nodes of solids are moved
+        apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet. Whatever it is,
         facets do not see each other through their own bodies.

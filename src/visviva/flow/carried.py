@@ -112,10 +112,15 @@ class Carried(Wetting):
         ):
             raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
 
-    def _follow(self, model: Model, vectors: Ints, weights: Array, multipliers: Cells) -> None:
-        """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does."""
+    def _follow(
+        self, model: Model, vectors: Ints, weights: Array, multipliers: Cells, held: Mask | None = None
+    ) -> None:
+        """Let points, sums of vectors with first unknowns (n, k) and weights (n, k), move as the fluid does.
+
+        What is `held` (n, d) does not, nor does the fluid there.
+        """
         transfer = Transfer(self.fluid)
-        reach = self._reached if self.fluid.is_stabilised else None
+        reach = self._reacher(transfer) if self._tells_reach else None
         n = len(multipliers)
         self._points = vectors.reshape(n, -1), weights.reshape(n, -1), multipliers
         # which the core does not keep alive
@@ -128,6 +133,7 @@ class Carried(Wetting):
             np.ascontiguousarray(vectors, dtype=np.int32),
             np.ascontiguousarray(weights, dtype=float),
             np.ascontiguousarray(multipliers, dtype=np.int32),
+            np.zeros((n, self.fluid.dimension), dtype=bool) if held is None else held,
             *self._calls,
         )
         term.name = self.label
@@ -233,23 +239,35 @@ class Carried(Wetting):
 
     def _coupler(self, transfer: Transfer) -> Callable[[Array, Array], tuple[Ints, Ints]]:
         def couple(places: Array, moves: Array) -> tuple[Ints, Ints]:
-            n, d = places.shape
-            inside = self.fluid.find(places)[0]
-            edges = np.where(inside >= 0, self.fluid.grid.volumes[inside] ** (1 / d), 0.0)
-            corners = np.array(list(itertools.product((-1, 1), repeat=d)))
-            around = MARGIN * edges[:, None] * corners[:, None, :]
-            ahead = np.arange(0, AHEAD + 0.25, 0.5)[:, None, None, None] * moves
-            cells, _ = self.fluid.find((places + around + ahead).reshape(-1, d))
-            points = np.broadcast_to(np.arange(n), (ahead.shape[0], len(corners), n)).ravel()
-            return transfer.within(n, points[cells >= 0], cells[cells >= 0])
+            return self._around(transfer, places, np.arange(0, AHEAD + 0.25, 0.5), moves)
 
         return couple
 
-    def _reached(self, unknowns: Ints, places: Array) -> None:
-        if self.sealing > 1:
-            self.fluid.seal(self, self.sealing, unknowns)
-        if self.may_be_thin:
-            self.fluid.blind(self, unknowns, places)
+    def _around(self, transfer: Transfer, places: Array, ahead: Array, moves: Array) -> tuple[Ints, Ints]:
+        """First unknowns that places, so many moves `ahead` and what is around them, refer to, as `Transfer.within`."""
+        n, d = places.shape
+        inside = self.fluid.find(places)[0]
+        edges = np.where(inside >= 0, self.fluid.grid.volumes[inside] ** (1 / d), 0.0)
+        corners = np.array(list(itertools.product((-1, 1), repeat=d)))
+        around = MARGIN * edges[:, None] * corners[:, None, :]
+        cells, _ = self.fluid.find((places + around + ahead[:, None, None, None] * moves).reshape(-1, d))
+        points = np.broadcast_to(np.arange(n), (len(ahead), len(corners), n)).ravel()
+        return transfer.within(n, points[cells >= 0], cells[cells >= 0])
+
+    @property
+    def _tells_reach(self) -> bool:
+        """Whether elements around it are stabilised in another way."""
+        return self.fluid.is_stabilised and (self.sealing > 1 or self.may_be_thin)
+
+    def _reacher(self, transfer: Transfer) -> Callable[[Array], None]:
+        def reach(places: Array) -> None:
+            _, unknowns = self._around(transfer, places, np.zeros(1), np.zeros_like(places))
+            if self.sealing > 1:
+                self.fluid.seal(self, self.sealing, unknowns)
+            if self.may_be_thin:
+                self.fluid.blind(self, unknowns, places)
+
+        return reach
 
     def _outside(self, place: Array) -> str:
         where = ", ".join(f"{c:.4g}" for c in place)

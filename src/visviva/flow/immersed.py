@@ -151,6 +151,7 @@ class Immersed(Carried):
             self.solid.node_unknowns(self._nodes),
             np.ones(len(self._nodes)),
             self.force.start + d * self._nodes,
+            ~follows.reshape(-1, d)[self._nodes],
         )
         for k in np.flatnonzero(follows if not self.leaves else []):  # what leaves has equations of its own
             model.depend(int(motion.start + k), int(self.force.start + k))

@@ -70,13 +70,12 @@ class Displaced(Term):
         self.order = np.full(unknowns.shape[1], 2, dtype=np.int32)
         self._shape = len(mass), mass.shape[1], unknowns.shape[1] // mass.shape[1]
         self._share, self._acceleration = share, acceleration
-        self.history = {
-            "share": np.ones(
-                len(mass)
-            ),  # in the step of the last residual, kept for its tangent and for restarts
-            "before": np.ones(len(mass)),
-            "kinetic": np.zeros(len(mass)),
-        }
+        self.history = {"share": np.ones(len(mass))}  # at the end of the last step
+
+    @property
+    def _now(self) -> Array:
+        """The share (n,) in the step under way."""
+        return self.trial.get("share", self.history["share"])
 
     def _times_mass(self, x: Array) -> Array:
         return np.asarray(np.einsum("nab,nbc->nac", self.mass, x.reshape(self._shape)))
@@ -90,34 +89,33 @@ class Displaced(Term):
     def residual(self, s: Stencils) -> Array:
         found = self._share()
         if found is not None:
-            self.history["share"] = found
+            self.trial["share"] = found
         force = self._times_mass(s.second_rate) - self._weight()
-        return np.asarray(self.history["share"][:, None] * force.reshape(len(self.mass), -1))
+        return np.asarray(self._now[:, None] * force.reshape(len(self.mass), -1))
 
     def tangent(self, s: Stencils) -> Array:
         n, k, d = self._shape
         blocks = np.einsum("nab,ij->naibj", self.mass, np.eye(d)).reshape(n, k * d, k * d)
-        return np.asarray(s.step.second_rate_factor * self.history["share"][:, None, None] * blocks)
+        return np.asarray(s.step.second_rate_factor * self._now[:, None, None] * blocks)
+
+    def _kinetic(self, v: Array) -> Array:
+        return np.asarray(0.5 * np.einsum("nac,nac->n", v.reshape(self._shape), self._times_mass(v)))
 
     def energy(self, s: Stencils) -> Array:
-        v = s.v1.reshape(self._shape)
-        self._kinetic = 0.5 * np.einsum("nac,nac->n", v, self._times_mass(s.v1))
-        return np.asarray(self.history["share"] * self._kinetic)
+        return self._now * self._kinetic(s.v1)
 
     def work(self, s: Stencils) -> Array:
         moved = (s.x1 - s.x0).reshape(self._shape)
         weight = np.einsum("nac,nac->n", moved, self._weight())
-        return np.asarray(
-            self.history["share"] * weight
-            + (self.history["share"] - self.history["before"]) * self.history["kinetic"]
-        )
+        gone = self.history["share"] - self._now
+        return np.asarray(self._now * weight - gone * self._kinetic(s.v0))
 
     def momentum(self, s: Stencils) -> Array:
         n, k, d = self._shape
         x, p = np.zeros((2, n, k, 3))
         x[:, :, :d] = s.x1.reshape(self._shape)
-        p[:, :, :d] = self.history["share"][:, None, None] * self._times_mass(s.v1)
+        p[:, :, :d] = self._now[:, None, None] * self._times_mass(s.v1)
         return np.hstack([p[:, self.origins].sum(axis=1), np.cross(x, p).sum(axis=1)])
 
     def accept(self, s: Stencils) -> None:
-        self.history["before"], self.history["kinetic"] = self.history["share"].copy(), self._kinetic.copy()
+        self.history["share"] = self._now.copy()

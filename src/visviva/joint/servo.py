@@ -12,6 +12,7 @@ from visviva.component import Component, settings
 from visviva.errors import InputError
 from visviva.law import Law, LawKind
 from visviva.measure import Reading, measures_of, strains_of
+from visviva.memory import undisturbed
 from visviva.timefunction import OfTime
 
 if TYPE_CHECKING:
@@ -98,7 +99,8 @@ class Servo(Component):
 
     def _is_indirect(self, system: System) -> bool:
         """Whether some inputs of this servo do not accelerate its outputs (index above three)."""
-        at, K, _ = equations(system)
+        with undisturbed(system):
+            at, K, _ = equations(system)
         _, size, V = np.linalg.svd(K)
         own = np.isin(at.multipliers, list(self._multipliers.unknowns))
         null = V[size < RANK * size[0]][:, len(at.coordinates) :][:, own]

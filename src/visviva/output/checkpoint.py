@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from visviva.errors import InputError
 from visviva.output.files import replacing, reporting
 
-FORMAT = "visviva state 5"
+FORMAT = "visviva state 6"
 HEAD = 512  # bytes before the HDF5 file, which HDF5 leaves to its user: layout and checksum
 
 
