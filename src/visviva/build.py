@@ -33,7 +33,7 @@ def build_core(system: System) -> _core.System:
     core.set_driven(model.is_driven)
     core.set_blocks(*blocks(model))
     core.set_nodes(nodes(model))
-    if any(c.collides for c in model.components):
+    if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
     core.set_local(system.local)
     core.set_prescribed(*supplied)
