@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
+from visviva.analysis.march import prepare
 from visviva.examples import tori
-from visviva.solve import prepare
 
 SIZES = {9: ((14, 14, 7), (12, 12, 6)), 72: ((30, 30, 14), (26, 26, 12))}
 """Bricks of both blocks, by thousands of unknowns."""

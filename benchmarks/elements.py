@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from profile_steps import best
 
 import visviva as vv
+from visviva.analysis.march import prepare
 from visviva.mesh.generate import SolidCell
-from visviva.scheme import Scheme
-from visviva.solve import prepare
+from visviva.scheme.schemes import Scheme
 
 COUNTS: dict[SolidCell, int] = {"hex8": 24, "tet4": 14, "hex20": 10, "hex27": 10, "tet10": 8}
 SCHEMES: dict[str, Scheme] = {"statics": vv.Static(), "energy-momentum": vv.EnergyMomentum()}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 from visviva.examples.cylinder import CENTRE, HEIGHT, RADIUS
 from visviva.mesh.grid import Block, assembled
 

@@ -10,7 +10,7 @@ from half_cylinder_case import CENTRE, FLOOR, HEIGHT, LAME, LENGTH, RADIUS, SHEA
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.material.base import Material
+from visviva.material.material import Material
 from visviva.mesh.grid import assembled
 
 Array = NDArray[np.float64]

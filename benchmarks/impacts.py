@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 
 KINDS: dict[str, dict[str, Any]] = {
     "conserving": {"impact": "conserving"},

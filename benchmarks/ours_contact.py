@@ -7,7 +7,7 @@ from contact_case import Block, ContactCase, main
 from record import Record
 
 import visviva as vv
-from visviva.solve import prepare
+from visviva.analysis.march import prepare
 
 
 def mesh(block: Block) -> vv.Mesh:

@@ -8,7 +8,7 @@ from ours_solids import whole_iteration
 from record import Record
 
 import visviva as vv
-from visviva.solve import prepare
+from visviva.analysis.march import prepare
 
 CELLS = {"Q2Q1": "quad9", "Q1Q1": "quad4"}
 

@@ -10,7 +10,7 @@ from solid_cases import TOLERANCE, SolidCase
 from solid_measure import main, mean_displacement
 
 import visviva as vv
-from visviva.solve import prepare
+from visviva.analysis.march import prepare
 
 
 def system_of(case: SolidCase) -> tuple[vv.System, vv.Solid]:

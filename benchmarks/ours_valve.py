@@ -7,8 +7,8 @@ from record import Record
 from valve_case import ValveCase
 
 import visviva as vv
+from visviva.analysis.march import prepare
 from visviva.examples import valve
-from visviva.solve import prepare
 
 
 def run(case: ValveCase, variant: str) -> Record:

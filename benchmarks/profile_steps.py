@@ -22,8 +22,8 @@ from cases import build
 from ours import system_of
 
 import visviva as vv
+from visviva.analysis.march import prepare
 from visviva.examples import valve as example
-from visviva.solve import prepare
 
 MECHANISMS = {"crane": 4, "four-bar": 3, "chain-ball": 10, "chain-revolute": 10}
 

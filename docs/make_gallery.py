@@ -11,9 +11,9 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from visviva.gallery import example, example_names, first_line
-from visviva.result import audit
-from visviva.run import run
+from visviva.results.result import audit
+from visviva.scene.gallery import example, example_names, first_line
+from visviva.study.run import run
 
 HERE = Path(__file__).resolve().parent
 GALLERY = HERE / "gallery"

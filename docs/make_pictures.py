@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from visviva.examples import crane, flexible_slider_crank, tori, torus, valve
 from visviva.output.picture import snapshot
 from visviva.output.plot import energy_plot
-from visviva.run import run
+from visviva.study.run import run
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 MOMENT = 0.9  # s, with the load swung out and still near the crane

@@ -17,9 +17,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import visviva as vv
+from visviva.analysis.march import advance, begin
 from visviva.output.plot import STYLE
-from visviva.output.scene import PALETTE
-from visviva.solve import advance, begin
+from visviva.output.view import PALETTE
 
 TARGET = Path(__file__).resolve().parent / "pictures" / "schemes.png"
 STEPS = (0.05, 0.1)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import visviva as vv
-from visviva.run import Recorder, run
+from visviva.study.run import Recorder, run
 
 
 def run_until(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 
 Array = NDArray[np.float64]
 Components = list[Component]

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.audit import energy_verdict
-from visviva.term import Stencils, Term
+from visviva.model.term import Stencils, Term
+from visviva.results.audit import energy_verdict
 
 STEEL = vv.LinearElastic(young=100.0, poisson=0.0)
 

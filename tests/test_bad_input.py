@@ -13,9 +13,9 @@ from solid_parts import block
 from test_language import MORE, NEEDS_CODE
 
 import visviva as vv
-from visviva.adaptive import Adaptive
-from visviva.run import run
+from visviva.analysis.adaptive import Adaptive
 from visviva.scene import language, read_scene
+from visviva.study.run import run
 
 UNIT: dict[str, Any] = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "name": "arm"}
 BENT, LEFT = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 1, 0], [0, 0, -1]]

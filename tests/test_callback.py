@@ -10,7 +10,7 @@ from instances.shapes import neo_hooke
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.callback import Function
+from visviva.model.callback import Function
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ import pytest
 from immersed_parts import body, box, carried, flap, immersed, part, patch, thin
 
 import visviva as vv
-from visviva.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError
 from visviva.flow.overlap import covered_by_body
-from visviva.run import run
+from visviva.study.run import run
 
 
 @pytest.mark.parametrize("build", [*(partial(b, sealing=100.0) for b in (carried, body, flap)), thin])

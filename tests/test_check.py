@@ -12,9 +12,9 @@ from reference import pendulums
 from scipy.integrate import solve_ivp
 
 import visviva as vv
-from visviva.check import check
-from visviva.consistency import initial_acceleration, project_positions, project_velocities
-from visviva.instant import Instant
+from visviva.system.check import check
+from visviva.system.consistency import initial_acceleration, project_positions, project_velocities
+from visviva.system.instant import Instant
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81
@@ -263,11 +263,11 @@ def test_motion_that_the_joints_forbid_is_refused() -> None:
 
 
 def test_coordinate_that_nothing_holds_is_refused() -> None:
-    class Loose(vv.component.Component):
-        def declare(self, model: vv.model.Model) -> None:
+    class Loose(vv.component.component.Component):
+        def declare(self, model: vv.model.model.Model) -> None:
             self.angle = model.field(self, "angle", [0.0], stage=1)
 
-        def contribute(self, model: vv.model.Model) -> None:
+        def contribute(self, model: vv.model.model.Model) -> None:
             model.load(self, "torque", self.angle.form(), 1.0, None)
 
     with pytest.raises(vv.InputError, match=r"angle\[0\] of Loose 'screw' has no inertia"):
@@ -389,8 +389,8 @@ def test_wrong_tangent_is_named() -> None:
         def tangent(self, s: object) -> Array:
             return 7.0 * s.x[:, :, None]  # type: ignore[attr-defined]
 
-    class Pull(vv.component.Component):
-        def contribute(self, model: vv.model.Model) -> None:
+    class Pull(vv.component.component.Component):
+        def contribute(self, model: vv.model.model.Model) -> None:
             model.term(self, Wrong(1))
 
     report = vv.System([vv.PointMass(mass=1.0, position=(0, 2, 0), name="ball"), Pull()]).check()

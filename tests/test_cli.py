@@ -18,8 +18,8 @@ import pytest
 
 import visviva as vv
 from visviva.cli import main
-from visviva.gallery import example, example_names
 from visviva.output import RunDirectory, Trajectory, load_state, read_table
+from visviva.scene.gallery import example, example_names
 
 SCENE = Path(__file__).parent.parent / "examples" / "four_bar.yaml"
 Run = Callable[..., tuple[int, str, str]]
@@ -29,7 +29,7 @@ Run = Callable[..., tuple[int, str, str]]
 def _no_pictures(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Drawing takes seconds; one test does it."""
     if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("visviva.run.Recorder.draw", lambda self: None)
+        monkeypatch.setattr("visviva.study.run.Recorder.draw", lambda self: None)
 
 
 @pytest.fixture
@@ -358,7 +358,7 @@ def test_no_traceback_reaches_the_user_but_for_debugging(cli: Run, monkeypatch: 
     def broken(*_: Any, **__: Any) -> None:
         raise KeyError("a line\nand " + "x" * 5000)
 
-    monkeypatch.setattr("visviva.run.run", broken)
+    monkeypatch.setattr("visviva.study.run.run", broken)
     code, out, err = cli("run", "pendulum")
     assert code == 1
     assert "Traceback" not in err + out

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from solid_parts import block
 
 import visviva as vv
-from visviva.field import Field
-from visviva.problem import problem_of
+from visviva.model.field import Field
+from visviva.system.problem import problem_of
 
 Array = NDArray[np.float64]
 

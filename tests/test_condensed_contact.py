@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from point_contacts import on_shape
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 
 Array = NDArray[np.float64]
 

@@ -17,13 +17,13 @@ from contact_parts import PYRAMID, RUBBER, bricks, contact_of, plates, pushed, r
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.component import Component
+from visviva.base.errors import InputError
+from visviva.component.component import Component
 from visviva.contact.resolve import linearised
-from visviva.errors import InputError
 from visviva.mesh.faces import Faces
 from visviva.output import load_state
-from visviva.run import run
 from visviva.scene import read_scene, write_scene
+from visviva.study.run import run
 
 Array = NDArray[np.float64]
 

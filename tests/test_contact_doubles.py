@@ -8,7 +8,7 @@ import pytest
 from contact_parts import RUBBER
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 
 
 def stack() -> tuple[vv.Solid, vv.Solid]:

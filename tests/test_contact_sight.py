@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva import _core
-from visviva.component import Component
-from visviva.contact.surface import Surface, surface_of
-from visviva.errors import InputError
-from visviva.newton import StepFailure
+from visviva.base.errors import InputError
+from visviva.component.component import Component
+from visviva.contact.contact_surface import Surface, surface_of
+from visviva.system.newton import StepFailure
 
 Array = NDArray[np.float64]
 STIFF = vv.NeoHooke(young=1e6, poisson=0.3)

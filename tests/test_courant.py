@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import visviva as vv
-from visviva.run import run
+from visviva.study.run import run
 
 
 def stream(cell: str, speed: float = 2.0) -> tuple[vv.System, vv.Fluid]:

@@ -40,7 +40,7 @@ def test_choice_by_size_and_dimension() -> None:
     """Flows in space from 15,000 equations on by GMRES, then factors; in the plane and smaller ones by factors."""
 
     def said(n: int, per_row: int) -> str:
-        known = vv.linear.Problem(n=n, n_entries=n * per_row, n_multipliers=n // 20, has_flow=True)
+        known = vv.linear.choice.Problem(n=n, n_entries=n * per_row, n_multipliers=n // 20, has_flow=True)
         return vv.Automatic().choose(known).explanation
 
     assert "GMRES to 0.001, preconditioner commutator; should it not converge, " in said(20_000, 150)
@@ -49,7 +49,7 @@ def test_choice_by_size_and_dimension() -> None:
 
 
 def test_factors_of_a_flow_that_do_not_fit_are_refused_before_they_are_made() -> None:
-    if vv.linear.missing_pardiso():
+    if vv.linear.choice.missing_pardiso():
         pytest.skip("factors of Eigen are not estimated")
     system = vv.System(stream("hex27"), vv.Newton(linear=vv.Direct(library="pardiso", memory_limit=1e4)))
     with pytest.raises(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.freedom import refuse_free
+from visviva.system.freedom import refuse_free
 
 MATERIAL = vv.NeoHooke(young=100.0, poisson=0.3)
 ALL = "translation along x, y, z; rotation about x, y, z"

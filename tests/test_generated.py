@@ -55,7 +55,7 @@ def test_hangs_and_tracebacks_are_faults(monkeypatch: pytest.MonkeyPatch, tmp_pa
     slow = mutations.Case("slow", False, call=lambda: time.sleep(5))
     monkeypatch.setattr(mutations, "case", lambda *_: slow)
     assert [fault for _, _, fault in generated.run(range(1))] == ["hangs for more than 1 s"]
-    monkeypatch.setattr("visviva.gallery.example_names", raises(KeyError("x")))
+    monkeypatch.setattr("visviva.scene.gallery.example_names", raises(KeyError("x")))
     assert generated.outcome(mutations.Case("bug", False, ["examples"]), tmp_path).startswith("unexpected")
 
 

@@ -12,15 +12,15 @@ from immersed_parts import box, carried, part, patch, thin, vortex
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.component import Component
-from visviva.consistency import initial_acceleration
-from visviva.errors import InputError
+from visviva.analysis.march import prepare
+from visviva.base.errors import InputError
+from visviva.component.component import Component
 from visviva.examples import valve
 from visviva.flow.location import Location
 from visviva.flow.transfer import Transfer
 from visviva.mesh.cells import CELLS
-from visviva.problem import problem_of
-from visviva.solve import prepare
+from visviva.system.consistency import initial_acceleration
+from visviva.system.problem import problem_of
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 import visviva as vv
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.flow.marks import marks
-from visviva.reactions import reaction
+from visviva.measure.reactions import reaction
 
 Array = NDArray[np.float64]
 

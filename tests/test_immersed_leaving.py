@@ -11,9 +11,9 @@ from immersed_parts import part
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.errors import RunError
+from visviva.base.errors import RunError
 from visviva.flow.transfer import Transfer
-from visviva.run import run
+from visviva.study.run import run
 
 Array = NDArray[np.float64]
 

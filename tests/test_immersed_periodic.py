@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ import pytest
 from immersed_parts import Array, Components, body, carried, flap, thin
 
 import visviva as vv
-from visviva.restart import load, save
-from visviva.solve import advance, begin, prepare
+from visviva.analysis.march import advance, begin, prepare
+from visviva.study.restart import load, save
 
 STEP, STEPS = 0.05, 6
 BODIES: dict[str, Callable[[], Components]] = {

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.body.inertia import (
     MassProperties,
     check_inertia,
@@ -18,7 +19,6 @@ from visviva.body.inertia import (
     rotate_tensor,
     steiner,
 )
-from visviva.errors import InputError
 
 Array = NDArray[np.float64]
 Cloud = tuple[Array, Array]

@@ -11,7 +11,7 @@ import pytest
 
 import visviva as vv
 from visviva.output import RunDirectory
-from visviva.run import run
+from visviva.study.run import run
 
 
 def bob(length: float = 1.0, velocity: Any = (0, 0, 0)) -> vv.System:
@@ -109,7 +109,7 @@ def test_states_edited_later_are_looked_at_again() -> None:
 
 
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BDF2(), vv.GeneralizedAlpha(0.8)])
-def test_touching_alone_changes_nothing(scheme: vv.scheme.Scheme) -> None:
+def test_touching_alone_changes_nothing(scheme: vv.scheme.schemes.Scheme) -> None:
     one, other = bob(), bob()
     for system in (one, other):
         vv.simulate(system, until=0.1, step=0.05, scheme=scheme)

@@ -15,8 +15,8 @@ from instances.solid import Brick
 from instances.stokes import StokesCell
 
 import visviva as vv
-from visviva.model import Model
-from visviva.run import run as run_study
+from visviva.model.model import Model
+from visviva.study.run import run as run_study
 
 run = partial(run_study, pictures=False, progress=False)
 

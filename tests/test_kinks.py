@@ -21,7 +21,7 @@ def driven() -> tuple[vv.System, vv.Motor]:
 
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint()])
 @pytest.mark.parametrize("h", [0.01, 0.013])
-def test_motors_follow_the_kinks_of_tables(scheme: vv.scheme.Scheme, h: float) -> None:
+def test_motors_follow_the_kinks_of_tables(scheme: vv.scheme.schemes.Scheme, h: float) -> None:
     """The kinetic energy is that of the slope, before and after, whether steps end at kinks or not."""
     system, motor = driven()
     result = vv.simulate(system, until=2.9, step=h, scheme=scheme)

@@ -10,10 +10,10 @@ import pytest
 from catalogue import CATALOGUE, Entry
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 from visviva.examples import crane, flexible_slider_crank, pendulum, screw, spring_pendulum
-from visviva.run import probe_columns
 from visviva.scene import language, read_scene, scene_schema, write_scene
+from visviva.study.run import probe_columns
 
 ANSWER = "what Python gives back, not what a scene is composed of"
 CALL = "a function of Python; the command line runs studies"

@@ -41,7 +41,7 @@ def test_violations_are_relative() -> None:
     rod = vv.Distance(a=a.point(), b=b.point(), length=999.0)
     system = vv.System([a, b, rod])
     system.report = system.check(repair=False)
-    books = vv.ledger.Bookkeeper(system)
+    books = vv.results.ledger.Bookkeeper(system)
     system.take_stock()
     defect = books.book(0.0, system.core)[-2]
     assert system.core.defect.max() == pytest.approx(0.5 * (1000**2 - 999**2), rel=1e-12)
@@ -63,7 +63,7 @@ def test_what_rests_has_small_figures() -> None:
 )
 def test_checks_of_examples_see_steps_that_the_table_leaves_out(column: str, value: float) -> None:
     """Of long runs it holds every so many steps; what is wrong between two of them is wrong."""
-    ledger = vv.ledger.Ledger([], ["viscosity"])
+    ledger = vv.results.ledger.Ledger([], ["viscosity"])
     names = ledger.names
     for k in range(5):
         row = np.zeros(len(names))

@@ -12,10 +12,12 @@ from matrices import Elasticity, block, matrix_of, scaled, shifted, torus, unsym
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva import _core, linear, multigrid
-from visviva.linear import Automatic, Choice, Direct, Iterative, Problem
-from visviva.problem import problem_of
-from visviva.solve import prepare
+from visviva import _core
+from visviva.analysis.march import prepare
+from visviva.linear import choice as linear
+from visviva.linear import multigrid
+from visviva.linear.choice import Automatic, Choice, Direct, Iterative, Problem
+from visviva.system.problem import problem_of
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import pytest
 from pydantic import TypeAdapter
 
 import visviva as vv
-from visviva.timefunction import OfTime
+from visviva.base.timefunction import OfTime
 
 SCHEMES = [vv.EnergyMomentum(), vv.Midpoint()]
 

@@ -12,7 +12,7 @@ import point_contacts
 import pytest
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 from visviva.examples import crane, four_bar
 
 Looked = Callable[[vv.System], object]

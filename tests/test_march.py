@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.load_steps import Equilibrium, NoEquilibrium
+from visviva.analysis.load_steps import Equilibrium, NoEquilibrium
 
 
 def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -16,7 +16,7 @@ def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> Non
     system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))])
     take, refused = vv.System.step, {(2, 0.1), (2, 0.05)}
 
-    def step(self: vv.System, h: float, scheme: vv.scheme.Scheme) -> object:
+    def step(self: vv.System, h: float, scheme: vv.scheme.schemes.Scheme) -> object:
         key = (int(self.time / 0.1 + 1e-9), round(h, 9))
         if key in refused and self.time < 0.2 + 1e-9:
             report = SimpleNamespace(worst_unknown=0, increments=[], reason="refused")
@@ -92,7 +92,7 @@ def test_no_length_is_tried_twice(
     system, lengths = hung() if static else falling(), []
     take, iterate = vv.System.step, Equilibrium.iterate
 
-    def step(self: vv.System, h: float, scheme: vv.scheme.Scheme) -> object:
+    def step(self: vv.System, h: float, scheme: vv.scheme.schemes.Scheme) -> object:
         if self.time < 0.2 - 1e-9:
             return take(self, h, scheme)
         lengths.append(h)

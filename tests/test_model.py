@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva import stencil
-from visviva.component import Component
-from visviva.field import Role
-from visviva.form import product
-from visviva.law import quadratic
+from visviva.component.component import Component
+from visviva.model import stencil
+from visviva.model.field import Role
+from visviva.model.form import product
+from visviva.model.law import quadratic
 
 
 def bodies(n: int) -> list[vv.RigidBody]:

@@ -11,7 +11,7 @@ from reference import statics
 from test_check import bricard
 
 import visviva as vv
-from visviva.eigenmodes import sparse_modes
+from visviva.analysis.eigenmodes import sparse_modes
 
 GRAVITY = 9.81
 
@@ -198,7 +198,7 @@ def test_both_ways_agree_with_constraints(monkeypatch: pytest.MonkeyPatch) -> No
     rods = [vv.Distance(a=ends[k], b=ends[k + 1]) for k in range(n)]
     system = vv.System([ground, *masses, *rods, vv.Gravity(acceleration=(0, -GRAVITY, 0))])
     dense = vv.modes(system, n=6).squared
-    monkeypatch.setattr(sys.modules["visviva.eigenmodes"], "dense_modes", sparse_modes)
+    monkeypatch.setattr(sys.modules["visviva.analysis.eigenmodes"], "dense_modes", sparse_modes)
     assert vv.modes(system, n=6).squared == pytest.approx(dense, rel=1e-9)
 
 

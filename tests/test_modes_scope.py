@@ -11,9 +11,9 @@ import scipy.sparse as sp
 from catalogue import CATALOGUE, Entry
 
 import visviva as vv
-from visviva.eigenmodes import factored
-from visviva.instant import Instant, instant
-from visviva.scheme import load_step
+from visviva.analysis.eigenmodes import factored
+from visviva.scheme.schemes import load_step
+from visviva.system.instant import Instant, instant
 
 STEEL = vv.NeoHooke(young=1e3, poisson=0.3)
 ELASTIC: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}

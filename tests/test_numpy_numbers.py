@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.fingerprint import Teller
-from visviva.run import run
+from visviva.study.fingerprint import Teller
+from visviva.study.run import run
 
 Kind = Callable[[float], Any]
 

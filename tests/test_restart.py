@@ -18,11 +18,11 @@ from interrupting import at, run_until
 from rubbing import thrown
 
 import visviva as vv
-from visviva.clock import Clock
 from visviva.examples import crane, four_bar
 from visviva.output import Trajectory, load_state, read_table
-from visviva.restart import notes_of
-from visviva.run import run as run_study
+from visviva.scheme.clock import Clock
+from visviva.study.restart import notes_of
+from visviva.study.run import run as run_study
 
 UNTIL = 0.6
 run = partial(run_study, pictures=False)
@@ -140,7 +140,7 @@ def test_history_of_terms_in_python(tmp_path: Path) -> None:
     assert_same(tmp_path / "whole", tmp_path / "split")
 
 
-class Creep(vv.term.Term):
+class Creep(vv.model.term.Term):
     """A spring to the origin whose free length creeps; tangent and force depend on the history."""
 
     def __init__(self, unknowns: np.ndarray) -> None:
@@ -155,7 +155,7 @@ class Creep(vv.term.Term):
         self.history["slack"] += s.step.h * 0.5 * s.x1
 
 
-class Creeping(vv.component.Component):
+class Creeping(vv.component.component.Component):
     ball = None
 
     def contribute(self, model) -> None:  # type: ignore[no-untyped-def]
@@ -208,7 +208,7 @@ def test_resume_refuses_another_system_step_or_scheme(tmp_path: Path) -> None:
 SCRIPT = """
 import sys
 from visviva.examples import crane
-from visviva.run import run
+from visviva.study.run import run
 study = crane.study(until=3.0, step=0.005)
 run(study, sys.argv[1], resume=len(sys.argv) > 2, save_every=0.0, pictures=False)
 """

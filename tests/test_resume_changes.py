@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.fingerprint import changes, fingerprint
 from visviva.output import RunDirectory
-from visviva.run import run
+from visviva.study.fingerprint import changes, fingerprint
+from visviva.study.run import run
 
 STRENGTH = 1.0
 

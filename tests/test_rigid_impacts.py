@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 import visviva as vv
-from visviva.run import run
+from visviva.study.run import run
 
 G = 9.81
 

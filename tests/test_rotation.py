@@ -11,9 +11,9 @@ import pytest
 from rotating import MECHANISMS, RATE, run
 
 import visviva as vv
-from visviva.component import Component
-from visviva.instant import Instant
-from visviva.linear import missing_pardiso
+from visviva.component.component import Component
+from visviva.linear.choice import missing_pardiso
+from visviva.system.instant import Instant
 
 
 def speed(system: vv.System) -> float:

@@ -11,9 +11,9 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties, check_inertia, combine, place
 from visviva.body.shape import Box, Capsule, Cone, Cylinder, Shape, Sphere, SurfaceMesh
-from visviva.errors import InputError
 
 Array = NDArray[np.float64]
 

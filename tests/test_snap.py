@@ -8,7 +8,7 @@ from contact_parts import contact_of
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.errors import VisvivaError
+from visviva.base.errors import VisvivaError
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.load_steps import Unstable
-from visviva.run import run
-from visviva.stability import Stability
+from visviva.analysis.load_steps import Unstable
+from visviva.study.run import run
+from visviva.system.stability import Stability
 
 LENGTH, WIDTH, YOUNG = 10.0, 0.5, 1000.0
 EULER = np.pi**2 * YOUNG * WIDTH**4 / 12 / (4 * LENGTH**2)

@@ -15,8 +15,8 @@ from interrupting import after_rows, run_until
 
 import visviva as vv
 from visviva.output import Trajectory, read_table
-from visviva.run import run as run_study
 from visviva.scene import read_scene, write_scene
+from visviva.study.run import run as run_study
 
 run = partial(run_study, pictures=False)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.body.fields import QUANTITIES, components, extrapolation
+from visviva.body.solid_fields import QUANTITIES, components, extrapolation
 from visviva.mesh.cells import CELLS
 
 RNG = np.random.default_rng(5)
@@ -269,7 +269,7 @@ def test_parts_of_a_large_mesh_fit_together(monkeypatch):
     system = vv.System([solid])
     x = system.x + 0.02 * RNG.uniform(-1, 1, len(system.x))
     whole = solid.nodal("cauchy", x), solid.mean("cauchy", x)
-    monkeypatch.setattr("visviva.body.fields.CHUNK", 8)
+    monkeypatch.setattr("visviva.body.solid_fields.CHUNK", 8)
     np.testing.assert_allclose(solid.nodal("cauchy", x), whole[0], atol=1e-14)
     np.testing.assert_allclose(solid.mean("cauchy", x), whole[1], atol=1e-14)
 

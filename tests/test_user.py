@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.form import dot
+from visviva.model.form import dot
 
 EXACT = vv.Newton(tolerance=1e-15)
 """What is tested here is the discretisation, not where the iteration stops."""

@@ -11,8 +11,8 @@ import pytest
 
 import visviva as vv
 from visviva.cli import main
-from visviva.gallery import plain_value
 from visviva.scene import read_scene, write_scene
+from visviva.scene.gallery import plain_value
 from visviva.scene.yaml12 import load, plain
 
 SCENE = """system:

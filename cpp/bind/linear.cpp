@@ -158,7 +158,7 @@ void bind_linear(nb::module_& m) {
         try {
             std::rethrow_exception(p);
         } catch (const MemoryShortage& e) {
-            PyErr_SetString(nb::module_::import_("visviva.errors").attr("InputError").ptr(), e.what());
+            PyErr_SetString(nb::module_::import_("visviva.base.errors").attr("InputError").ptr(), e.what());
         }
     });
     bind_choice(m);

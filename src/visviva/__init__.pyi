@@ -1,6 +1,12 @@
 # Public names, and where they are: each module is loaded when one of its names is first used.
-from .adaptive import Adaptive
-from .arc_length import ArcLength, arc_length
+from .analysis.adaptive import Adaptive
+from .analysis.arc_length import ArcLength, arc_length
+from .analysis.eigenmodes import Modes, modes
+from .analysis.load_steps import NoEquilibrium, Static, quasi_static
+from .analysis.march import march, simulate
+from .analysis.relaxation import equilibrium
+from .base.errors import InputError, RunError, VisvivaError
+from .base.timefunction import TimeFunction
 from .body.coupling import DistributedCoupling, RigidCoupling
 from .body.point_mass import Ground, PointMass
 from .body.rigid import RigidBody
@@ -8,17 +14,12 @@ from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from .body.solid import Solid
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
-from .contact.probe import ContactArea, ContactForce, ContactGap, ContactPressure
 from .contact.tying import Tie
-from .eigenmodes import Modes, modes
-from .errors import InputError, RunError, VisvivaError
 from .flow.boundary import FreeSlip, NoSlip, VelocityBoundary
 from .flow.fluid import Fluid
 from .flow.immersed import Immersed
 from .flow.immersed_body import ImmersedBody
 from .flow.opening import FluidTraction, Outlet
-from .flow.probe import Courant, Divergence, FlowField, FlowForce, FlowRate
-from .formula import Formula
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
 from .joint.lower_pairs import (
     Cylindrical,
@@ -33,8 +34,7 @@ from .joint.lower_pairs import (
     Spherical,
     Universal,
 )
-from .joint.servo import Servo, ServoInputs
-from .linear import Automatic, Direct, Iterative
+from .linear.choice import Automatic, Direct, Iterative
 from .load.bushing import Bushing
 from .load.distributed import BodyForce
 from .load.drive import JointDamper, JointForce, JointSpring, Motor
@@ -42,15 +42,17 @@ from .load.force import FollowerForce, Force
 from .load.gravity import Gravity
 from .load.spring import Damper, Spring
 from .load.support import Fixed, Prescribed, SymmetryPlane
-from .load.surface import ElasticFoundation, Pressure, Traction
+from .load.surface_loads import ElasticFoundation, Pressure, Traction
 from .load.torque import FollowerTorque, Torque, TorquePair
-from .load_steps import NoEquilibrium, Static, quasi_static
-from .material.base import Material
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
+from .material.material import Material
 from .material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
 from .material.tissue import HolzapfelGasserOgden
-from .material.user import UserMaterial
-from .measure import (
+from .material.user_material import UserMaterial
+from .measure.contact_probes import ContactArea, ContactForce, ContactGap, ContactPressure
+from .measure.flow_probes import Courant, Divergence, FlowField, FlowForce, FlowRate
+from .measure.formula import Formula
+from .measure.measures import (
     CentreOfMass,
     Direction,
     DirectorProduct,
@@ -59,6 +61,18 @@ from .measure import (
     Position,
     Separation,
     SquaredDistance,
+)
+from .measure.reactions import ReactionForce, ReactionTorque, reaction
+from .measure.solid_probes import (
+    Displacement,
+    Extreme,
+    FieldAt,
+    SectionForce,
+    SectionTorque,
+    SupportForce,
+    SupportTorque,
+    Velocity,
+    Volume,
 )
 from .mesh.faces import Faces
 from .mesh.generate import (
@@ -71,22 +85,10 @@ from .mesh.generate import (
     SphereMesh,
 )
 from .mesh.mesh import Mesh
-from .mesh.read import MeshFile
-from .newton import Newton, StepFailure
-from .probe import (
-    Displacement,
-    Extreme,
-    FieldAt,
-    SectionForce,
-    SectionTorque,
-    SupportForce,
-    SupportTorque,
-    Velocity,
-    Volume,
-)
-from .reactions import ReactionForce, ReactionTorque, reaction
-from .result import Result
-from .scheme import (
+from .mesh.mesh_file import MeshFile
+from .model.term import Term
+from .results.result import Result
+from .scheme.schemes import (
     BDF2,
     BackwardEuler,
     EnergyMomentum,
@@ -95,13 +97,11 @@ from .scheme import (
     Scheme,
     VariationalMidpoint,
 )
-from .solve import march, simulate
-from .statics import equilibrium
-from .study import Study
-from .system import System
-from .term import Term
-from .timefunction import TimeFunction
-from .user import Constraint, GeneralizedForce, Potential, UserTerm
+from .study.study import Study
+from .system.newton import Newton, StepFailure
+from .system.system import System
+from .user.servo import Servo, ServoInputs
+from .user.terms import Constraint, GeneralizedForce, Potential, UserTerm
 
 __all__ = [
     "BDF2",

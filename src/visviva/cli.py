@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
-from visviva.errors import InputError, VisvivaError, shortened
-from visviva.interrupt import exit_code
+from visviva.base.errors import InputError, VisvivaError, shortened
+from visviva.base.interrupt import exit_code
 
 if TYPE_CHECKING:
-    from visviva.gallery import Source
-    from visviva.result import Result
+    from visviva.results.result import Result
+    from visviva.scene.gallery import Source
 
 BAD_INPUT, FAILED = 2, 1
 DEBUG = "--debug"
@@ -99,8 +99,8 @@ def run(
     allow_outside: Outside = False,
 ) -> int:
     """Run an example or a scene file and print an audit of what was conserved."""
-    from visviva.gallery import assignments
-    from visviva.run import run as run_study
+    from visviva.scene.gallery import assignments
+    from visviva.study.run import run as run_study
 
     directory = (
         out or Path("runs") / Path(model).name
@@ -152,7 +152,7 @@ def check(
     allow_outside: Outside = False,
 ) -> int:
     """Compose an example or a scene file and check it without running."""
-    from visviva.gallery import assignments
+    from visviva.scene.gallery import assignments
 
     source = compose(model, assignments(settings), {}, trust=trust, allow_outside=allow_outside)
     print(source.study.title or source.name)
@@ -163,7 +163,7 @@ def check(
 @app.command
 def examples() -> None:
     """List the examples."""
-    from visviva.gallery import example, example_names, first_line
+    from visviva.scene.gallery import example, example_names, first_line
 
     names = example_names()
     width = max(map(len, names))
@@ -200,7 +200,7 @@ def movie(
     """Turn a run into a movie."""
     from visviva.output.directory import RunDirectory
     from visviva.output.movie import movie as make_movie
-    from visviva.progress import counting_bar
+    from visviva.study.progress import counting_bar
 
     files = RunDirectory.open(directory)
     target = out or files.movie
@@ -276,10 +276,10 @@ def info() -> None:
 # --- what the commands share --------------------------------------------------------------------------------
 def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **allowed: bool) -> Source:
     """The study that was asked for, with end time, step and scheme as given, and what its scene may do."""
-    from visviva.gallery import compose_example
+    from visviva.scene.gallery import compose_example
 
     if Path(model).suffix in SCENES or os.sep in model:
-        from visviva.scene.read import compose_scene
+        from visviva.scene.reading import compose_scene
 
         source = compose_scene(model, parameters, **allowed)
     else:
@@ -289,11 +289,11 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
     if "step" in given:
         source.study.step = given["step"]
     if "scheme" in given:
-        from visviva.scene.read import scheme_of_text
+        from visviva.scene.reading import scheme_of_text
 
         source.study.scheme = scheme_of_text(given["scheme"])
     if "adaptive" in given:
-        from visviva.adaptive import Adaptive
+        from visviva.analysis.adaptive import Adaptive
 
         source.study.adaptive = Adaptive(tolerance=given["adaptive"])
     return source
@@ -304,7 +304,7 @@ def as_before(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """What an earlier run was given, with the end time changed if wanted; with `force` all that is given now."""
     from visviva.output.directory import RunDirectory
-    from visviva.restart import notes_of
+    from visviva.study.restart import notes_of
 
     earlier = notes_of(RunDirectory.open(directory).state)["study"]
     for key, value in parameters.items():
@@ -330,7 +330,7 @@ def refuse_earlier_run(directory: Path) -> None:
 
 def introduce(source: Source, project: bool) -> None:
     """Title and size of a system."""
-    from visviva.solve import prepare
+    from visviva.analysis.march import prepare
 
     system = source.study.system
     prepare(system, source.study.scheme, project=project)

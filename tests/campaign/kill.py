@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
-from visviva.gallery import example
 from visviva.output import Trajectory, load_state
-from visviva.run import run
+from visviva.scene.gallery import example
+from visviva.study.run import run
 
 CASES: dict[str, dict[str, Any]] = {
     "crane": {"until": 2.0, "step": 0.004},

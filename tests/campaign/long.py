@@ -20,7 +20,7 @@ from typing import Any
 
 import visviva as vv
 from visviva.examples import cantilever, pendulum
-from visviva.run import Recorder, run
+from visviva.study.run import Recorder, run
 
 ROOM = 0.01
 """Part by which memory may grow: the allocator's own hoards come and go."""

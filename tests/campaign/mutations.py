@@ -14,8 +14,8 @@ import numpy as np
 import yaml
 
 import visviva as vv
-from visviva.arguments import Named, Validated
-from visviva.component import Component
+from visviva.base.arguments import Named, Validated
+from visviva.component.component import Component
 from visviva.scene.yaml12 import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.gallery import example
+from visviva.scene.gallery import example
 
 Array = NDArray[np.float64]
 

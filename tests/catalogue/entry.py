@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import visviva as vv
-from visviva.check import fit
-from visviva.component import Component
+from visviva.component.component import Component
+from visviva.system.check import fit
 
 Components = list[Component]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from catalogue.entry import ALL, ANGULAR, AXIAL, ENERGY, FALLING, LINEAR, MOMENTA, NOTHING, Components, Entry
-from visviva.component import Component
+from visviva.component.component import Component
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from instances.shapes import CORNERS, gauss, hex8, neo_hooke
-from visviva.callback import energy_callback
-from visviva.component import Component, settings
-from visviva.form import Form, Strain, Vector, dot
-from visviva.law import Law, LawKind
-from visviva.model import Model
-from visviva.values import Number
+from visviva.component.component import Component, settings
+from visviva.component.values import Number
+from visviva.model.callback import energy_callback
+from visviva.model.form import Form, Strain, Vector, dot
+from visviva.model.law import Law, LawKind
+from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from instances.shapes import gauss, quad9
-from visviva.component import Component, settings
-from visviva.field import Role
-from visviva.model import Model
-from visviva.term import Stencils, Term
-from visviva.values import Number
+from visviva.component.component import Component, settings
+from visviva.component.values import Number
+from visviva.model.field import Role
+from visviva.model.model import Model
+from visviva.model.term import Stencils, Term
 
 Array = NDArray[np.float64]
 

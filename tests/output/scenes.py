@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from visviva.output import (
-    Surface,
-    TrajectoryWriter,
-    stage,
-)
+from visviva.output import Surface, TrajectoryWriter, stage
 
 BOX = Surface(
     "box ä",

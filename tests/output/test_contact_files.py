@@ -11,11 +11,11 @@ from rubbing import slope
 
 import visviva as vv
 from output.scenes import drawers, read_by_vtk, read_image
-from visviva.drawing import Drawing
 from visviva.output import Trajectory, stage
 from visviva.output.movie import movie
 from visviva.output.picture import snapshot
-from visviva.run import run
+from visviva.results.drawing import Drawing
+from visviva.study.run import run
 
 
 @pytest.mark.parametrize(("dimension", "cell"), [(2, "quad4"), (3, "hex8"), (3, "tet4")])

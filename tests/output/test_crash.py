@@ -10,12 +10,7 @@ import numpy as np
 import pytest
 
 from output.scenes import SCENE, moved, read_by_vtk
-from visviva.output import (
-    Trajectory,
-    TrajectoryWriter,
-    load_state,
-    read_table,
-)
+from visviva.output import Trajectory, TrajectoryWriter, load_state, read_table
 
 KILLED_WRITER = """
 import sys, numpy as np

@@ -18,7 +18,7 @@ from output.scenes import SCENE, moved
 from visviva.cli import main
 from visviva.examples import pendulum
 from visviva.output import Trajectory, TrajectoryWriter, load_state, read_table
-from visviva.run import run
+from visviva.study.run import run
 
 FILES = ["state.h5", "ledger.csv", "probes.csv", "trajectory.vtkhdf", "states.npy", "arguments.json"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import visviva as vv
-from visviva.drawing import Drawing
+from visviva.results.drawing import Drawing
 
 
 def test_springs_are_lines_between_their_ends():

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.examples import pendulum
-from visviva.run import run
+from visviva.study.run import run
 
 
 def swing(directory: Path, until: float = 0.05, angle: float = 1.0, **options: bool) -> vv.Result:

@@ -8,17 +8,9 @@ import numpy as np
 import pytest
 
 from output.scenes import SCENE, moved
-from visviva.errors import RunError
-from visviva.output import (
-    Surface,
-    Table,
-    Trajectory,
-    TrajectoryWriter,
-    files,
-    load_state,
-    read_table,
-    save_state,
-)
+from visviva.base.errors import RunError
+from visviva.output import Surface, Table, Trajectory, TrajectoryWriter, load_state, read_table, save_state
+from visviva.output import safe_files as files
 
 
 def full_disk(*_):

@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from output.scenes import drawers, write
-from visviva.errors import InputError
-from visviva.output import (
-    Trajectory,
-    stage,
-)
+from visviva.base.errors import InputError
+from visviva.output import Trajectory, stage
 from visviva.output.movie import movie
 from visviva.output.viewer import show
 

@@ -4,15 +4,11 @@ import numpy as np
 import pytest
 
 from output.scenes import MARK, drawers, read_image, write
-from visviva.errors import InputError
-from visviva.output import (
-    Surface,
-    Table,
-    stage,
-)
+from visviva.base.errors import InputError
+from visviva.output import Surface, Table, stage
 from visviva.output.picture import picture, snapshot
 from visviva.output.plot import energy_plot
-from visviva.output.scene import Scene
+from visviva.output.view import Scene
 
 
 def test_energy_plot_leaves_matplotlib_alone(tmp_path):

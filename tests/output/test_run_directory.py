@@ -9,12 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from visviva.errors import InputError
-from visviva.output import (
-    RunDirectory,
-    load_state,
-    save_state,
-)
+from visviva.base.errors import InputError
+from visviva.output import RunDirectory, load_state, save_state
 
 
 def test_state_is_bit_faithful(tmp_path):

@@ -9,11 +9,11 @@ import pytest
 
 import visviva as vv
 from output.scenes import read_by_vtk
-from visviva.drawing import Drawing
 from visviva.output import Surface, Trajectory, TrajectoryWriter
 from visviva.output.skin import skin
-from visviva.result import Kept
-from visviva.run import run
+from visviva.results.drawing import Drawing
+from visviva.results.result import Kept
+from visviva.study.run import run
 
 STEEL = vv.LinearElastic(young=200.0, poisson=0.25)
 SPACE = ["tet4", "tet10", "hex8", "hex20", "hex27", "wedge6"]
@@ -136,7 +136,7 @@ def test_skin_is_closed_and_has_the_area(cell):
 
 RUN = """
 import sys, visviva as vv
-from visviva.run import run
+from visviva.study.run import run
 rubber = vv.NeoHooke(young=1e3, poisson=0.3)
 mesh = vv.BoxMesh(size=(2, 1, 1), counts=(4, 2, 2))
 block = vv.Solid(mesh=mesh, material=rubber, density=1.0, angular_velocity=(1, 2, 3), name="block")

@@ -12,10 +12,10 @@ import pytest
 from interrupting import after_rows, run_until
 
 import visviva as vv
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.examples import pendulum
 from visviva.output.states import StateFile
-from visviva.run import Recorder, run
+from visviva.study.run import Recorder, run
 
 
 def test_memory_stays_while_steps_are_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,11 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from visviva.errors import InputError
-from visviva.output import (
-    Table,
-    read_table,
-)
+from visviva.base.errors import InputError
+from visviva.output import Table, read_table
 
 
 @settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -4,13 +4,8 @@ import numpy as np
 import pytest
 
 from output.scenes import ROPE, SCENE, moved, read_by_vtk, write
-from visviva.errors import InputError
-from visviva.output import (
-    Surface,
-    Trajectory,
-    TrajectoryWriter,
-    save_state,
-)
+from visviva.base.errors import InputError
+from visviva.output import Surface, Trajectory, TrajectoryWriter, save_state
 
 
 @pytest.mark.parametrize("n_steps", [1, 2, 5, 40])

@@ -19,7 +19,7 @@ import visviva as vv
 from visviva.cli import main
 from visviva.examples import pendulum
 from visviva.output import RunDirectory, load_state, read_table
-from visviva.run import Recorder, run
+from visviva.study.run import Recorder, run
 
 
 def study(until: float = 0.2, step: float = 0.01) -> vv.Study:
@@ -62,7 +62,7 @@ def test_file_systems_without_locks_are_for_those_who_mean_it(
 WRITER = """
 import sys, time
 from visviva.examples import pendulum
-from visviva.run import Recorder, run
+from visviva.study.run import Recorder, run
 write = Recorder.write_row
 def slowly(self, row):
     write(self, row)

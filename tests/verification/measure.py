@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import visviva as vv
-from visviva.study import measure
+from visviva.study.study import measure
 
 Array = NDArray[np.float64]
 Look = Callable[[vv.System], ArrayLike]
@@ -58,7 +58,9 @@ def conserved(result: vv.Result, *names: str, tolerance: float = 1e-9) -> None:
     result.assert_conserved("energy", "constraints", *names, tolerance=tolerance)
 
 
-def fresh(components: Sequence[vv.component.Component], newton: vv.Newton | None = None) -> vv.System:
+def fresh(
+    components: Sequence[vv.component.component.Component], newton: vv.Newton | None = None
+) -> vv.System:
     """A system of copies of the components."""
     return vv.System(copy.deepcopy(list(components)), newton)
 
@@ -77,7 +79,7 @@ def follow(study: vv.Study, names: Sequence[str], times: ArrayLike) -> tuple[Arr
     return sampled(study.system, look, times, study.step, study.scheme)
 
 
-def reaction_at(result: vv.Result, joint: vv.joint.base.Joint, k: int) -> tuple[Array, Array]:
+def reaction_at(result: vv.Result, joint: vv.joint.joint.Joint, k: int) -> tuple[Array, Array]:
     """Force and torque of a joint on its partner b at the k-th of all kept states, second order in the step.
 
     Multipliers belong to the middle of a step and alternate about their mean by an amount of first order, so

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 from visviva.mesh.cells import CELLS
 
 Array = NDArray[np.float64]

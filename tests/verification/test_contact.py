@@ -10,7 +10,7 @@ from contact_parts import stacked
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.component import Component
+from visviva.component.component import Component
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from reference import crane as reference
 import visviva as vv
 from verification.measure import Array, errors, extrapolated, orders, resolved, sampled
 from visviva.examples import crane
-from visviva.study import measure
+from visviva.study.study import measure
 
 
 @cache

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.flow.faces import flow_faces
+from visviva.flow.boundary_faces import flow_faces
 
 Array = NDArray[np.float64]
 

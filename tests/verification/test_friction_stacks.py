@@ -9,8 +9,8 @@ import pytest
 from rubbing import GRAVITY
 
 import visviva as vv
-from visviva.component import Component
-from visviva.newton import StepFailure
+from visviva.component.component import Component
+from visviva.system.newton import StepFailure
 
 STIFF = vv.NeoHooke(young=1e6, poisson=0.3)
 DENSITY, HEIGHT = 1000.0, 0.5

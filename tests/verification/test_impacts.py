@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from verification.measure import orders
-from visviva.component import Component
+from visviva.component.component import Component
 
 Array = NDArray[np.float64]
 Parts = list[Component]

@@ -10,7 +10,7 @@ import pytest
 import visviva as vv
 from verification.measure import orders
 from verification.solids import LINEAR, PLANE, SPACE, Array, distorted, static
-from visviva.body.face import cell_points
+from visviva.body.solid_faces import cell_points
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import stiffness_rule
 

@@ -30,7 +30,7 @@ def flag(shear: float, n: int, m: int = 1) -> vv.Solid:
     return vv.Solid(mesh=mesh, material=material, density=1000.0)
 
 
-def held(solid: vv.Solid) -> list[vv.component.Component]:
+def held(solid: vv.Solid) -> list[vv.component.component.Component]:
     return [solid, vv.Fixed(solid=solid, nodes="x0"), vv.Gravity(acceleration=(0, -2.0, 0))]
 
 

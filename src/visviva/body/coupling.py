@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.body.face import face_points
+from visviva.base.errors import InputError
 from visviva.body.solid import Solid
-from visviva.component import settings
-from visviva.errors import InputError
-from visviva.field import Vectors
-from visviva.form import Form, Strain, Vector, dot
-from visviva.point import Attachable
-from visviva.values import FaceSet
+from visviva.body.solid_faces import face_points
+from visviva.component.component import settings
+from visviva.component.point import Attachable
+from visviva.component.values import FaceSet
+from visviva.model.field import Vectors
+from visviva.model.form import Form, Strain, Vector, dot
 
 if TYPE_CHECKING:
-    from visviva.field import Field
-    from visviva.model import Model
+    from visviva.model.field import Field
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

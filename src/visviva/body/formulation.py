@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.body.element import Geometry, geometry
-from visviva.body.fields import linear
-from visviva.errors import InputError
+from visviva.body.solid_fields import linear
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule, stiffness_rule
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.errors import InputError
 from visviva.body.shape import Sphere
-from visviva.component import settings
-from visviva.errors import InputError
-from visviva.form import Vector
-from visviva.point import Attachable
-from visviva.values import Number, Vector3
+from visviva.component.component import settings
+from visviva.component.point import Attachable
+from visviva.component.values import Number, Vector3
+from visviva.model.form import Vector
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 MARKER = 0.03  # radius of the ball that is drawn, in lengths of the model

@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties, check_inertia, euler_tensor, inertia_tensor
 from visviva.body.shape import AnyShape, Box
-from visviva.component import settings
-from visviva.errors import InputError
-from visviva.form import Strain, Vector, dot
-from visviva.point import Attachable, handedness, orthonormality
-from visviva.values import Matrix, Number, Vector3
+from visviva.component.component import settings
+from visviva.component.point import Attachable, handedness, orthonormality
+from visviva.component.values import Matrix, Number, Vector3
+from visviva.model.form import Strain, Vector, dot
 
 if TYPE_CHECKING:
     from visviva.body.shape import Outline
-    from visviva.field import Field
-    from visviva.model import Model
+    from visviva.model.field import Field
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

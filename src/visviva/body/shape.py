@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat, GetPydanticSchema, NonNegativeInt
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import Validated
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties, euler_tensor, inertia_tensor
 from visviva.body.triangles import (
     Array,
@@ -26,8 +27,7 @@ from visviva.body.triangles import (
     read,
     revolve,
 )
-from visviva.errors import InputError
-from visviva.point import Frame
+from visviva.component.point import Frame
 
 
 def _plain(value: Any) -> Any:

@@ -11,28 +11,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.errors import InputError, nearest
 from visviva.body import formulation as forms
 from visviva.body.element import masses, nodal_masses, solid_rule
-from visviva.body.fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.formulation import Formulation
+from visviva.body.solid_fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.solid_term import own_energy, solid_term
-from visviva.callback import callback_of
-from visviva.component import settings
-from visviva.errors import InputError, nearest
-from visviva.field import Role, Vectors
-from visviva.form import Form, Vector
-from visviva.material.base import Material
+from visviva.component.component import settings
+from visviva.component.meshed import Meshed
+from visviva.component.point import Attachable
+from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
+from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
-from visviva.meshed import Meshed
-from visviva.point import Attachable
-from visviva.values import Number, NumberOrFunction, Vector3, VectorOrFunction
+from visviva.model.callback import callback_of
+from visviva.model.field import Role, Vectors
+from visviva.model.form import Form, Vector
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -384,7 +384,7 @@ class Solid(Attachable, Meshed):
         ----------
         name : str
             'von_mises', 'pressure', 'cauchy' (six components 11, 22, 33, 12, 23, 31), 'principal_stresses',
-            'second_piola', 'first_piola', 'green', 'stretches', 'J' or 'energy'; see `visviva.body.fields`.
+            'second_piola', 'first_piola', 'green', 'stretches', 'J' or 'energy'; see `visviva.body.solid_fields`.
 
         Examples
         --------

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.body import formulation as forms
 from visviva.body.element import geometry, solid_rule
-from visviva.callback import AcrossFree, Function
+from visviva.model.callback import AcrossFree, Function
 
 if TYPE_CHECKING:
     from visviva.body.solid import Solid
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

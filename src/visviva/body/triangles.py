@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.mesh.files import existing
+from visviva.base.errors import InputError
+from visviva.mesh.source_files import existing
 
 Array = NDArray[np.float64]
 Triangles = NDArray[np.int64]

@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.component import Component, settings
-from visviva.contact.check import (
+from visviva.component.component import Component, settings
+from visviva.component.point import Attachable
+from visviva.component.values import Number
+from visviva.contact.contact_check import (
     check_multipliers,
     check_restitution,
     check_schemes,
@@ -20,23 +23,20 @@ from visviva.contact.check import (
     check_stiffness,
     refuse_overlap,
 )
+from visviva.contact.contact_fields import record
+from visviva.contact.contact_surface import Surface, points_of, positions, skin, surface_of
 from visviva.contact.doubles import refuse_doubles
-from visviva.contact.fields import record
 from visviva.contact.obstacle import frame_surface
 from visviva.contact.resolve import resolve
-from visviva.contact.surface import Surface, points_of, positions, skin, surface_of
-from visviva.errors import InputError
-from visviva.field import Role
 from visviva.mesh.faces import Faces
-from visviva.point import Attachable
-from visviva.values import Number
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.body.shape import Outline
-    from visviva.model import Model
-    from visviva.point import Frame
-    from visviva.scheme import Scheme
-    from visviva.state import State
+    from visviva.component.point import Frame
+    from visviva.model.model import Model
+    from visviva.model.state import State
+    from visviva.scheme.schemes import Scheme
 
 Array = NDArray[np.float64]
 

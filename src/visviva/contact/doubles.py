@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from visviva.base.errors import InputError
 from visviva.body.solid import Solid
-from visviva.component import Component
+from visviva.component.component import Component
 from visviva.contact.tying import Tie
-from visviva.errors import InputError
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Side = tuple[Component, str | Faces]
 """A body and which part of its surface."""

@@ -10,10 +10,10 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.point_mass import Ground
 from visviva.body.shape import Box, Capsule, Core, Cylinder, Sphere
-from visviva.component import Component, settings
-from visviva.contact.surface import NO_FACETS, Surface, of_vectors
-from visviva.point import Attachable, Frame
-from visviva.values import Vector3
+from visviva.component.component import Component, settings
+from visviva.component.point import Attachable, Frame
+from visviva.component.values import Vector3
+from visviva.contact.contact_surface import NO_FACETS, Surface, of_vectors
 
 if TYPE_CHECKING:
     from visviva.body.shape import Outline

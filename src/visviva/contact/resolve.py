@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.base.errors import InputError
 from visviva.body.coupling import RigidCoupling
 from visviva.body.solid import Solid
-from visviva.contact.surface import Surface, positions, vertices_of
-from visviva.errors import InputError
+from visviva.contact.contact_surface import Surface, positions, vertices_of
 from visviva.load.support import Support
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
     from visviva.contact.contact import Contact
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

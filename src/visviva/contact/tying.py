@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.batch import book
+from visviva.base.errors import InputError
 from visviva.body.coupling import RigidCoupling
 from visviva.body.solid import Solid
-from visviva.component import Component, settings
-from visviva.contact.mortar import MortarSurfaces
-from visviva.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.values import Number
+from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.load.support import Support
 from visviva.mesh.faces import Faces
-from visviva.values import Number
+from visviva.model.batch import book
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

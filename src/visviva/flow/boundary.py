@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.component import settings
-from visviva.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError
+from visviva.base.timefunction import forward_rate
+from visviva.component.component import settings
+from visviva.component.values import FaceSet, Motion
+from visviva.flow.boundary_faces import flow_faces, flux_weights
 from visviva.flow.conditions import Condition
-from visviva.flow.faces import flow_faces, flux_weights
 from visviva.flow.fluid import Fluid
-from visviva.form import Form
 from visviva.load.force import guarded
-from visviva.timefunction import forward_rate
-from visviva.values import FaceSet, Motion
+from visviva.model.form import Form
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

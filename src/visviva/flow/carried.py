@@ -12,23 +12,23 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.batch import book
-from visviva.component import settings
-from visviva.errors import InputError
+from visviva.base.errors import InputError
+from visviva.component.component import settings
 from visviva.flow.fluid import Fluid
 from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
 from visviva.flow.overlap import Wetting
 from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
+from visviva.model.batch import book
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.component import RateConstraints
-    from visviva.field import Field
-    from visviva.model import Model
-    from visviva.state import State
+    from visviva.component.component import RateConstraints
+    from visviva.model.field import Field
+    from visviva.model.model import Model
+    from visviva.model.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]

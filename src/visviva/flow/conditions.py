@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.component import Component
-from visviva.errors import InputError, RunError
-from visviva.flow.faces import flux_weights
+from visviva.base.errors import InputError, RunError
+from visviva.component.component import Component
+from visviva.flow.boundary_faces import flux_weights
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
     from visviva.flow.fluid import Fluid
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -34,7 +34,7 @@ class Condition(Component):
     chosen : Faces
     """
 
-    fluid: Fluid
+    fluid: Any  # its class stands above
     chosen: Faces
 
     rank: ClassVar[int] = 0

@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.body.element import geometry
-from visviva.body.fields import linear
-from visviva.errors import InputError
+from visviva.body.solid_fields import linear
 from visviva.mesh.cells import CELLS, TETRAHEDRON, TRIANGLE
 from visviva.mesh.geometry import jacobians
 from visviva.mesh.mesh import Mesh

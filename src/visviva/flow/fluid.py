@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.component import settings
-from visviva.errors import InputError, RunError
-from visviva.field import Role
+from visviva.base.errors import InputError, RunError
+from visviva.component.component import settings
+from visviva.component.meshed import Meshed
+from visviva.component.values import Number, VectorOrFunction
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
@@ -26,13 +27,12 @@ from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
-from visviva.meshed import Meshed
-from visviva.values import Number, VectorOrFunction
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
-    from visviva.component import RateConstraints
-    from visviva.model import Model
-    from visviva.state import State
+    from visviva.component.component import RateConstraints
+    from visviva.model.model import Model
+    from visviva.model.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -327,7 +327,7 @@ class Fluid(Meshed):
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the nodes; where nothing fixes their level, their mean over the fluid is zero."""
-        from visviva.flow.fields import nodal_pressures
+        from visviva.flow.flow_fields import nodal_pressures
 
         return nodal_pressures(self, x)
 
@@ -338,17 +338,17 @@ class Fluid(Meshed):
         return self.velocities(x)
 
     def gauges(self, state: State) -> dict[str, float]:
-        from visviva.flow.fields import courant
+        from visviva.flow.flow_fields import courant
 
         return {"CFL": courant(self, state.x, state.last_step)} if state.has_inertia else {}
 
     def widths(self) -> Mapping[str, int]:
-        from visviva.flow.fields import widths
+        from visviva.flow.flow_fields import widths
 
         return widths(self)
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        from visviva.flow.fields import flow_field
+        from visviva.flow.flow_fields import flow_field
 
         return {name: flow_field(name)(self, x) for name in names}
 

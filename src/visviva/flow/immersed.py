@@ -11,21 +11,21 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.batch import book
+from visviva.base.errors import InputError
 from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
-from visviva.component import Component, settings
-from visviva.errors import InputError
+from visviva.component.component import Component, settings
 from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
 from visviva.flow.overlap import covered_by_solid, refuse_covering
 from visviva.flow.sheet import normals
 from visviva.flow.transfer import Transfer
+from visviva.model.batch import book
 
 if TYPE_CHECKING:
-    from visviva.model import Model
-    from visviva.state import State
+    from visviva.model.model import Model
+    from visviva.model.state import State
 
 Array = NDArray[np.float64]
 

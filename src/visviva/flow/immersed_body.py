@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.batch import book
+from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties
 from visviva.body.rigid import RigidBody, mass_matrix
 from visviva.body.shape import AnyShape
-from visviva.component import Component, settings
-from visviva.errors import InputError
+from visviva.component.component import Component, settings
 from visviva.flow.carried import Carried
 from visviva.flow.leaving import Displaced
 from visviva.flow.marks import marks
 from visviva.flow.overlap import covered_by_body, refuse_covering
-from visviva.form import Vector
+from visviva.model.batch import book
+from visviva.model.form import Vector
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.flow.faces import flow_faces
-from visviva.term import Stencils, Term
+from visviva.flow.boundary_faces import flow_faces
+from visviva.model.term import Stencils, Term
 
 if TYPE_CHECKING:
     from visviva.flow.conditions import Condition

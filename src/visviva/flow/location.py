@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.body.fields import linear
-from visviva.errors import InputError
+from visviva.base.errors import InputError
+from visviva.body.solid_fields import linear
 from visviva.mesh.cells import CELLS, TETRAHEDRON, TRIANGLE, WEDGE, Cell
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.mesh import Mesh
@@ -189,7 +189,7 @@ class Place:
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the unknowns `x` of the system."""
-        from visviva.flow.fields import level
+        from visviva.flow.flow_fields import level
 
         p = np.einsum("np,np->n", self.pressure_weights, x[self.pressure_unknowns])
         return np.asarray(p - level(self.fluid, x))

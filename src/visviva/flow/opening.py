@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.component import settings
-from visviva.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError
+from visviva.base.timefunction import OfTime
+from visviva.component.component import settings
+from visviva.component.values import VectorOrFunction
 from visviva.flow.boundary import FluidBoundary
-from visviva.flow.faces import FlowFaces, flow_faces
+from visviva.flow.boundary_faces import FlowFaces, flow_faces
 from visviva.load.force import guarded
-from visviva.timefunction import OfTime
-from visviva.values import VectorOrFunction
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.component import Component
-from visviva.errors import InputError
-from visviva.field import Owner
+from visviva.component.component import Component
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
 from visviva.mesh.cells import CELLS
+from visviva.model.field import Owner
 
 if TYPE_CHECKING:
     from visviva.flow.fluid import Fluid
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.mesh import Mesh
 
 Array = NDArray[np.float64]

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import refuse_unless
-from visviva.component import settings
-from visviva.errors import InputError
-from visviva.form import Form, Strain, Vector, product, squared
-from visviva.joint.base import Joint, Side
-from visviva.values import Number
+from visviva.base.arguments import refuse_unless
+from visviva.base.errors import InputError
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.joint.joint import Joint, Side
+from visviva.model.form import Form, Strain, Vector, product, squared
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Constraints = Sequence[Strain | Form]
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import refuse_unless
-from visviva.component import settings
-from visviva.form import Form, Strain, Vector, dot, squared
-from visviva.joint.base import Joint, Side, stroke_strain
-from visviva.values import Number
+from visviva.base.arguments import refuse_unless
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.joint.joint import Joint, Side, stroke_strain
+from visviva.model.form import Form, Strain, Vector, dot, squared
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Constraints = Sequence[Strain | Form]
 TOGETHER = "positive; a Spherical joint keeps points together"

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Component, settings
-from visviva.errors import InputError
-from visviva.form import Strain, dot
-from visviva.law import quadratic, viscous
-from visviva.point import Attachable, Frame
-from visviva.values import Vector3
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.point import Attachable, Frame
+from visviva.component.values import Vector3
+from visviva.model.form import Strain, dot
+from visviva.model.law import quadratic, viscous
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

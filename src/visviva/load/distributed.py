@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.batch import components, strain_batch
-from visviva.body.face import Points, cell_points
+from visviva.base.errors import InputError, RunError
+from visviva.base.timefunction import OfTime
 from visviva.body.solid import Solid
-from visviva.component import Component, settings
-from visviva.errors import InputError, RunError
-from visviva.law import Law, LawKind
+from visviva.body.solid_faces import Points, cell_points
+from visviva.component.component import Component, settings
+from visviva.component.values import VectorOrFunction
 from visviva.load.force import guarded
-from visviva.timefunction import OfTime
-from visviva.values import VectorOrFunction
+from visviva.model.batch import components, strain_batch
+from visviva.model.law import Law, LawKind
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 

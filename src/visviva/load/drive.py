@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Component, settings
-from visviva.errors import InputError
-from visviva.form import Form
-from visviva.joint.base import Joint
-from visviva.law import quadratic, viscous
-from visviva.timefunction import OfTime
-from visviva.values import Number
+from visviva.base.errors import InputError
+from visviva.base.timefunction import OfTime
+from visviva.component.component import Component, settings
+from visviva.component.values import Number
+from visviva.joint.joint import Joint
+from visviva.model.form import Form
+from visviva.model.law import quadratic, viscous
 
 if TYPE_CHECKING:
-    from visviva.model import Model
-    from visviva.state import State
+    from visviva.model.model import Model
+    from visviva.model.state import State
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.callback import rate_callback
-from visviva.component import Component, settings
-from visviva.errors import InputError, RunError, VisvivaError
-from visviva.form import Vector
-from visviva.law import Law, LawKind
-from visviva.load.where import frame_of, movable, point_of
-from visviva.timefunction import OfTime
-from visviva.values import Vector3, VectorOrFunction
+from visviva.base.errors import InputError, RunError, VisvivaError
+from visviva.base.timefunction import OfTime
+from visviva.component.component import Component, settings
+from visviva.component.values import Vector3, VectorOrFunction
+from visviva.component.where import frame_of, movable, point_of
+from visviva.model.callback import rate_callback
+from visviva.model.form import Vector
+from visviva.model.law import Law, LawKind
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

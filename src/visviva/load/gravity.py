@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Component, settings
-from visviva.values import Vector3
+from visviva.component.component import Component, settings
+from visviva.component.values import Vector3
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.callback import energy_callback, rate_callback
-from visviva.component import Component, settings
-from visviva.errors import InputError
-from visviva.form import Strain, Vector, squared
-from visviva.law import Law, LawKind, length, viscous_length
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.values import Function, Number, Vector3
+from visviva.component.where import point_of
 from visviva.load.force import guarded
-from visviva.load.where import point_of
-from visviva.values import Function, Number, Vector3
+from visviva.model.callback import energy_callback, rate_callback
+from visviva.model.form import Strain, Vector, squared
+from visviva.model.law import Law, LawKind, length, viscous_length
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.errors import InputError, RunError
+from visviva.base.timefunction import forward_rate
 from visviva.body.solid import Solid
-from visviva.component import Component, settings
-from visviva.errors import InputError, RunError
+from visviva.component.component import Component, settings
+from visviva.component.point import unit, vector
+from visviva.component.values import Motion, Nodes, Vector3
 from visviva.load.force import guarded
-from visviva.point import unit, vector
-from visviva.timefunction import forward_rate
-from visviva.values import Motion, Nodes, Vector3
 
 if TYPE_CHECKING:
-    from visviva.model import Model
-    from visviva.state import State
+    from visviva.model.model import Model
+    from visviva.model.state import State
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

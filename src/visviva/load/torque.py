@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic.dataclasses import dataclass
 
-from visviva.component import Component, settings
-from visviva.errors import InputError
-from visviva.form import Vector
-from visviva.law import Law, LawKind
+from visviva.base.errors import InputError
+from visviva.base.timefunction import OfTime
+from visviva.component.component import Component, settings
+from visviva.component.point import Frame
+from visviva.component.values import Vector3
+from visviva.component.where import frame_of, movable
 from visviva.load.force import carried
-from visviva.load.where import frame_of, movable
-from visviva.point import Frame
-from visviva.timefunction import OfTime
-from visviva.values import Vector3
+from visviva.model.form import Vector
+from visviva.model.law import Law, LawKind
 
 if TYPE_CHECKING:
-    from visviva.model import Model
+    from visviva.model.model import Model
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

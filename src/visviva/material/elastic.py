@@ -7,8 +7,8 @@ from typing import ClassVar
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.component import settings
-from visviva.material.base import OF_BLATZ_KO, VOLUMETRIC, Elastic, Kind, Split, Volumetric
+from visviva.component.component import settings
+from visviva.material.material import OF_BLATZ_KO, VOLUMETRIC, Elastic, Kind, Split, Volumetric
 
 
 @dataclass(config=settings, kw_only=True)

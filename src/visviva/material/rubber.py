@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from pydantic.dataclasses import dataclass
 
-from visviva.component import settings
-from visviva.material.base import VOLUMETRIC, Kind, Material, Volumetric
-from visviva.values import Number
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.material.material import VOLUMETRIC, Kind, Material, Volumetric
 
 
 @dataclass(config=settings, kw_only=True)

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.component import settings
-from visviva.material.base import VOLUMETRIC, Kind, Material, Volumetric
-from visviva.values import Number, Vector3
+from visviva.component.component import settings
+from visviva.component.values import Number, Vector3
+from visviva.material.material import VOLUMETRIC, Kind, Material, Volumetric
 
 Array = NDArray[np.float64]
 

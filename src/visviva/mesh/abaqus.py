@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from visviva.errors import InputError, nearest
+from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
-from visviva.mesh.files import existing, refuse_outside
+from visviva.mesh.source_files import existing, refuse_outside
 from visviva.mesh.write_abaqus import HEX27, PLANE, SOLID, WRITTEN
 
 PATTERNS = (

@@ -16,7 +16,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError, nearest
+from visviva.base.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.faces import Faces, all_faces, boundary, union

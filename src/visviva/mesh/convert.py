@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from visviva.errors import InputError, nearest
+from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Array, Cell, Ints, cell_type
 from visviva.mesh.faces import Faces, union
 from visviva.mesh.geometry import equal_rows

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.arguments import Named
-from visviva.errors import InputError
+from visviva.base.arguments import Named
+from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.geometry import centres, equal_rows, volumes
 

@@ -13,8 +13,8 @@ import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat
 from pydantic.dataclasses import dataclass
 
-from visviva.arguments import Validated
-from visviva.errors import InputError
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
 from visviva.mesh.cells import Array
 from visviva.mesh.grid import SIDES, Block, Grid, Names, assembled
 from visviva.mesh.mesh import Mesh

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Cell, Ints
 from visviva.mesh.mesh import Mesh
 

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.arguments import Named, place, refuse_other
-from visviva.errors import InputError, nearest
+from visviva.base.arguments import Named, place, refuse_other
+from visviva.base.errors import InputError, nearest
 from visviva.mesh import convert, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import centres, volumes
-from visviva.mesh.write import write
+from visviva.mesh.write_mesh import write
 
 Predicate = Callable[[Array], NDArray[np.bool_]]
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.cells import HEXAHEDRON, LINE, QUADRILATERAL, TETRAHEDRON, TRIANGLE, WEDGE, Array, cell_type
 
 

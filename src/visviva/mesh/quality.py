@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Cell, Ints
 from visviva.mesh.geometry import chunks, jacobians, measure
 from visviva.mesh.quadrature import stiffness_rule

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.faces import Faces

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.output.files import replacing, reporting
+from visviva.base.errors import InputError
+from visviva.output.safe_files import replacing, reporting
 
 FORMAT = "visviva state 6"
 HEAD = 512  # bytes before the HDF5 file, which HDF5 leaves to its user: layout and checksum

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.output.trajectory import Trajectory
 
 COLORS = "viridis"

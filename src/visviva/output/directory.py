@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from visviva.errors import InputError
-from visviva.output.files import replacing, reporting
+from visviva.base.errors import InputError
 from visviva.output.lock import locked
+from visviva.output.safe_files import replacing, reporting
 
 
 @dataclass(frozen=True)

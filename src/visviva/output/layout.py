@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import RunError
-from visviva.output.files import write_at
+from visviva.base.errors import RunError
+from visviva.output.safe_files import write_at
 from visviva.output.surface import Surface
 
 if TYPE_CHECKING:

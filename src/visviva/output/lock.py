@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 
 try:
     import fcntl

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError
 from visviva.output.coloring import Coloring
-from visviva.output.files import replacing, reporting
 from visviva.output.picture import time_label, trails_until
-from visviva.output.scene import NO_STREAMS, Camera, Scene
+from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.trajectory import Trajectory
+from visviva.output.view import NO_STREAMS, Camera, Scene
 
 Image = NDArray[np.uint8]
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.output.coloring import COLORS, Coloring
-from visviva.output.scene import INK, Scene
 from visviva.output.skin import skin
 from visviva.output.streamlines import StreamFunction, levels
 from visviva.output.surface import Surface
+from visviva.output.view import INK, Scene
 
 SHARP = 35.0  # degrees between neighbouring faces above which an edge is drawn as one
 SUN = np.array([-0.35, 0.25, -1.0])  # direction in which shadows fall

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring
-from visviva.output.files import replacing, reporting
-from visviva.output.scene import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
+from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
+from visviva.output.view import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
 
 
 def picture(

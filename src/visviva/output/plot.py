@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.output.files import replacing, reporting
-from visviva.output.scene import INK, PALETTE
+from visviva.base.errors import InputError
+from visviva.output.safe_files import replacing, reporting
 from visviva.output.tables import read_table
+from visviva.output.view import INK, PALETTE
 
 Columns = Mapping[str, NDArray[np.float64]]
 

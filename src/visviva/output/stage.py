@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.output.scene import NO_STREAMS, Points, Scene, Streams, Trails, Values
+from visviva.output.view import NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 PROBE = """
 import pyvista

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.output.coloring import COLORS
-from visviva.output.scene import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 from visviva.output.skin import skin
+from visviva.output.view import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100

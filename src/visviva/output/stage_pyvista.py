@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.output.coloring import Coloring
 from visviva.output.parts import SUN, parts_of, table
-from visviva.output.scene import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
+from visviva.output.view import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 FINE = 2  # pixels rendered per pixel and direction, faster here than VTK's own smoothing of edges
 

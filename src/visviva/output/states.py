@@ -14,8 +14,8 @@ from typing import Generic, Self, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.output.files import replacing, reporting, write_at
+from visviva.base.errors import InputError
+from visviva.output.safe_files import replacing, reporting, write_at
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

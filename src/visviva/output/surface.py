@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 
 # VTK's numbers for cells by their number of points
 CELL_TYPES = {1: 1, 2: 3, 3: 5, 4: 9}

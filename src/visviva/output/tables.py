@@ -12,8 +12,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
-from visviva.output.files import replacing, reporting, write_at
+from visviva.base.errors import InputError
+from visviva.output.safe_files import replacing, reporting, write_at
 
 
 class Table:

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.output.layout import FORMAT, WITHOUT_CHECKSUMS, checksum_of_mesh, checksums
 from visviva.output.surface import Surface
 

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring
 from visviva.output.picture import time_label, trails_until
-from visviva.output.scene import INK, NO_STREAMS, Scene
 from visviva.output.trajectory import Trajectory
+from visviva.output.view import INK, NO_STREAMS, Scene
 
 
 def show(

@@ -12,9 +12,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.output import layout as _layout
-from visviva.output.files import replacing, reporting
+from visviva.output.safe_files import replacing, reporting
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 

@@ -10,12 +10,12 @@ from typing import Any, TypeVar
 
 import visviva
 from visviva.body.shape import Shape
-from visviva.component import Component
-from visviva.linear import LinearOptions
-from visviva.material.base import Material
-from visviva.measure import Reading
+from visviva.component.component import Component
+from visviva.linear.choice import LinearOptions
+from visviva.material.material import Material
+from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
-from visviva.scheme import Scheme
+from visviva.scheme.schemes import Scheme
 
 T = TypeVar("T")
 

@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from visviva.adaptive import Adaptive
-from visviva.component import settings
-from visviva.newton import Newton
+from visviva.analysis.adaptive import Adaptive
+from visviva.component.component import settings
+from visviva.component.values import VECTOR_SCHEMA
 from visviva.scene import language
-from visviva.values import VECTOR_SCHEMA
+from visviva.system.newton import Newton
 
 Schema = dict[str, Any]
 

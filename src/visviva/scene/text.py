@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 from visviva.scene import yaml12
 from visviva.scene.yaml12 import Key
 

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from visviva.errors import InputError
+from visviva.base.errors import InputError
 
 Key = tuple[str | int, ...]
 Place = tuple[Key, int]

@@ -1,0 +1,155 @@
+"""Step sizes that follow the motion: small where it bends, large where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
+from visviva.system.newton import StepFailure
+
+if TYPE_CHECKING:
+    from visviva.scheme.schemes import Scheme
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Adaptive(metaclass=Validated):
+    """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
+
+    The increment of a step is compared with the explicit two-step formula of second order, which differs from
+    the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step. Velocities of
+    fluids, of which the midpoint rule and backward Euler know the mean rates of steps, are compared over two steps at a
+    time, in which what swings from step to step cancels: no step is short enough to resolve that.
+
+    Steps end at the points of tables. A short pulse that only an expression or a function knows of can lie between the
+    ends of two steps; `max_step` should be shorter than it.
+
+    Parameters
+    ----------
+    tolerance : float
+        Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for
+        directors).
+    min_step, max_step : float
+        Bounds; without them 1e-6 and 100 times the given step. Impacts of rigid bodies by multipliers ask for the upper
+        one: they end as deep as the body flies in a step.
+    easy : int
+        The step grows only after solutions that took at most this many iterations.
+    """
+
+    tolerance: float = 1e-5
+    min_step: float | None = None
+    max_step: float | None = None
+    easy: int = 8
+
+    def __post_init__(self) -> None:
+        for what in ("tolerance", "min_step", "max_step"):
+            value = getattr(self, what)
+            if value is not None and not (value > 0 and np.isfinite(value)):
+                raise InputError(f"Adaptive: {what} = {value} is not a positive number")
+        if self.easy < 1:
+            raise InputError(
+                f"Adaptive: easy = {self.easy} is not a positive number, so that steps never grow"
+            )
+        if None not in (self.min_step, self.max_step):
+            self.bounds(1.0)
+
+    def bounds(self, step: float) -> tuple[float, float]:
+        """Shortest and longest step."""
+        low = 1e-6 * step if self.min_step is None else self.min_step
+        high = 100 * step if self.max_step is None else self.max_step
+        if low > high:
+            raise InputError(f"Adaptive: min_step = {low} is longer than max_step = {high}")
+        return low, high
+
+
+@dataclass
+class _Estimate:
+    """The velocities before the last step, that step's length and the length of the one before.
+
+    `means` are the unknowns whose rates are means over the last step.
+    """
+
+    inverse_scale: Array
+    means: NDArray[np.bool_]
+    rates: Array | None = None
+    length: float = 0.0
+    before: float = 0.0
+
+    def error(self, increment: Array, rates: Array, h: float, tolerance: float) -> float:
+        """Estimated error of a step as a multiple of `tolerance`."""
+        bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
+        if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
+            return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
+        L = self.length
+        before = 0.5 * h / L * (rates - self.rates) * self.inverse_scale
+        off = h * (bend - before) / (3 * (1 + L / h))
+        earlier = (L * rates + self.before * self.rates) / (L + self.before)
+        smooth = ((increment + L * rates) / (h + L) - earlier) * self.inverse_scale
+        off[self.means] = h * smooth[self.means] / 12
+        return float(np.abs(off).max() / tolerance)
+
+
+def adaptive_steps(
+    system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive
+) -> Iterator[Any]:
+    """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports.
+
+    ``system.pace`` carries the next length, the last error, and what the estimate remembers.
+    """
+    low, high = rule.bounds(step)
+    if hitting := [c.label for c in system.components if c.collides and rule.max_step is None]:
+        raise InputError(
+            f"{hitting[0]}: rigid bodies that fly make steps grow, which take them deep into an impact by multipliers; "
+            "bound steps to what impacts allow with Adaptive(max_step=...), or take enforcement='penalty'"
+        )
+    has_means = np.count_nonzero(scheme.transport(1.0)[2]) == 1
+    estimate = _Estimate(
+        np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)
+    )
+    h, last, estimate.length, estimate.before = system.pace.get(
+        "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0, 0.0])
+    ).tolist()
+    estimate.rates = system.pace.get("rates")
+    system.clock.refuse_sliver(until, step)
+    while not system.clock.has_reached(until):
+        left = system.next_kink(until) - system.time
+        taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
+        try:
+            attempt = system.attempt(scheme.step(system.time, taken))
+        except StepFailure:
+            system.rejected += 1
+            if taken <= low:
+                raise
+            h = max(0.5 * taken, low)
+            continue
+        rates = system.v.copy()
+        error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), 1e-6)
+        if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
+            system.core.discard()
+            system.rejected += 1
+            h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
+            continue
+        system.accept(attempt, scheme)
+        estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
+        h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
+        h, last = float(np.clip(h, low, high)), error
+        system.pace |= {"adaptive": np.array([h, last, taken, estimate.before]), "rates": rates}
+        yield attempt.report
+
+
+def next_step(taken: float, planned: float, error: float, last: float, easy: bool) -> float:
+    """PI control for an error of third order; small changes are not worth a new factorisation."""
+    factor = 0.9 * error ** (-0.7 / 3) * last ** (0.4 / 3)
+    factor = min(max(factor, 0.3), 2.0 if easy else 1.0)
+    if 0.9 <= factor <= 1.2:
+        factor = 1.0
+    proposed: float = taken * factor
+    return max(proposed, planned) if taken < planned and factor >= 1.0 else proposed

@@ -1,0 +1,262 @@
+"""Marching a system through time."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.analysis.adaptive import Adaptive, adaptive_steps
+from visviva.base.arguments import number, positive, refuse_other, whole
+from visviva.base.errors import InputError
+from visviva.results.ledger import Bookkeeper
+from visviva.results.result import Result
+from visviva.scheme.schemes import EnergyMomentum, Scheme
+from visviva.system.freedom import refuse_free, refuse_massless
+from visviva.system.memory import undisturbed
+from visviva.system.newton import StepFailure
+from visviva.system.stability import Stability
+from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+MOST = 1e10
+"""Steps that nobody waits for."""
+HALVINGS = 6
+"""A step that fails is tried again with half its length this many times before the run gives up."""
+FITS, DRIFTS = 1e-8, 0.05
+"""Relative violations of constraints up to which an edited state fits, and of their rates, which some schemes leave."""
+LAST_RESORT = 3
+"""From so many halvings on linear solvers may be used that cost more than half a step does."""
+
+
+@runtime_checkable
+class Marching(Protocol):
+    """A scheme that chooses its steps itself, as those of statics do."""
+
+    def march(self, system: System, *, until: float, step: float) -> Iterator[Any]:
+        """Steps to `until`, yielding a report of each."""
+        ...
+
+
+def march(
+    system: System,
+    *,
+    until: float,
+    step: float,
+    scheme: Scheme | None = None,
+    adaptive: Adaptive | None = None,
+    project: bool = False,
+) -> Iterator[Any]:
+    """Take steps of length `step` up to time `until`, yielding the core's report after each accepted one.
+
+    A step that does not converge is halved up to six times, and the halves lengthen again on the grid of the
+    steps; if the shortest fails too `StepFailure` is raised and the system keeps the last accepted state. With
+    `adaptive` the steps follow the motion, `step` is the first. An initial state that does not fit the constraints is
+    moved onto them; more than a thousandth of the system's size only with `project`.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))])
+    >>> for report in vv.march(system, until=1.0, step=0.1):
+    ...     pass
+    >>> round(float(system.x[0]), 12)
+    1.0
+    """
+    until, step = checked_times(until, step)
+    refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
+    refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
+    scheme = EnergyMomentum() if scheme is None else scheme
+    own = scheme.march(system, until=until, step=step) if isinstance(scheme, Marching) else None
+    if own is None and not (until > system.time and math.isfinite(until)):
+        raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+    know(system, step)
+    prepare(system, scheme, project=project)
+    if scheme.needs_acceleration and not system.has_acceleration:
+        from visviva.system.consistency import initial_acceleration
+
+        initial_acceleration(system, scheme, step)
+    if own is not None:
+        yield from own
+    elif adaptive is not None:
+        yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
+    else:
+        yield from counted_steps(system, until=until, step=step, scheme=scheme)
+
+
+def know(system: System, step: float) -> None:
+    """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
+    if system.clock.step == 0.0:
+        system.clock.use(step)
+
+
+def checked_times(until: Any, step: Any) -> tuple[float, float]:
+    """End time and length of steps as numbers that fit a run; those of numpy may have few digits to count with."""
+    step, until = positive("march", "step", step), number("march", "until", until)
+    if MOST * step < abs(until) < math.inf:
+        raise InputError(
+            f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"
+        )
+    return until, step
+
+
+def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) -> Iterator[Any]:
+    """Steps of equal length, halved after failures; yields reports."""
+    clock = system.clock
+    clock.use(step)
+    clock.refuse_sliver(until, step)
+    while not clock.has_reached(until):
+        system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
+        h = clock.next(until)
+        try:
+            report = system.step(h, scheme)
+        except StepFailure:
+            system.rejected += 1
+            if clock.halvings >= HALVINGS:
+                clock.restart(clock.time)
+                raise
+            clock.halve(h)
+            continue
+        finally:
+            system.core.allow_last_resort(True)
+        clock.lengthen()
+        yield report
+
+
+def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
+    """Before the first step: a consistent state, if need be moved onto the constraints, far only with `project`.
+
+    The check is made once in a system's life, and again of states that were edited until they no longer fit; what it
+    found stays in ``system.report``. Without inertia bodies must be held and are at rest, and other linear solvers are
+    due; so they are with tangents that are symmetric or not.
+    """
+    refuse_other("march", "system", system, System, "a vv.System")
+    due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
+    changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
+    scheme.refuse(system)
+    if changes or system.report is None:
+        (refuse_massless if scheme.has_inertia else refuse_free)(system)
+    if changes:
+        system.choose_linear(**due)
+    if not scheme.has_inertia:
+        for history in (system.v, system.core.a, system.core.w):
+            history[:] = 0.0
+        system.has_acceleration = False
+    elif changes and system.report is not None:  # from statics to dynamics
+        system.follow_prescribed()
+    if system.report is None or (system.is_edited and not still_fits(system)):
+        from visviva.system.check import fit
+
+        system.report = fit(system, project=project)
+    system.is_edited = False
+    for component in system.components:
+        component.start(system, scheme)
+
+
+def still_fits(system: System) -> bool:
+    """Whether a state that was edited after the first check satisfies the constraints, and roughly their rates."""
+    from visviva.system.consistency import rate_violation, worst
+    from visviva.system.instant import Instant
+
+    with undisturbed(system):
+        at = Instant(system)
+        return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
+
+
+def simulate(
+    system: System,
+    *,
+    until: float,
+    step: float,
+    scheme: Scheme | None = None,
+    every: int = 1,
+    observe: Callable[[System], None] | None = None,
+    adaptive: Adaptive | None = None,
+    project: bool = False,
+) -> Result:
+    """Run a system to time `until` and return states, ledger and statistics.
+
+    All kept states and the ledger stay in memory: in long runs of large systems keep fewer, with `every`, or let
+    `visviva.study.run.run` write them into a directory.
+
+    Parameters
+    ----------
+    system : System
+        What moves; continues from its present state.
+    until, step : float
+        End time and step length.
+    scheme : Scheme
+        Time integration, `EnergyMomentum` if not given.
+    every : int
+        Keep the states of every so many steps.
+    observe : callable
+        Called with the system after each accepted step.
+    adaptive : Adaptive
+        Choose step sizes by the error; `step` is the first.
+    project : bool
+        Accept an initial state that is moved by more than a thousandth of the system's size, or loses speeds, to fit
+        the constraints.
+    """
+    every = whole("simulate", "every", every)
+    until, step = checked_times(until, step)
+    refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
+    result, books = begin(system, scheme, project=project, step=step)
+    for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
+        if result.statistics.steps % every == 0:
+            keep(result)
+        if observe is not None:
+            observe(system)
+    return result
+
+
+def begin(
+    system: System, scheme: Scheme | None = None, *, project: bool = False, step: float = 0.0
+) -> tuple[Result, Bookkeeper]:
+    """A result that holds the present state, and the books opened with it; `step` as far as it is known."""
+    know(system, step)
+    scheme = EnergyMomentum() if scheme is None else scheme
+    prepare(system, scheme, project=project)
+    system.pace.clear()
+    system.stability = Stability()
+    books = Bookkeeper(system)
+    result = Result(system, scheme, books.ledger)
+    with undisturbed(system):
+        system.take_stock()
+    books.book(system.time, system.core)
+    keep(result)
+    return result, books
+
+
+def advance(
+    result: Result, books: Bookkeeper, *, until: float, step: float, adaptive: Adaptive | None = None
+) -> Iterator[Array]:
+    """March on with the books kept; yields the ledger's row after each accepted step."""
+    system, s = result.system, result.statistics
+    start, rejected = time.perf_counter(), system.rejected - s.rejected
+    for report in march(system, until=until, step=step, scheme=result.scheme, adaptive=adaptive):
+        row = record(result, books, report.iterations, report.factorizations)
+        s.rejected = system.rejected - rejected
+        s.seconds += time.perf_counter() - start
+        yield row
+        start = time.perf_counter()  # what the caller does with the step is not the step's time
+
+
+def record(result: Result, books: Bookkeeper, iterations: int, factorizations: int) -> Array:
+    """Enter a step into statistics and ledger; returns the ledger's row."""
+    s = result.statistics
+    s.steps += 1
+    s.iterations += iterations
+    s.factorizations += factorizations
+    return books.book(result.system.time, result.system.core)
+
+
+def keep(result: Result) -> None:
+    """Keep the present state."""
+    system = result.system
+    records = [component.record(system.x) for component in system.components]
+    result.kept.append(system.time, system.x, system.v, [r for r in records if r is not None])

@@ -1,0 +1,320 @@
+"""What is wrong with the arguments of a constructor, as an error that names the class, argument and value."""
+
+from __future__ import annotations
+
+import math
+import sys
+from abc import ABCMeta
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import cache
+from inspect import Parameter, Signature, signature
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from visviva.base.errors import InputError, nearest
+
+UNEXPECTED = "unexpected_keyword_argument"
+OBJECTS = ConfigDict(arbitrary_types_allowed=True)
+ABSENT = "missing_keyword_only_argument", "missing_argument", "missing"
+
+
+class ArgumentError(InputError):
+    """An argument that a constructor refuses.
+
+    Attributes
+    ----------
+    where : tuple of str and int
+        The argument, and the place in it.
+    complaint : str
+        What is wrong there.
+    """
+
+    def __init__(self, whose: str, where: tuple[str | int, ...], complaint: str) -> None:
+        self.where, self.complaint = where, complaint
+        place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where)[1:]
+        super().__init__(f"{whose}: {place}: {complaint}" if where else f"{whose}: {complaint}")
+
+
+class Validated(ABCMeta):
+    """Type of the classes whose constructors validate their arguments: refusals are input errors.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.PointMass(mass=-1.0)
+    Traceback (most recent call last):
+    visviva.base.errors.InputError: PointMass: mass -1 is not positive
+    >>> vv.PointMass(weight=1.0)
+    Traceback (most recent call last):
+    visviva.base.arguments.ArgumentError: PointMass: mass: this argument is needed
+    """
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        given = {**(by_name(cls, args) if is_dataclass(cls) else {}), **kwargs}
+        for name, value in given.items():
+            complaint = mistaken(plain_types(cls).get(name, frozenset()), value)
+            if name in references(cls) and not is_reference(value):
+                complaint = f"expected a component, a point or frame of it, or a measure, not {value!r}"
+            if complaint:
+                raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
+        if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
+            return super().__call__(**converted(cls, named(cls, args, kwargs)))
+        try:
+            return super().__call__(*args, **kwargs)
+        except ValidationError as error:
+            raise refusal(cls, kwargs.get("name"), error) from None
+
+    @property
+    def __signature__(cls) -> Signature:
+        """Of the constructor: its fields."""
+        if not is_dataclass(cls):
+            raise AttributeError(f"{cls.__name__} is no dataclass")
+        return Signature(sorted((parameter(f) for f in fields(cls) if f.init), key=lambda p: p.kind))
+
+    @__signature__.setter
+    def __signature__(cls, value: Any) -> None:
+        """Pydantic would set one that does not know the fields of a class which it completes late."""
+
+
+class Named(type):
+    """Type of the classes whose constructors look at the values themselves: names that do not fit are input errors.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.System([vv.PointMass(mass=1.0)], newtn=vv.Newton())
+    Traceback (most recent call last):
+    visviva.base.arguments.ArgumentError: System: newtn: there is no such argument; did you mean 'newton'?
+    """
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        named(cls, args, kwargs)
+        return super().__call__(*args, **kwargs)
+
+    @property
+    def __signature__(cls) -> Signature:
+        """Of the constructor."""
+        own = signature(cls.__init__)  # type: ignore[misc]
+        return own.replace(parameters=list(own.parameters.values())[1:], return_annotation=Signature.empty)
+
+
+def named(cls: type, args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> dict[str, Any]:
+    """All arguments by name, which must be those of the constructor."""
+    parameters, placed = signature(cls).parameters, by_name(cls, args)
+    for name in kwargs:
+        if name not in parameters:
+            raise ArgumentError(
+                cls.__name__, (name,), f"there is no such argument{nearest(name, parameters)}"
+            )
+        if name in placed:
+            raise ArgumentError(cls.__name__, (name,), "this argument is given twice, by place and by name")
+    given = {**placed, **kwargs}
+    for name, p in parameters.items():
+        if p.default is p.empty and name not in given:
+            raise ArgumentError(cls.__name__, (name,), "this argument is needed")
+    return given
+
+
+def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
+    """Arguments given by place."""
+    names = [p.name for p in signature(cls).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    if len(args) > len(names):
+        raise InputError(f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}")
+    return dict(zip(names, args, strict=False))
+
+
+def converted(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of a dataclass that is not one of Pydantic's, validated by their types."""
+    types = adapters(cls)
+    found = {}
+    for name, value in given.items():
+        try:
+            found[name] = types[name].validate_python(value) if name in types else value
+        except ValidationError as error:
+            where, complaint = told(error)
+            raise ArgumentError(cls.__name__, (name, *where), complaint) from None
+    return found
+
+
+@cache
+def adapters(cls: type) -> dict[str, TypeAdapter[Any]]:
+    """What validates the arguments of a dataclass."""
+    try:
+        hints = get_type_hints(cls, include_extras=True)
+    except NameError:  # names that only a type checker imports
+        return {}
+    return {f.name: TypeAdapter(hints[f.name], config=OBJECTS) for f in fields(cls) if f.init}
+
+
+def called(cls: type, name: Any) -> str:
+    """How messages call what a constructor was to make."""
+    return f"{cls.__name__} {name!r}" if isinstance(name, str) else cls.__name__
+
+
+@cache
+def plain_types(cls: type) -> dict[str, frozenset[type]]:
+    """The arguments of a class that take Booleans or numbers alone, with the types they are made of."""
+    try:
+        hints = get_type_hints(cls)
+    except NameError:  # names that only a type checker imports
+        return {}
+    return {name: types for name, hint in hints.items() if (types := plain_leaves(hint))}
+
+
+def plain_leaves(hint: Any) -> frozenset[type]:
+    """The types that a hint is made of, if it is made of Booleans and numbers alone; none otherwise."""
+    types = frozenset(leaves(hint)) - {NoneType}
+    return types if types <= {bool, int, float} else frozenset()
+
+
+def leaves(hint: Any) -> Iterator[Any]:
+    """The types that a union, list or tuple is made of."""
+    if get_origin(hint) is Annotated:
+        yield from leaves(get_args(hint)[0])
+    elif get_origin(hint) in (Union, UnionType, list, tuple):
+        for part in get_args(hint):
+            if part is not ...:
+                yield from leaves(part)
+    else:
+        yield hint
+
+
+@cache
+def references(cls: type) -> frozenset[str]:
+    """The arguments of a class of the package by which it names others: those of any type."""
+    if not cls.__module__.startswith("visviva."):
+        return frozenset()
+    try:
+        hints = get_type_hints(cls, include_extras=True)
+    except NameError:
+        return frozenset()
+    return frozenset(name for name, hint in hints.items() if hint is Any)
+
+
+def is_reference(value: Any) -> bool:
+    """Whether a value can stand for others: components, points and measures are dataclasses, or functions give them."""
+    if isinstance(value, list | tuple):
+        return all(map(is_reference, value))
+    return value is None or ((is_dataclass(value) or callable(value)) and not isinstance(value, type))
+
+
+def mistaken(types: frozenset[type], value: Any) -> str:
+    """What is wrong with a value that would be turned into a Boolean or number though it is none; else nothing.
+
+    Pydantic takes the text 'yes' for True, '2' for 2 and True for 1.
+    """
+    if not types or value is None:
+        return ""
+    if types == {bool} and not isinstance(value, bool | np.bool_ | list | tuple):
+        return f"write true or false, not {value!r}"
+    wrong = (str, bytes) if bool in types else (str, bytes, bool, np.bool_)
+    for item in value if isinstance(value, list | tuple) else [value]:
+        if isinstance(item, wrong):
+            return f"input should be a valid number, not {item!r}"
+    return ""
+
+
+def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> None:
+    """Refuse an argument of another type."""
+    if not isinstance(value, kind) or isinstance(value, str | bytes):
+        raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a real number, of Python or of numpy, that a float can be."""
+    if isinstance(value, bool) or not isinstance(value, float | int | np.floating | np.integer):
+        return False
+    return not (isinstance(value, int) and abs(value) > sys.float_info.max)
+
+
+def number(whose: str, what: str, value: Any) -> float:
+    """An argument as a number; infinity and not-a-number are some."""
+    if not is_number(value):
+        raise InputError(f"{whose}: {what} = {value!r} is not a number")
+    return float(value)
+
+
+def finite(whose: str, what: str, value: Any) -> float:
+    """An argument as a finite number."""
+    if not (is_number(value) and math.isfinite(value)):
+        raise InputError(f"{whose}: {what} = {value!r} is not a finite number")
+    return float(value)
+
+
+def positive(whose: str, what: str, value: Any) -> float:
+    """An argument as a positive finite number."""
+    if not (is_number(value) and 0 < value < math.inf):
+        raise InputError(f"{whose}: {what} = {value!r} is not a positive number")
+    return float(value)
+
+
+def whole(whose: str, what: str, value: Any) -> int:
+    """An argument as a whole number, at least 1."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise InputError(f"{whose}: {what} = {value!r} is not a whole number that is at least 1")
+    return int(value)
+
+
+def place(whose: str, what: str, value: Any, shape: tuple[int, ...] = (3,)) -> NDArray[np.float64]:
+    """An argument as an array of finite numbers of a shape."""
+    try:
+        found = np.array(value, dtype=float)
+    except (TypeError, ValueError):  # texts, rows of several lengths
+        found = np.array(math.nan)
+    if found.shape != shape or not np.isfinite(found).all():
+        wanted = "3 finite numbers" if shape == (3,) else "3 rows of 3 finite numbers"
+        raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
+    return found
+
+
+def bounded(thing: Any, **bounds: tuple[float, float]) -> None:
+    """Refuse arguments of an object that are not within their bounds."""
+    for name, (least, most) in bounds.items():
+        value = getattr(thing, name)
+        if not least <= value <= most:
+            kind = type(thing).__name__
+            raise InputError(f"{kind}: {name} = {value} is not a number from {least:g} to {most:g}")
+
+
+def refuse_unless(right: bool, whose: Any, what: str, wanted: str) -> None:
+    """Refuse an argument of a component that is not `wanted`, which says also what to do instead."""
+    if not right:
+        raise InputError(f"{whose.label}: {what} {getattr(whose, what):g} is not {wanted}")
+
+
+def parameter(f: Field[Any]) -> Parameter:
+    """A field of a dataclass as a parameter of its constructor."""
+    kind = Parameter.KEYWORD_ONLY if f.kw_only else Parameter.POSITIONAL_OR_KEYWORD
+    given = [d for d in (f.default, f.default_factory) if d is not MISSING]
+    return Parameter(f.name, kind, default=given[0] if given else Parameter.empty, annotation=f.type)
+
+
+def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
+    """The error to raise for a failed validation."""
+    first = error.errors()[0]
+    original = first.get("ctx", {}).get("error")
+    if isinstance(original, InputError) and not first["loc"]:
+        return original  # from the constructor's own checks, which say whose
+    whose = called(cls, name)
+    where, complaint = told(error)
+    if first["type"] == UNEXPECTED:
+        complaint = f"there is no such argument{nearest(str(where[-1]), signature(cls).parameters)}"
+    elif first["type"] in ABSENT:
+        complaint = "this argument is needed"
+    return ArgumentError(whose, where, complaint)
+
+
+def told(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
+    """Place and message of the first error of a validation, in one line."""
+    first = error.errors()[0]
+    message = first["msg"].removeprefix("Value error, ")
+    # parts of unions have names of their own, which are no arguments
+    where = tuple(part for part in first["loc"] if isinstance(part, int) or part.isidentifier())[:2]
+    hidden = isinstance(first["input"], dict) or first["type"] == "value_error"
+    shown = "" if hidden else f", not {first['input']!r}"
+    return where, f"{message[:1].lower()}{message[1:]}{shown}"

@@ -1,0 +1,269 @@
+"""Strains and stresses of solids: at the quadrature points of elements, and smoothed to nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError, nearest
+from visviva.body.element import is_curved
+from visviva.mesh.cells import CELLS, Cell
+from visviva.mesh.geometry import determinant
+from visviva.mesh.quadrature import stiffness_rule
+
+if TYPE_CHECKING:
+    from visviva.body.solid import Solid
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FULL = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
+"""Places of a symmetric tensor's entries among its six components 11, 22, 33, 12, 23, 31."""
+CHUNK = 4096  # elements whose fields are held at a time; a multiple of eight
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """Strains and stresses at quadrature points; leading dimensions (...) are elements and their points.
+
+    Materials of small strains have one stress, and ``C = I + 2 e``.
+
+    Attributes
+    ----------
+    F : array, (..., 3, 3)
+        Deformation gradient.
+    second_piola : array, (..., 3, 3)
+        Second Piola-Kirchhoff stress `S` of the material; viscous stresses are not in it.
+    energy : array, (...)
+        Strain energy per reference volume.
+    small : bool
+        Whether the material is one of small strains.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> rubber = vv.NeoHooke(shear=1.0, lame_lambda=1.0)
+    >>> block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=rubber)
+    >>> system = vv.System([block])
+    >>> fields = block.fields(1.1 * system.x)
+    >>> fields.F.shape, float(fields.pressure[0, 0].round(6))
+    ((1, 8, 3, 3), -0.3726)
+    """
+
+    F: Array
+    second_piola: Array
+    energy: Array
+    small: bool
+
+    @cached_property
+    def C(self) -> Array:
+        """Right Cauchy-Green tensor (..., 3, 3)."""
+        if not self.small:
+            return np.swapaxes(self.F, -1, -2) @ self.F
+        C: Array = self.F + np.swapaxes(self.F, -1, -2) - np.eye(3)
+        return C
+
+    @property
+    def green(self) -> Array:
+        """Green's strain (..., 3, 3); the small strain of materials of small strains."""
+        E: Array = (self.C - np.eye(3)) / 2
+        return E
+
+    @cached_property
+    def J(self) -> Array:
+        """Ratio of volumes (...)."""
+        return determinant(self.F)
+
+    @property
+    def first_piola(self) -> Array:
+        """First Piola-Kirchhoff stress (..., 3, 3): force per reference area, first index of the force."""
+        return self.second_piola if self.small else self.F @ self.second_piola
+
+    @cached_property
+    def cauchy(self) -> Array:
+        """Cauchy's stress (..., 3, 3): force per present area."""
+        if self.small:
+            return self.second_piola
+        sigma: Array = self.first_piola @ np.swapaxes(self.F, -1, -2) / self.J[..., None, None]
+        return sigma
+
+    @property
+    def pressure(self) -> Array:
+        """Mean Cauchy stress (...) with the opposite sign."""
+        p: Array = -np.trace(self.cauchy, axis1=-2, axis2=-1) / 3
+        return p
+
+    @property
+    def von_mises(self) -> Array:
+        """Equivalent stress (...) of von Mises, of Cauchy's stress."""
+        return equivalent(self.cauchy)
+
+    @property
+    def principal_stresses(self) -> Array:
+        """Principal values (..., 3) of Cauchy's stress, the largest first."""
+        return principal(self.cauchy)
+
+    @property
+    def stretches(self) -> Array:
+        """Principal stretches (..., 3), the largest first."""
+        stretches: Array = np.sqrt(np.maximum(np.linalg.eigvalsh(self.C)[..., ::-1], 0.0))
+        return stretches
+
+
+def equivalent(stress: Array) -> Array:
+    """Equivalent stress (...) of von Mises of stresses (..., 3, 3)."""
+    deviator = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
+    value: Array = np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
+    return value
+
+
+def principal(stress: Array) -> Array:
+    """Principal values (..., 3) of stresses (..., 3, 3), the largest first."""
+    values: Array = np.linalg.eigvalsh(stress).astype(float)[..., ::-1]
+    return values
+
+
+def components(tensor: Array) -> Array:
+    """Six components (..., 6) 11, 22, 33, 12, 23, 31 of symmetric tensors (..., 3, 3)."""
+    return tensor[..., [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
+
+
+QUANTITIES: dict[str, tuple[int, Callable[[Fields], Array]]] = {
+    "von_mises": (1, lambda f: f.von_mises),
+    "pressure": (1, lambda f: f.pressure),
+    "cauchy": (6, lambda f: components(f.cauchy)),
+    "second_piola": (6, lambda f: components(f.second_piola)),
+    "first_piola": (9, lambda f: f.first_piola.reshape(*f.J.shape, 9)),
+    "principal_stresses": (3, lambda f: f.principal_stresses),
+    "green": (6, lambda f: components(f.green)),
+    "stretches": (3, lambda f: f.stretches),
+    "J": (1, lambda f: f.J),
+    "energy": (1, lambda f: f.energy),
+}
+"""What can be smoothed, recorded and written by name: number of components, and values (..., components)."""
+
+OF_STRESS: dict[str, Callable[[Array], Array]] = {"von_mises": equivalent, "principal_stresses": principal}
+"""Quantities with kinks where stresses pass through zero: at nodes, they are those of the smoothed stress."""
+
+
+def quantity(name: str) -> tuple[int, Callable[[Fields], Array]]:
+    """Number of components and function of a quantity.
+
+    Raises
+    ------
+    InputError
+        With the nearest valid name.
+    """
+    if name not in QUANTITIES:
+        raise InputError(f"there is no field {name!r}{nearest(name, QUANTITIES)}")
+    return QUANTITIES[name]
+
+
+def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array, Fields]]:
+    """Cell type, nodes (m, k), numbers, volumes (m, q), fields (m, q, ...): some thousand elements at a time."""
+    x = np.ascontiguousarray(x, dtype=float)
+    first = 0
+    for (cell, nodes), term, volume in zip(solid.each_cell(), solid.terms, solid.volumes, strict=True):
+        step = len(nodes) if solid.material.energy is not None else CHUNK  # a user's function is called once
+        for start in range(0, len(nodes), step):
+            stop = min(start + step, len(nodes))
+            part = of_points(term.fields(x, start, stop), solid.material.small)
+            if solid.material.energy is not None:
+                part = of_user(solid, cell, nodes[start:stop], part)
+            yield cell, nodes[start:stop], slice(first + start, first + stop), volume[start:stop], part
+        first += len(nodes)
+
+
+def of_user(solid: Solid, cell: str, nodes: Ints, part: Fields) -> Fields:
+    """Fields with what the core does not know of a user's energy: F33 of plane stress, the stress of F-bar."""
+    shape = part.J.shape
+    if solid.plane == "stress" and solid.own_energy is not None:
+        stretch = 1 + solid.thermal(cell, nodes)
+        C = components(part.C) / stretch[..., None] ** 2
+        F = part.F.copy()
+        F[..., 2, 2] = stretch * np.sqrt(solid.own_energy.settled(C.reshape(-1, 6).T)[2].reshape(shape))
+        return replace(part, F=F)
+    if solid.formulation == "F-bar":
+        energy, S, _ = solid.material.respond(components(part.C).reshape(-1, 6))
+        return replace(part, second_piola=S.reshape(*shape, 6)[..., FULL], energy=energy.reshape(shape))
+    return part
+
+
+def of_points(values: Array, small: bool) -> Fields:
+    """Fields from the core's rows (..., 16)."""
+    F = values[..., :9].reshape(*values.shape[:-1], 3, 3)
+    return Fields(F, values[..., 9:15][..., FULL], values[..., 15], small)
+
+
+def at_nodes(solid: Solid, name: str, x: Array) -> Array:
+    """A quantity (n_nodes,) or (n_nodes, components), smoothed as by `smoothed`."""
+    return smoothed(solid, (name,), x)[name]
+
+
+def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+    """Quantities at the nodes, (n_nodes,) or (n_nodes, components) each.
+
+    In every element the polynomial of least squares through the values at its quadrature points is taken to
+    its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
+    elements (constant ones for tri3 and tet4) come out exactly. Von Mises' and principal stresses are those of
+    the smoothed Cauchy stress.
+    """
+    wanted = list(dict.fromkeys("cauchy" if name in OF_STRESS else name for name in names))
+    found = _fitted(solid, wanted, x)
+    return {
+        name: OF_STRESS[name](found["cauchy"][:, FULL]) if name in OF_STRESS else found[name]
+        for name in names
+    }
+
+
+def _fitted(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+    """Means over the elements at each node of polynomials fitted in each element."""
+    chosen = [quantity(name) for name in names]
+    ends = np.cumsum([0, *(width for width, _ in chosen)])
+    total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
+    for cell, nodes, _, volume, fields in evaluated(solid, x) if chosen else ():
+        values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
+        taken = np.einsum(
+            "aq,eqc->eac",
+            extrapolation(cell, is_curved(solid.grid.points, nodes, cell)),
+            np.concatenate(values, axis=2),
+        )
+        size = volume.sum(axis=1)
+        for a in range(nodes.shape[1]):
+            weight += np.bincount(nodes[:, a], size, len(weight))
+            for c in range(ends[-1]):
+                total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
+    mean = total / (weight[:, None] if chosen else 1.0)
+    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+    return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
+
+
+def of_cells(solid: Solid, name: str, x: Array) -> Array:
+    """Means (n_cells,) or (n_cells, components) of a quantity over the elements."""
+    width, function = quantity(name)
+    mean = np.empty((solid.grid.n_cells, width))
+    for _, _, cells, volume, fields in evaluated(solid, x):
+        values = function(fields).reshape(*volume.shape, width)
+        mean[cells] = np.einsum("eq,eqc->ec", volume, values) / volume.sum(axis=1)[:, None]
+    return mean[:, 0] if width == 1 else mean
+
+
+@cache
+def extrapolation(cell: str, curved: bool = False) -> Array:
+    """Matrix (nodes, points) that takes values at the quadrature points to the nodes by least squares."""
+    xi = stiffness_rule(cell, curved).points
+    for candidate in (CELLS[cell], linear(CELLS[cell])):
+        N = candidate.N(xi)
+        if np.linalg.matrix_rank(N) == N.shape[1]:
+            return np.asarray(candidate.N(CELLS[cell].nodes) @ np.linalg.pinv(N))
+    return np.full((CELLS[cell].n_nodes, len(xi)), 1 / len(xi))
+
+
+def linear(cell: Cell) -> Cell:
+    """The type of the same shape that has corners alone."""
+    return next(c for c in CELLS.values() if c.family is cell.family and not c.middles)

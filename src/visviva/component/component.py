@@ -1,0 +1,224 @@
+"""Components: what the user names. Each bundles fields, terms, points and what is drawn of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
+from visviva.model.field import Vectors
+from visviva.model.form import Vector
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.model.model import Model
+    from visviva.model.state import State
+    from visviva.scheme.schemes import Scheme
+
+    RateConstraints = tuple[NDArray[np.int64], sp.csr_array, NDArray[np.float64]]
+
+Array = NDArray[np.float64]
+
+settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True, defer_build=True)
+"""How the constructors of components validate: unknown arguments are refused."""
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Component(metaclass=Validated):
+    """Base of everything that a system is composed of.
+
+    A component takes part in a system in two rounds: `declare` makes its fields, `contribute` adds its terms,
+    where it may use the points of any other component.
+    """
+
+    name: str | None = None
+
+    contributes_last = False  # since it asks what others hold
+    is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
+
+    @property
+    def label(self) -> str:
+        """How messages call it."""
+        return f"{type(self).__name__} '{self.name}'" if self.name else type(self).__name__
+
+    def declare(self, model: Model) -> None:
+        """Make the fields."""
+
+    def contribute(self, model: Model) -> None:
+        """Add the terms."""
+
+    def start(self, state: State, scheme: Scheme) -> None:
+        """Before the first step of a run with a scheme."""
+
+    def follow_start(self, state: State) -> None:
+        """After the check has moved the start of other components onto their constraints."""
+
+    def rate_constraints(self, state: State) -> RateConstraints | None:
+        """What accelerations have to satisfy besides the constraints of an instant, for schemes that start from them.
+
+        Returns
+        -------
+        multipliers (m,), gradients (m, n) by the accelerations of all unknowns, and what these shall add up to (m,).
+        """
+        return None
+
+    def trouble(self, x: Array) -> str:
+        """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
+        return ""
+
+    @property
+    def touches(self) -> bool:
+        """Whether it acts by an inequality, as contact does."""
+        return False
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it acts by friction, which has no potential."""
+        return False
+
+    @property
+    def collides(self) -> bool:
+        """Whether velocities may jump in a step without a trace in how the motion bends before."""
+        return False
+
+    def unfit_for_modes(self) -> str:
+        """Why small motions about the last evaluation do not vibrate linearly, and a cure; empty if they do or may."""
+        return ""
+
+    @property
+    def least_tangents(self) -> int:
+        """So many iterations of a step should make tangents of their own where `Newton` does not say."""
+        return 0
+
+    def remarks(self) -> list[str]:
+        """What a user should know about its accuracy before the first step, in sentences that the check prints."""
+        return []
+
+    def gauges(self, state: State) -> dict[str, float]:
+        """Numbers about the last step that are shown while a run goes on, by name."""
+        return {}
+
+    def weights(self) -> list[tuple[float, Vector]]:
+        """Masses with the points they hang on: what uniform gravity acts upon."""
+        return []
+
+    @property
+    def total_mass(self) -> float:
+        """Its mass."""
+        return sum(m for m, _ in self.weights())
+
+    def mass_moment(self, x: Array) -> Array:
+        """Mass times the position of its centre (3,), at the unknowns `x` of the system."""
+        moments = [m * np.asarray(place.value(x)) for m, place in self.weights()]
+        return np.sum(moments, axis=0) if moments else np.zeros(3)
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        """Add the potential of uniform gravity."""
+        from visviva.model.law import linear
+
+        for mass, centre in self.weights():
+            e = centre.along(-mass * acceleration)
+            if e.weights:
+                model.potential(self, "gravity", e, linear(1.0))
+
+    def vectors(self, model: Model) -> Vectors | None:
+        """What carries the component, see `Owner`; None for what has no points."""
+        return None
+
+    def surface(self) -> Any:
+        """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
+        return None
+
+    def outline(self) -> Any:
+        """Its exact shape and the frame of that (`Outline`), for contact; None if only triangles of it are known."""
+        return None
+
+    def record(self, x: Array) -> Array | None:
+        """What it shows of the last step, which ended at `x`, that does not follow from `x`; kept with every state."""
+        return None
+
+    def lines(self) -> list[tuple[Vector, Vector]]:
+        """Lines that are drawn of it, from point to point (ropes, rods, springs)."""
+        return []
+
+
+def name_components(components: Sequence[Component]) -> None:
+    """Give names to those that have none.
+
+    Raises
+    ------
+    InputError
+        If two have the same, or one is no component.
+    """
+    for c in components:
+        if not isinstance(c, Component):
+            raise InputError(f"a system is composed of components, not of {c!r}")
+    seen: Counter[str] = Counter()
+    taken = {c.name for c in components if c.name}
+    for c in components:
+        if c.name is None:
+            kind = type(c).__name__.lower()
+            while c.name is None or c.name in taken:
+                seen[kind] += 1
+                c.name = f"{kind}-{seen[kind]}"
+            taken.add(c.name)
+    doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
+    if doubled:
+        raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+
+def refuse_loose(components: Sequence[Component]) -> None:
+    """Refuse components that name others which are not among them."""
+    here = {id(c) for c in components}
+    for c in components:
+        refuse_absent(c.label, {f.name: getattr(c, f.name) for f in fields(c)}, here)
+
+
+def refuse_absent(whose: str, given: Mapping[str, Any], here: Set[int]) -> None:
+    """Refuse values, by their names, that name a component of which the `id` is not in a set."""
+    absent = ((name, c) for name, value in given.items() for c in mentioned(value))
+    for name, other in absent:
+        if not (other.is_fixed or id(other) in here):
+            raise InputError(
+                f"{whose}: {name} is {other.label}, which is not in the system: add it to the list of its components"
+            )
+
+
+def mentioned(value: Any) -> Iterator[Component]:
+    """Components that an argument is, attaches to, or measures."""
+    if isinstance(value, Component):
+        yield value
+    elif isinstance(value, list | tuple):
+        for item in value:
+            if isinstance(item, float | int | str):
+                return
+            yield from mentioned(item)
+    elif isinstance(value, dict):
+        yield from mentioned(list(value.values()))
+    elif is_dataclass(value) and not isinstance(value, type):  # points, frames, measures
+        for f in fields(value):
+            yield from mentioned(getattr(value, f.name))
+
+
+def characteristic_length(components: Sequence[Component]) -> float:
+    """Extent of the model: the scale of positions in convergence tests and reports."""
+    places = [getattr(c, "position", None) for c in components]
+    places += [getattr(c, "at", None) for c in components]
+    given = np.array([p for p in places if p is not None and np.shape(p) == (3,)], dtype=float)
+    sizes = [np.linalg.norm(np.ptp(given, axis=0)) if len(given) else 0.0]
+    sizes += [float(getattr(c, "extent", 0.0)) for c in components]
+    for c in components:
+        m = getattr(c, "mass_properties", None)
+        if m is not None:
+            mass, _, J = m()
+            sizes.append(float(np.sqrt(np.trace(J) / mass)))
+    return float(max(sizes)) or 1.0

@@ -1,0 +1,65 @@
+"""Components on meshes: what is drawn and stored of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.component.component import Component
+from visviva.component.values import VectorOrFunction
+from visviva.mesh.mesh import Mesh
+
+Array = NDArray[np.float64]
+
+
+class Meshed(Component):
+    """A component that fills the cells of a mesh `grid`, with fields at its nodes."""
+
+    grid: Mesh
+
+    @property
+    def dimension(self) -> int:
+        """Of the mesh: 2 or 3."""
+        return self.grid.dimension
+
+    @property
+    def points(self) -> Array:
+        """Positions (n, 3) of the nodes, of a solid in the reference configuration."""
+        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
+
+    @property
+    def extent(self) -> float:
+        """Size of the mesh, of a solid in the reference configuration."""
+        return float(np.linalg.norm(np.ptp(self.grid.points, axis=0)))
+
+    def sampled(self, velocity: VectorOrFunction) -> Array:
+        """Velocities (n, 3) at the nodes, of a vector or a function of positions."""
+        X = self.points
+        if not callable(velocity):
+            return np.tile(np.asarray(velocity, dtype=float), (len(X), 1))
+        v = np.array(velocity(X), dtype=float)
+        if v.shape != X.shape or not np.isfinite(v).all():
+            raise InputError(
+                f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
+                f"positions {X.shape}"
+            )
+        return v
+
+    def positions(self, x: Array) -> Array:
+        """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
+        raise NotImplementedError
+
+    def moving(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of what is at the nodes, at the unknowns and rates of the system."""
+        raise NotImplementedError
+
+    def widths(self) -> Mapping[str, int]:
+        """Its fields by name, with their numbers of components."""
+        raise NotImplementedError
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        """Fields at the nodes, (n,) or (n, components) each."""
+        raise NotImplementedError

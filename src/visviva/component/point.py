@@ -1,0 +1,209 @@
+"""Points and frames: everything attaches to these, so no joint knows what it joins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.arguments import place
+from visviva.base.errors import InputError
+from visviva.component.component import Component
+from visviva.model.field import Vectors
+from visviva.model.form import Vector
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+    from visviva.model.state import State
+
+Array = NDArray[np.float64]
+
+
+class Attachable(Component):
+    """A component that others can be attached to: its material points are linear forms of its unknowns."""
+
+    has_directions = True
+    is_massless = False  # frames that go with another component
+
+    def place(self, X: Array) -> Vector:
+        """Position of the material point `X` (3,), given in the component's own coordinates."""
+        raise NotImplementedError
+
+    def turn(self, direction: Array) -> Vector:
+        """A material direction (3,), given in the component's own coordinates."""
+        raise InputError(f"{self.label} has no directions to attach a frame to; attach a point instead")
+
+    def local(self, x: Array) -> Array:
+        """Own coordinates of the material point that is at `x` initially."""
+        raise NotImplementedError
+
+    def local_direction(self, d: Array) -> Array:
+        """Own coordinates of a direction given in space initially."""
+        return d
+
+    def vectors(self, model: Model) -> Vectors | None:
+        """What carries the component: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+
+        Positions move along under a translation, directors do not. None for what cannot move.
+        """
+        nodes = model.nodes.get(self)
+        if nodes is None:
+            return None
+        starts, is_position = zip(*nodes, strict=True)
+        return np.array(starts), np.array(is_position), 3
+
+    def wrench(self, state: State, force: Mapping[int, float], about: Array) -> tuple[Array, Array] | None:
+        """Force (3,) and torque (3,) about a point of forces by unknown; None for what cannot move."""
+        vectors = self.vectors(state.model)
+        if vectors is None:
+            return None
+        starts, is_position, width = vectors
+        by_unknown = np.zeros(len(state.x))
+        by_unknown[list(force)] = list(force.values())
+        index, beyond = starts[:, None] + np.arange(width), ((0, 0), (0, 3 - width))
+        f, x = np.pad(by_unknown[index], beyond), np.pad(state.x[index], beyond)
+        arms = x - np.where(is_position[:, None], about, 0.0)
+        return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
+
+    def feelers(self) -> tuple[Array, float] | None:
+        """Where it touches others: points (n, 3) in own coordinates, and the radius of balls about them."""
+        return None
+
+    def point(self, X: Any = (0.0, 0.0, 0.0)) -> Point:
+        """The material point with own coordinates `X` (3,)."""
+        return Point(self, place(self.label, "X", X))
+
+    def point_at(self, x: Any) -> Point:
+        """The material point that is at `x` (3,) in the initial configuration."""
+        return self.point(self.local(place(self.label, "x", x)))
+
+    def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Frame:
+        """Point and three orthonormal directions, given by rows in own coordinates."""
+
+        return Frame(self, place(self.label, "X", X), place(self.label, "axes", axes, (3, 3)))
+
+    def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Frame:
+        """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
+        axes = np.array([self.local_direction(d) for d in triad(axis, first)])
+        return self.frame(self.local(place(self.label, "x", x)), axes)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A material point of a component: a constant linear form of its unknowns."""
+
+    component: Attachable
+    X: Array
+
+    @property
+    def position(self) -> Vector:
+        """Position in space as a vector form, once the component is part of a system."""
+        try:
+            return self.component.place(self.X)
+        except AttributeError:
+            refuse_uncomposed(self.component)
+            raise
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Point):
+    """A material point with three material directions, rows of `axes`; the third is the axis of joints."""
+
+    axes: Array
+
+    def __post_init__(self) -> None:
+        if orthonormality(self.axes) > 1e-9 or handedness(self.axes) < 0:
+            raise InputError(
+                f"the frame on {self.component.label} has axes that are not right-handed and orthonormal: "
+                f"{self.axes.tolist()}; use frame_at(x, axis) to get a triad from one axis"
+            )
+
+    @property
+    def directors(self) -> tuple[Vector, Vector, Vector]:
+        """The three directions in space as vector forms."""
+        try:
+            a, b, c = (self.component.turn(axis) for axis in self.axes)
+        except AttributeError:
+            refuse_uncomposed(self.component)
+            raise
+        return a, b, c
+
+
+def refuse_uncomposed(component: Component) -> None:
+    """Say what is missing where a component is asked for its unknowns before a system has given it any."""
+    if not hasattr(component, "_system"):
+        raise InputError(
+            f"{component.label} is not part of a system yet: what is asked for is a form of its unknowns, which "
+            "vv.System([...]) numbers; compose the system first"
+        ) from None
+
+
+def triad(axis: Any, first: Any = None) -> Array:
+    """Right-handed orthonormal rows whose third is along `axis`; the first is the projection of `first`.
+
+    Examples
+    --------
+    >>> triad((0, 0, 2)).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    d3 = unit(vector(axis))
+    if d3 is None:
+        raise InputError(f"an axis needs three finite numbers that are not all zero, not {axis}")
+    if first is None:
+        sizes = [round(abs(c), 9) for c in d3]
+        first = np.eye(3)[sizes.index(min(sizes))]
+    given = vector(first)
+    along = dot(given, d3)
+    d1 = unit([g - along * d for g, d in zip(given, d3, strict=True)], 1e-9)
+    if d1 is None:
+        raise InputError(f"the first direction {first} is parallel to the axis {axis}")
+    return np.array([d1, cross(d3, d1), d3])
+
+
+# --- three numbers as plain Python: much quicker than arrays of them ----------------------------------------
+Three = Sequence[float]
+
+
+def vector(value: Any) -> list[float]:
+    """Whatever is given, as a list of numbers."""
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.shape != (3,):
+        raise InputError(f"a direction is 3 numbers, not {value!r}")
+    listed: list[float] = numbers.tolist()
+    return listed
+
+
+def dot(a: Three, b: Three) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Three, b: Three) -> list[float]:
+    """Vector product."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a: Three, least: float = 0.0) -> list[float] | None:
+    """Three numbers divided by their length; None if that is not finite or not above `least`."""
+    size = math.hypot(*a) if len(a) == 3 else math.nan
+    return [c / size for c in a] if least < size < math.inf else None
+
+
+def orthonormality(rows: Array) -> float:
+    """By how much the rows of a matrix (3, 3) fail to be orthonormal."""
+    a, b, c = rows.tolist()
+    defects = dot(a, a) - 1, dot(b, b) - 1, dot(c, c) - 1, dot(a, b), dot(b, c), dot(c, a)
+    return max(map(abs, defects))
+
+
+def handedness(matrix: Array) -> float:
+    """Determinant of a matrix (3, 3): positive for a right-handed triad."""
+    a, b, c = matrix.tolist()
+    return dot(a, cross(b, c))

@@ -1,0 +1,194 @@
+"""Types of constructor arguments: validated on entry, plain data in scene files, described in JSON Schema."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
+
+from visviva.base.timefunction import TIME_SCHEMA, TimeFunction
+
+Array = NDArray[np.float64]
+
+NUMBER = {"type": "number"}
+
+
+def _array(value: Any) -> Array:
+    try:
+        given = np.asarray(value)
+        # texts and Booleans would become numbers, and among numbers they do not show in the type of the array
+        mixed = isinstance(value, list | tuple) and any(isinstance(item, bool) for item in flat(value))
+        if given.dtype.kind not in "iuf" or mixed:
+            raise TypeError
+        a = given.astype(float)
+    except (TypeError, ValueError):
+        raise ValueError(f"expected numbers, not {value!r}") from None
+    if not np.isfinite(a).all():
+        raise ValueError(f"expected finite numbers, not {np.asarray(value).tolist()}")
+    return a
+
+
+def flat(value: Any) -> Iterator[Any]:
+    """What lists in lists hold."""
+    for item in value:
+        if isinstance(item, list | tuple):
+            yield from flat(item)
+        else:
+            yield item
+
+
+def _vector(value: Any) -> Array:
+    a = _array(value)
+    if a.shape != (3,):
+        raise ValueError(f"expected a list of 3 numbers, not {np.asarray(value).tolist()!r}")
+    return a
+
+
+def _matrix(value: Any) -> Array:
+    a = _array(value)
+    if a.shape not in ((3,), (3, 3)):
+        raise ValueError(f"expected 3 numbers or 3 rows of 3 numbers, not {np.asarray(value).tolist()!r}")
+    return a
+
+
+def _list(a: Array | None) -> Any:
+    return None if a is None else a.tolist()
+
+
+VECTOR_SCHEMA = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+Vector3 = Annotated[Any, BeforeValidator(_vector), PlainSerializer(_list), WithJsonSchema(VECTOR_SCHEMA)]
+Matrix = Annotated[
+    Any,
+    BeforeValidator(_matrix),
+    PlainSerializer(_list),
+    WithJsonSchema(
+        {"anyOf": [VECTOR_SCHEMA, {"type": "array", "items": VECTOR_SCHEMA, "minItems": 3, "maxItems": 3}]}
+    ),
+]
+Number = FiniteFloat
+
+
+def _is_function(value: Any) -> bool:
+    """Whether a value is to be called; a class is not, it would give an object of itself."""
+    return callable(value) and not isinstance(value, type)
+
+
+def _function(value: Any) -> Any:
+    if not _is_function(value):
+        raise ValueError(f"expected a Python function, not {value!r}")
+    return value
+
+
+def _vector_or_function(value: Any) -> Any:
+    return value if _is_function(value) else _vector(value)
+
+
+def _plain_vector(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return _list(value)
+
+
+Function = Annotated[
+    Any,
+    BeforeValidator(_function),
+    PlainSerializer(_plain_vector),
+    WithJsonSchema({"not": {}, "description": "a Python function; not possible in a file"}),
+]
+VectorOrFunction = Annotated[
+    Any, BeforeValidator(_vector_or_function), PlainSerializer(_plain_vector), WithJsonSchema(VECTOR_SCHEMA)
+]
+
+
+def _number_or_function(value: Any) -> Any:
+    if _is_function(value):
+        return value
+    if isinstance(value, bool | str) or _array(value).ndim:
+        raise ValueError(f"expected a number or a Python function, not {value!r}")
+    return float(value)
+
+
+def _plain_number(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return value
+
+
+NumberOrFunction = Annotated[
+    Any, BeforeValidator(_number_or_function), PlainSerializer(_plain_number), WithJsonSchema(NUMBER)
+]
+
+
+def _nodes(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    found = np.asarray(value)
+    if found.ndim != 1 or found.dtype.kind not in "iu" or not len(found):
+        raise ValueError(
+            f"expected the name of a set of nodes or faces, 'all', or numbers of nodes, not {value!r}"
+        )
+    return found.astype(np.int64)
+
+
+Nodes = Annotated[
+    Any,
+    BeforeValidator(_nodes),
+    PlainSerializer(lambda nodes: nodes if isinstance(nodes, str) else nodes.tolist()),
+    WithJsonSchema(
+        {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "integer"}, "minItems": 1}]}
+    ),
+]
+"""Nodes of a solid: the name of a set of nodes or faces, 'all', or numbers."""
+
+
+def _faces(value: Any) -> Any:
+    from visviva.mesh.faces import Faces
+
+    if not isinstance(value, str | Faces):
+        raise ValueError(f"expected the name of a set of faces, 'all', or Faces, not {value!r}")
+    return value
+
+
+def _name(faces: Any) -> str:
+    if not isinstance(faces, str):
+        raise ValueError("faces without a name cannot be written to a file; give the mesh a set of them")
+    return faces
+
+
+FaceSet = Annotated[Any, BeforeValidator(_faces), PlainSerializer(_name), WithJsonSchema({"type": "string"})]
+"""Faces of a solid: the name of a set, 'all' for the boundary, or `Faces`."""
+
+
+def _motion(value: Any) -> Any:
+    if _is_function(value):
+        return value
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 3:
+        raise ValueError(f"expected a function of (t, X), or 3 functions of time or None, not {value!r}")
+    return tuple(
+        None if f is None or (isinstance(f, str) and f == "free") else TimeFunction(f) for f in value
+    )
+
+
+def _plain_motion(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return ["free" if f is None else f.source for f in value]
+
+
+Motion = Annotated[
+    Any,
+    BeforeValidator(_motion),
+    PlainSerializer(_plain_motion),
+    WithJsonSchema(
+        {
+            "type": "array",
+            "items": {"anyOf": [TIME_SCHEMA, {"type": "null"}]},
+            "minItems": 3,
+            "maxItems": 3,
+        }
+    ),
+]
+"""Displacements: a function of time and positions, or a function of time, None or 'free' for each direction."""

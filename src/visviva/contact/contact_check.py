@@ -1,0 +1,165 @@
+"""What is wrong with surfaces before they touch: found with component, place and cure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.body.rigid import RigidBody
+from visviva.body.solid import Solid
+from visviva.body.solid_faces import face_points
+from visviva.mesh.faces import Faces
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+    from visviva.scheme.schemes import Scheme
+
+Array = NDArray[np.float64]
+
+SOFTEST, STIFFEST = 1e-4, 1e6
+"""Penalties outside this range of the bodies' own stiffness are mistakes of unit."""
+DEEP = 1e-6
+"""Surfaces may overlap by this part of a facet at the start: rounding of meshes."""
+
+
+def check_multipliers(contact: Contact) -> None:
+    """Refuse dual and condensed multipliers where there are none."""
+    label, dual, condensed = contact.label, contact.multipliers == "dual", contact.condensed
+    if not (dual or condensed):
+        return
+    what = f"multipliers={contact.multipliers!r}" if dual else "condensed=True"
+    if contact.enforcement == "penalty":
+        raise InputError(f"{label}: {what} needs enforcement='multipliers', not 'penalty', which has none")
+    if contact.friction > 0:
+        raise InputError(
+            f"{label}: {what} is for contact without friction, which has tractions beside pressures; leave out "
+            f"friction = {contact.friction:g}, or take multipliers='standard' with condensed=False"
+        )
+    second = contact.second
+    exact = second is not None and second.surface() is None and second.outline() is not None
+    if dual and (contact.formulation != "mortar" or exact):
+        raise InputError(
+            f"{label}: multipliers='dual' are those of mortar contact between surfaces; here vertices have one each: "
+            "leave it out, they can be condensed as they are"
+        )
+    if condensed and not isinstance(contact.first, Solid):
+        raise InputError(
+            f"{label}: condensed=True needs nodes of a solid on the first surface, which {contact.first.label} has "
+            "not; exchange first and second, or leave it out"
+        )
+    if condensed and not dual and contact.formulation == "mortar" and not exact:
+        raise InputError(
+            f"{label}: standard multipliers of mortar contact press on the nodes beside their own as well and cannot "
+            "be condensed; give multipliers='dual'"
+        )
+
+
+def check_restitution(contact: Contact) -> None:
+    """Refuse a restitution that no impact can have, or where it is not for the contact to choose."""
+    label, share = contact.label, contact.restitution
+    if share is None:
+        return
+    if not 0 <= share <= 1:
+        raise InputError(f"{label}: restitution = {share:g} is not a share of velocity from 0 to 1")
+    if contact.enforcement != "multipliers":
+        raise InputError(
+            f"{label}: restitution = {share:g} needs enforcement='multipliers'; with a penalty give damping"
+        )
+    if contact.impact == "conserving":
+        raise InputError(
+            f"{label}: impact='conserving' is restitution 1, not {share:g}; leave one of them out"
+        )
+    if contact.initial == "press":
+        raise InputError(
+            f"{label}: restitution = {share:g} with initial='press', which pushes out what an impact leaves as well; "
+            "move the bodies apart and leave out initial"
+        )
+    if isinstance(contact.first, Solid):
+        raise InputError(
+            f"{label}: restitution = {share:g} is for rigid bodies and points, and {contact.first.label} is a solid, "
+            "whose waves take the energy of an impact; leave it out"
+        )
+
+
+def check_schemes(contact: Contact, scheme: Scheme) -> None:
+    """Refuse schemes under which contact would not do what it promises."""
+    label = contact.label
+    if contact.damping > 0 and scheme.has_inertia and not scheme.discrete_gradient:
+        raise InputError(
+            f"{label}: damping = {contact.damping:g} needs the scheme EnergyMomentum(), not {scheme!r}"
+        )
+    if contact.enforcement == "multipliers" and scheme.has_inertia and scheme.needs_acceleration:
+        raise InputError(
+            f"{label}: {scheme!r} remembers accelerations, which an impact by multipliers makes wrong, and adds energy "
+            "then; take EnergyMomentum() or BackwardEuler(), or enforcement='penalty'"
+        )
+
+
+def check_sides(contact: Contact) -> None:
+    """Refuse sides that cannot touch each other as they are given."""
+    first, second = contact.first, contact.second
+    sides = ((first, contact.first_faces, "first"), (second, contact.second_faces, "second"))
+    for body, faces, side in sides:
+        if body is None:
+            continue
+        if isinstance(body, Solid):
+            check_faces(body, body.faces(faces), contact.label)
+        elif isinstance(body, RigidBody) and body.shape is None:
+            raise InputError(f"{contact.label}: {body.label} has no surface; give it a shape")
+        elif faces != "all" and not isinstance(body, RigidBody):
+            raise InputError(
+                f"{contact.label}: {body.label} touches with its whole shape; leave out {side}_faces = {faces!r}"
+            )
+    solids = [body for body in (first, second) if isinstance(body, Solid)]
+    if len({body.axisymmetric for body in solids}) > 1:
+        raise InputError(f"{contact.label}: one of {solids[0].label} and {solids[1].label} is axisymmetric")
+    if first is not second:
+        return
+    if not isinstance(first, Solid):
+        raise InputError(f"{contact.label}: {first.label} cannot touch itself")
+    shared = np.intersect1d(first.faces(contact.first_faces).nodes, first.faces(contact.second_faces).nodes)
+    if len(shared):
+        raise InputError(
+            f"{contact.label}: both surfaces are of {first.label} and share node {shared[0]}; give parts of it that "
+            "lie apart, or leave out second for self-contact"
+        )
+
+
+def check_faces(solid: Solid, faces: Faces, label: str) -> None:
+    """Refuse faces that look into the cells they belong to."""
+    for kind, points in zip(faces.cells, face_points(solid, faces), strict=True):
+        centres = solid.points[points.nodes].mean(axis=1)
+        inner = np.pad(solid.grid.centres[faces.owners[kind]], ((0, 0), (0, 3 - solid.dimension)))
+        outwards = np.einsum("mc,mc->m", points.normal.mean(axis=1), centres - inner)
+        if np.any(outwards < 0):
+            place = ", ".join(f"{c:.4g}" for c in centres[np.argmin(outwards)])
+            raise InputError(
+                f"{label}: the face of {solid.label} near ({place}) looks into the solid; reverse its nodes"
+            )
+
+
+def check_stiffness(label: str, given: float, own: float, right: float) -> None:
+    """Refuse a penalty that has nothing to do with the bodies' `own` stiffness; `right` is one that does."""
+    if not SOFTEST * own <= given <= STIFFEST * own:
+        what = "bodies would pass through each other" if given < own else "it swamps the bodies' stiffness"
+        raise InputError(
+            f"{label}: stiffness = {given:.3g} of the penalty is {given / own:.1g} times that of a layer of elements: "
+            f"{what}; about {right:.2g} is right, which is the default"
+        )
+
+
+def refuse_overlap(contact: Contact, places: Array) -> None:
+    """Refuse surfaces that overlap: `places` (n, 3) are the vertices of the first one."""
+    depth = -np.nan_to_num(contact.gaps)
+    worst = int(np.argmax(depth))
+    if depth[worst] > DEEP * contact.size:
+        place = ", ".join(f"{c:.4g}" for c in places[worst])
+        other = "itself" if contact.second is None else contact.second.label
+        raise InputError(
+            f"{contact.label}: {contact.first.label} and {other} overlap by {depth[worst]:.3g} near "
+            f"({place}) at the start; move one of them, or give initial='press' to start under the pressure that this "
+            "overlap makes, or 'resolve' to move nodes apart"
+        )

@@ -1,0 +1,129 @@
+"""Fields of a flow at its nodes: velocity, pressure, vorticity; and how well mass is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError, nearest
+from visviva.body.solid_fields import linear
+from visviva.mesh.cells import CELLS
+
+if TYPE_CHECKING:
+    from visviva.flow.elements import Batch
+    from visviva.flow.fluid import Fluid
+
+Array = NDArray[np.float64]
+
+CHUNK = 4096  # elements whose gradients are held at a time
+
+
+def raw_pressures(fluid: Fluid, x: Array) -> Array:
+    """The unknown pressures by number."""
+    return x[fluid.pressure.start : fluid.pressure.start + fluid.pressure.size]
+
+
+def level(fluid: Fluid, x: Array) -> float:
+    """What is taken off the unknown pressures, so that their mean vanishes where nothing else fixes them."""
+    if not fluid.conditions.closed:
+        return 0.0
+    p, total, size = raw_pressures(fluid, x), 0.0, 0.0
+    for batch in fluid.batches:
+        _, volume = batch.geometry()
+        total += float(np.sum(volume * (p[fluid.pressure_number[batch.cell]] @ batch.M.T)))
+        size += float(volume.sum())
+    return total / size
+
+
+def nodal_pressures(fluid: Fluid, x: Array) -> Array:
+    """Pressures (n_nodes,), linear between corners."""
+    p, found = raw_pressures(fluid, x), np.zeros(fluid.grid.n_nodes)
+    for batch in fluid.batches:
+        N = linear(CELLS[batch.cell]).N(CELLS[batch.cell].nodes)
+        found[batch.nodes] = p[fluid.pressure_number[batch.cell]] @ N.T
+    return found - level(fluid, x)
+
+
+def gradients(fluid: Fluid, x: Array) -> Iterator[tuple[Batch, slice, Array, Array]]:
+    """Gradients (m, q, 3, 3) ``dv_i/dx_j`` of the velocity and volumes (m, q), some thousand elements at a time."""
+    v = fluid.velocities(x)
+    for batch in fluid.batches:
+        for start in range(0, len(batch.nodes), CHUNK):
+            part = slice(start, min(start + CHUNK, len(batch.nodes)))
+            G, volume = batch.geometry(part)
+            L = np.zeros((*volume.shape, 3, 3))
+            L[..., : fluid.dimension] = np.einsum("mki,mqkj->mqij", v[batch.nodes[part]], G)
+            yield batch, part, L, volume
+
+
+def nodal_gradients(fluid: Fluid, x: Array) -> Array:
+    """Gradients (n_nodes, 3, 3) at the nodes: of each element there, then the mean weighted by volumes."""
+    v, total, weight = fluid.velocities(x), np.zeros((fluid.grid.n_nodes, 3, 3)), np.zeros(fluid.grid.n_nodes)
+    for batch in fluid.batches:
+        cell = CELLS[batch.cell]
+        X = fluid.grid.points[batch.nodes]
+        J = np.einsum("mkd,akj->madj", X, cell.dN(cell.nodes))
+        G = cell.dN(cell.nodes) @ np.linalg.inv(J)
+        size = batch.geometry()[1].sum(axis=1)
+        L = np.zeros((*batch.nodes.shape, 3, 3))
+        L[..., : fluid.dimension] = np.einsum("mki,makj->maij", v[batch.nodes], G)
+        np.add.at(total, batch.nodes, size[:, None, None, None] * L)
+        np.add.at(weight, batch.nodes, size[:, None])
+    mean: Array = total / weight[:, None, None]
+    return mean
+
+
+def vorticity(fluid: Fluid, x: Array) -> Array:
+    """Curl of the velocity at the nodes: (n,) in the plane, (n, 3) in space."""
+    L = nodal_gradients(fluid, x)
+    curl = np.stack([L[:, 2, 1] - L[:, 1, 2], L[:, 0, 2] - L[:, 2, 0], L[:, 1, 0] - L[:, 0, 1]], axis=1)
+    return curl[:, 2] if fluid.dimension == 2 else curl
+
+
+FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
+    "velocity": lambda fluid, x: fluid.velocities(x),
+    "speed": lambda fluid, x: np.asarray(np.linalg.norm(fluid.velocities(x), axis=1)),
+    "pressure": lambda fluid, x: fluid.pressures(x),
+    "vorticity": vorticity,
+}
+"""What can be recorded and written of fluids by name."""
+
+
+def widths(fluid: Fluid) -> dict[str, int]:
+    """Number of components of every field."""
+    return {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if fluid.dimension == 2 else 3}
+
+
+def flow_field(name: str) -> Callable[[Fluid, Array], Array]:
+    """A field by its name.
+
+    Raises
+    ------
+    InputError
+        With the nearest valid name.
+    """
+    if name not in FIELDS:
+        raise InputError(f"fluids have no field {name!r}{nearest(name, FIELDS)}")
+    return FIELDS[name]
+
+
+def courant(fluid: Fluid, x: Array, h: float) -> float:
+    """Largest part of a cell, along the velocity at one of its nodes, that the fluid passes in a time `h`."""
+    v, fastest = fluid.velocities(x)[:, : fluid.dimension], 0.0
+    for batch in fluid.batches:
+        along = np.einsum("mij,mkj->mki", batch.inverse, v[batch.nodes])
+        squares = np.einsum("mki,ij,mkj->mk", along, batch.shape, along)
+        fastest = max(fastest, float(np.sqrt(squares.max(initial=0.0))))
+    return 0.5 * h * fastest
+
+
+def divergence(fluid: Fluid, x: Array) -> float:
+    """Root mean square of the divergence of the velocity over the fluid."""
+    total = size = 0.0
+    for _, _, L, volume in gradients(fluid, x):
+        total += float(np.sum(volume * np.trace(L, axis1=2, axis2=3) ** 2))
+        size += float(volume.sum())
+    return float(np.sqrt(total / size))

@@ -1,0 +1,226 @@
+"""What all joints share: two frames, constraints as strains, coordinates by augmentation, reactions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.point import Attachable, Frame, Point, refuse_uncomposed
+from visviva.component.values import Vector3
+from visviva.model.form import Form, Strain, Vector, dot, strain
+from visviva.model.law import Law, LawKind
+
+if TYPE_CHECKING:
+    from visviva.model.field import Field
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+
+
+class Side:
+    """One side of a joint: position and, where the component has directions, three directors."""
+
+    def __init__(self, point: Point) -> None:
+        self.point = point
+
+    @cached_property
+    def p(self) -> Vector:
+        """Position of the point."""
+        return self.point.position
+
+    @cached_property
+    def d1(self) -> Vector:
+        """First direction of the frame."""
+        return self._director(0)
+
+    @cached_property
+    def d2(self) -> Vector:
+        """Second direction."""
+        return self._director(1)
+
+    @cached_property
+    def d3(self) -> Vector:
+        """Third direction: the axis."""
+        return self._director(2)
+
+    def _director(self, k: int) -> Vector:
+        assert isinstance(self.point, Frame)
+        return self.point.component.turn(self.point.axes[k])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Joint(Component):
+    """Base of joints: `constraints` is all that a joint defines.
+
+    Parameters
+    ----------
+    a, b : component, Point or Frame
+        What is joined. For a component, `at` and `axis` say where.
+    at : array (3,)
+        Place of the joint in the initial configuration.
+    axis : array (3,)
+        Its axis (third direction of both frames) in the initial configuration.
+    first : array (3,)
+        What the first direction of both frames is close to; chosen if not given.
+    angle, stroke : bool
+        Make the joint's angle (counting turns) or stroke a coordinate of the system.
+    """
+
+    a: Any
+    b: Any
+    at: Vector3 | None = None
+    axis: Vector3 | None = None
+    first: Vector3 | None = None
+    angle: bool = False
+    stroke: bool = False
+
+    needs_frames = True
+    needs_frame_b = True
+    has_angle = False
+    has_stroke = False
+
+    def __post_init__(self) -> None:
+        if self._component(self.a) is self._component(self.b):
+            raise InputError(f"{self.label} joins {self._component(self.a).label} with itself")
+        for wanted, possible in (("angle", self.has_angle), ("stroke", self.has_stroke)):
+            if getattr(self, wanted) and not possible:
+                raise InputError(f"{self.label}: a {type(self).__name__} joint has no {wanted}")
+
+    @staticmethod
+    def _component(side: Any) -> Attachable:
+        component = side.component if isinstance(side, Point) else side
+        if not isinstance(component, Attachable):
+            raise InputError(f"a joint needs bodies, points or frames to join, not {side!r}")
+        return component
+
+    @property
+    def partners(self) -> tuple[Attachable, Attachable]:
+        """The two components that are joined."""
+        return self._component(self.a), self._component(self.b)
+
+    def _attach(self, side: Any) -> Point:
+        framed = self.needs_frames and (side is self.a or self.needs_frame_b)
+        if isinstance(side, Point):
+            if framed and not isinstance(side, Frame):
+                raise InputError(f"{self.label} needs frames; use {side.component.label}.frame(...)")
+            return side
+        if self.at is None:
+            raise InputError(f"{self.label}: say where with at=(x, y, z), or give points or frames to join")
+        if not framed:
+            return side.point_at(self.at)  # type: ignore[no-any-return]
+        axis = np.array([0.0, 0.0, 1.0]) if self.axis is None else self.axis
+        return side.frame_at(self.at, axis, self.first)  # type: ignore[no-any-return]
+
+    # --- what a joint defines ------------------------------------------------------------------------------
+    def constraints(self, A: Side, B: Side) -> Sequence[Strain | Form]:
+        """The constraints between the two sides."""
+        raise NotImplementedError
+
+    # --- part in the system --------------------------------------------------------------------------------
+    def want(self, coordinate: str) -> None:
+        """Ask for a coordinate before the system is built (motors and springs on joints do)."""
+        if not getattr(self, f"has_{coordinate}"):
+            raise InputError(f"{self.label}: a {type(self).__name__} joint has no {coordinate}")
+        setattr(self, coordinate, True)
+
+    def declare(self, model: Model) -> None:
+        self.sides = Side(self._attach(self.a)), Side(self._attach(self.b))
+        self._coordinates: dict[str, Field] = {}
+        x, v = model.initial
+        if self.angle:
+            e0, e1 = angle_strains(*self.sides)
+            s, c = e1.value(x), e0.value(x)
+            rate = (c * e1.rate(x, v) - s * e0.rate(x, v)) / (s * s + c * c)
+            self._coordinates["angle"] = model.field(
+                self, "angle", [np.arctan2(s, c)], [rate], scale=1.0, stage=1
+            )
+        if self.stroke:
+            u = stroke_strain(*self.sides)
+            self._coordinates["stroke"] = model.field(
+                self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length, stage=1
+            )
+
+    def contribute(self, model: Model) -> None:
+        self._strains = self._effective([strain(e) for e in self.constraints(*self.sides)], model.initial[0])
+        n = len(self._strains)
+        self._multipliers = model.multipliers(self, "reaction", n + len(self._coordinates), block=self)
+        if n:
+            model.constrain(self, self._multipliers, self._strains)
+        k = n
+        if self.angle:
+            ties = [*angle_strains(*self.sides), strain(self.coordinate("angle"))]
+            model.constrain(self, self._multipliers, ties, first=k, law=Law(LawKind.ANGLE), n=1)
+            k += 1
+        if self.stroke:
+            tie = stroke_strain(*self.sides) - self.coordinate("stroke")
+            model.constrain(self, self._multipliers, [tie], first=k)
+
+    def _effective(self, strains: list[Strain], x: Array) -> list[Strain]:
+        """The constraints that have unknowns: plane solids fulfil those across their plane by themselves."""
+        kept = [e for e in strains if e.products or e.linear.weights]
+        a, b = (c.label for c in self.partners)
+        if any(abs(e.value(x)) > 1e-9 for e in strains if not (e.products or e.linear.weights)):
+            raise InputError(
+                f"{self.label} cannot join {a} and {b}, which stay in their planes: give both sides the same z, and "
+                "an axis across the plane or in it"
+            )
+        if strains and not kept:
+            raise InputError(
+                f"{self.label} holds nothing: {a} and {b} stay in their planes anyway; leave it out"
+            )
+        return kept
+
+    def coordinate(self, name: str | None = None) -> Form:
+        """The joint's coordinate as a form; `name` where it has both an angle and a stroke."""
+        refuse_uncomposed(self)
+        if name is None:
+            if len(self._coordinates) != 1:
+                raise InputError(f"{self.label} has the coordinates {list(self._coordinates)}; say which")
+            name = next(iter(self._coordinates))
+        if name not in self._coordinates:
+            raise InputError(
+                f"{self.label} has no coordinate {name!r}: it has {list(self._coordinates)}; construct the joint "
+                f"with {name}=True"
+            )
+        return self._coordinates[name].form()
+
+    def generalised_reaction(self, x: Array) -> dict[int, float]:
+        """Force of the joint on every unknown it touches, from the multipliers in `x`."""
+        force: dict[int, float] = {}
+        for k, e in enumerate(self._strains):
+            lam = float(x[self._multipliers.start + k])
+            for u, g in e.gradient(x).items():
+                force[u] = force.get(u, 0.0) - lam * g
+        for name, field in self._coordinates.items():  # massless: what acts on them, the bodies feel
+            passed = force.pop(field.start, 0.0)
+            for u, g in self._slope(name, x).items():
+                force[u] = force.get(u, 0.0) + passed * g
+        return force
+
+    def _slope(self, coordinate: str, x: Array) -> dict[int, float]:
+        """Derivatives of a coordinate by the unknowns of the bodies."""
+        if coordinate == "stroke":
+            return stroke_strain(*self.sides).gradient(x)
+        cosine, sine = angle_strains(*self.sides)
+        c, s = cosine.value(x), sine.value(x)
+        slope = {u: c * g / (c * c + s * s) for u, g in sine.gradient(x).items()}
+        for u, g in cosine.gradient(x).items():
+            slope[u] = slope.get(u, 0.0) - s * g / (c * c + s * s)
+        return slope
+
+
+def angle_strains(A: Side, B: Side) -> tuple[Strain, Strain]:
+    """Cosine and sine of the angle of B's first director in A's plane of directors 1 and 2."""
+    return dot(A.d1, B.d1), dot(A.d2, B.d1)
+
+
+def stroke_strain(A: Side, B: Side) -> Strain:
+    """How far B is along A's third director."""
+    return dot(A.d3, B.p - A.p)

@@ -1,0 +1,225 @@
+"""Loads on faces of solids: traction, pressure, elastic foundation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.base.timefunction import OfTime
+from visviva.body.solid import Solid
+from visviva.body.solid_faces import FacePoints, face_points, nodal_forces
+from visviva.component.component import Component, settings
+from visviva.component.values import FaceSet, Number, VectorOrFunction
+from visviva.load.distributed import Distribution
+from visviva.model.batch import Layout, along, strain_batch
+from visviva.model.law import Law, LawKind
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class OnFaces(Component):
+    """Base of what acts on `faces` of a `solid`, by the name of their set, or 'all' for the whole boundary."""
+
+    solid: Solid
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        try:
+            self._faces = self.solid.faces(self.faces)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Traction(OnFaces):
+    """Dead load per reference area.
+
+    Parameters
+    ----------
+    solid : Solid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+    traction : array (3,) or callable
+        Force per reference area; or ``f(t, X)`` of time and reference positions (n, 3) with values (n, 3).
+    times : number, expression, table or callable
+        Factor as a function of time, see `TimeFunction`.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), density=1.0)
+    >>> system = vv.System([block, vv.Traction(solid=block, faces="z1", traction=(0, 0, 2.0), times="cos(t)")])
+    """
+
+    traction: VectorOrFunction
+    times: OfTime | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._distribution = Distribution(self.label, "traction", self.solid, self.traction, self.times)
+
+    def contribute(self, model: Model) -> None:
+        self._distribution.contribute(model, self, list(face_points(self.solid, self._faces)))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Pressure(OnFaces):
+    """Pressure on faces, positive where it pushes into the solid.
+
+    Parameters
+    ----------
+    solid : Solid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+    pressure : number, expression, table or callable
+        As a function of time, see `TimeFunction`.
+    follower : bool
+        It acts along the normals and on the areas of the deformed surface; otherwise on those of the reference.
+
+    Notes
+    -----
+    The ledger books its work; with energy-momentum and midpoint rules the balance closes to round-off, and a
+    pressure all around a body changes neither of its momenta: it acts on the surface in the middle of the step. Its
+    work is then pressure times change of area exactly in the plane; volumes are cubic, so in space that holds to second
+    order in the step. The tangent of a follower pressure is exact and not symmetric.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.SphereMesh(radius=1.0, counts=(2, 2))
+    >>> ball = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), density=1.0)
+    >>> system = vv.System([ball, vv.Pressure(solid=ball, faces="all", pressure="10*t")])
+    """
+
+    pressure: OfTime
+    follower: bool = True
+
+    def contribute(self, model: Model) -> None:
+        if not self.follower:
+            nodes, force = nodal_forces(self.solid, self._faces, lambda p: -p.normal)
+            first = self.solid.node_unknowns(nodes)
+            model.nodal_loads(self, "pressure", first, force[:, : self.solid.dimension], self.pressure)
+            return
+        signal = model.signal(self.pressure)
+        for p in face_points(self.solid, self._faces):
+            index = element_unknowns(self.solid, p)
+            layout, weights = self._normals(p)
+            term = strain_batch(layout, Law(LawKind.FOLLOWER), index, weights, (0.0, 0.0), signal)
+            model.strain_batch(self, "pressure", "work", term, len(index))
+
+    def _normals(self, p: FacePoints) -> tuple[Layout, Array]:
+        """Places and forces per pressure at the quadrature points as strains (6) of the nodes of each face."""
+        m, k = p.nodes.shape
+        if self.solid.dimension == 3:
+            layout = space_normals(k)
+            first = -p.weights[:, None] * p.dN[:, :, 0]
+            point = np.hstack([p.N, p.N, p.N, first, first, first, *[p.dN[:, :, 1]] * 3])
+            return layout, np.tile(point, (m, 1))
+        slope, across = p.dN[:, :, 0], p.weights[:, None] * p.N
+        if self.solid.axisymmetric:
+            point = np.hstack([p.N, p.N, slope, slope, -2 * np.pi * across])
+            return ring_normals(k), np.tile(point, (m, 1))
+        flat = -self.solid.thickness * p.weights[:, None] * slope
+        return edge_normals(k), np.tile(np.hstack([p.N, p.N, flat, -flat]), (m, 1))
+
+
+def element_unknowns(solid: Solid, p: FacePoints) -> NDArray[np.int32]:
+    """Unknowns (m q, d k) of the faces' nodes, once for each quadrature point."""
+    d, (m, k) = solid.dimension, p.nodes.shape
+    each = (solid.node_unknowns(p.nodes)[:, :, None] + np.arange(d)).reshape(m, d * k)
+    return np.repeat(each, len(p.weights), axis=0)
+
+
+def node_forms(d: int, k: int, first: int) -> list[tuple[int, int]]:
+    """Forms `first` ...: the components of a weighted sum of k nodes of d unknowns."""
+    return [(first + c, d * a + c) for c in range(d) for a in range(k)]
+
+
+def space_normals(k: int) -> Layout:
+    """Strains x (3) and a x b (3) of the forms x, a, b, sums over k nodes in space."""
+    forms = [*node_forms(3, k, 0), *node_forms(3, k, 3), *node_forms(3, k, 6)]
+    cyclic = [(0, 1, 2), (1, 2, 0), (2, 0, 1)]
+    products = [(3 + i, 3 + j, 6 + l) for i, j, l in cyclic] + [(3 + i, 3 + l, 6 + j) for i, j, l in cyclic]
+    return Layout(3 * k, 9, 6, forms, [(c, c) for c in range(3)], products, [1.0] * 3 + [-1.0] * 3)
+
+
+def edge_normals(k: int) -> Layout:
+    """Strains x (2), 0, y', x', 0 of the forms x, y', x', sums over k nodes in the plane."""
+    forms = [*node_forms(2, k, 0), *[(2, 2 * a + 1) for a in range(k)], *[(3, 2 * a) for a in range(k)]]
+    return Layout(2 * k, 4, 6, forms, [(0, 0), (1, 1), (3, 2), (4, 3)])
+
+
+def ring_normals(k: int) -> Layout:
+    """Strains x (2), 0, r (a_y, -a_x), 0 of the forms x, a and the radius r, sums over k nodes in the plane."""
+    forms = [*node_forms(2, k, 0), *node_forms(2, k, 2), *[(4, 2 * a) for a in range(k)]]
+    products = [(3, 4, 3), (4, 4, 2)]
+    return Layout(2 * k, 5, 6, forms, [(0, 0), (1, 1)], products, [1.0, -1.0])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ElasticFoundation(OnFaces):
+    """Springs, and dampers, from faces to their reference places.
+
+    Parameters
+    ----------
+    solid : Solid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+    normal, tangential : float
+        Stiffness per reference area across the reference surface, and along it.
+    damping : float
+        Force per velocity and reference area, in all directions.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), density=1.0)
+    >>> system = vv.System([block, vv.ElasticFoundation(solid=block, faces="z0", normal=50.0), vv.Gravity()])
+    """
+
+    normal: Number = 0.0
+    tangential: Number = 0.0
+    damping: Number = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for what in ("normal", "tangential", "damping"):
+            if getattr(self, what) < 0:
+                raise InputError(f"{self.label}: {what} {getattr(self, what):g} is negative")
+
+    def contribute(self, model: Model) -> None:
+        d = self.solid.dimension
+        for p in face_points(self.solid, self._faces):
+            extra = (self.normal - self.tangential) * p.size
+            self._act(model, p, p.normal[:, :, :d], extra, LawKind.QUADRATIC)
+            for direction in np.eye(d):
+                every = np.broadcast_to(direction, p.normal[:, :, :d].shape)
+                self._act(model, p, every, self.tangential * p.size, LawKind.QUADRATIC)
+                self._act(model, p, every, self.damping * p.size, LawKind.VISCOUS)
+
+    def _act(self, model: Model, p: FacePoints, direction: Array, factor: Array, kind: LawKind) -> None:
+        """A law of the displacements along directions (m, q, d)."""
+        if not np.any(factor):
+            return
+        d, n = self.solid.dimension, factor.size
+        weights = np.einsum("qk,mqc->mqkc", p.N, direction).reshape(n, -1)
+        free = np.einsum("mqc,mqc->mq", direction, p.X[:, :, :d]).ravel()
+        term = strain_batch(
+            along(weights.shape[1]),
+            Law(kind),
+            element_unknowns(self.solid, p),
+            weights,
+            np.column_stack([factor.ravel(), free]),
+        )
+        what, category = ("damper", "dissipation") if kind is LawKind.VISCOUS else ("foundation", "potential")
+        model.strain_batch(self, what, category, term, n)

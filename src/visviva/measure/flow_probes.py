@@ -1,0 +1,156 @@
+"""Probes of fluids: forces on faces, flow rates, fields at places, what is left of the divergence."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.component.component import settings
+from visviva.component.values import FaceSet, Vector3
+from visviva.flow.boundary_faces import flux_weights
+from visviva.flow.flow_fields import courant, divergence, flow_field
+from visviva.flow.fluid import Fluid
+from visviva.flow.location import Place
+from visviva.measure.measures import Reading
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class FlowForce(Reading):
+    """Probe: force (3,) of a fluid on faces where its velocity is held, drag and lift.
+
+    It is the residual of the equations that the held velocities leave unanswered, which is as exact as the energy of
+    the flow and in exact balance with all other forces, and not an integral of tractions. Forces are those of the last
+    step: of the midpoint schemes, those that acted in its middle. Nodes at the rim of the faces that other faces hold,
+    too, such as the corners of an inlet and a wall, bring a share of the force on those, of first order in the mesh.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+    """
+
+    fluid: Fluid
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        self.fluid.faces(self.faces)
+
+    def __call__(self, system: System) -> Array:
+        nodes = self.fluid.faces(self.faces).nodes
+        unknowns = np.unique(self.fluid.node_unknowns(nodes))[:, None] + np.arange(self.fluid.dimension)
+        held = self.fluid.flow.fixed[unknowns - self.fluid.flow.start]
+        force = -np.sum(np.where(held, system.holding_forces()[unknowns], 0.0), axis=0)
+        return np.pad(force, (0, 3 - self.fluid.dimension))
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class FlowRate(Reading):
+    """Probe: volume per time that leaves a fluid through faces.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.RectangleMesh(size=(2, 1), counts=(2, 2))
+    >>> water = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0, velocity=(3, 0, 0))
+    >>> system = vv.System([water, vv.FluidTraction(fluid=water, faces="all", traction=(0, 0, 0))])
+    >>> float(vv.FlowRate(fluid=water, faces="x1")(system))
+    3.0
+    """
+
+    fluid: Fluid
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        _ = self._weights
+
+    @cached_property
+    def _weights(self) -> Array:
+        return flux_weights(self.fluid.grid, self.fluid.faces(self.faces))
+
+    def __call__(self, system: System) -> float:
+        v = self.fluid.velocities(system.x)[:, : self.fluid.dimension]
+        return float(np.sum(self._weights * v))
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class FlowField(Reading):
+    """Probe: a field of a fluid at a place.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    field : {'velocity', 'speed', 'pressure', 'vorticity'}
+    at : array (3,)
+        Position.
+    """
+
+    fluid: Fluid
+    field: str = "velocity"
+    at: Vector3 = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        flow_field(self.field)
+        _ = self._place
+
+    @cached_property
+    def _place(self) -> Place:
+        return self.fluid.at(self.at)
+
+    def __call__(self, system: System) -> Any:
+        if self.field == "pressure":
+            return float(self._place.pressures(system.x)[0])
+        return self._place.of_nodes(flow_field(self.field)(self.fluid, system.x))[0]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Courant(Reading):
+    """Probe: largest part of a cell that a fluid passed in the last step (CFL number); 0 before the first.
+
+    Steps may be as long as accuracy allows: all schemes are implicit. About 1 resolves what the flow carries along.
+
+    Parameters
+    ----------
+    fluid : Fluid
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> square = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+    >>> stream = {"velocity": (2, 0, 0), "periodic": (("x0", "x1"), ("y0", "y1"))}
+    >>> air = vv.Fluid(mesh=square, density=1.0, viscosity=1.0, **stream)
+    >>> system = vv.System([air])
+    >>> _ = vv.simulate(system, until=0.1, step=0.1)
+    >>> round(vv.Courant(fluid=air)(system), 9)  # 2 times 0.1 in cells of 0.25
+    0.8
+    """
+
+    fluid: Fluid
+
+    def __call__(self, system: System) -> float:
+        return courant(self.fluid, system.x, system.last_step)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Divergence(Reading):
+    """Probe: root mean square of the divergence of a fluid's velocity."""
+
+    fluid: Fluid
+
+    def __call__(self, system: System) -> float:
+        return divergence(self.fluid, system.x)

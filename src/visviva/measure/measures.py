@@ -1,0 +1,211 @@
+"""Measures: what user components and servo constraints look at, quadratic functions of the unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.values import Vector3
+from visviva.component.where import frame_of, point_of
+from visviva.joint.joint import Joint
+from visviva.model.form import Strain, Vector, dot, squared, strain
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Director = Literal[1, 2, 3]
+
+
+class Reading(metaclass=Validated):
+    """Base of probes: a value read off a system."""
+
+    def __call__(self, system: System) -> Any:
+        """Present value, a number or an array (n,)."""
+        raise NotImplementedError
+
+
+class Measure(Reading):
+    """Base: something with `strains`, numbers that are at most quadratic in the unknowns; also a probe."""
+
+    def __call__(self, system: System) -> Any:
+        """Present value, a number or an array (n,)."""
+        values = [system.value(e) for e in self.strains()]
+        return values[0] if len(values) == 1 else np.array(values)
+
+    def strains(self) -> list[Strain]:
+        """The strains, available once the components have been put into a system."""
+        raise NotImplementedError
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Position(Measure):
+    """Coordinates (3) of a point, or one coordinate along `direction` (3,)."""
+
+    of: Any
+    at: Vector3 | None = None
+    direction: Vector3 | None = None
+
+    @property
+    def place(self) -> Vector:
+        """The point."""
+        return point_of("Position", self.of, self.at).position
+
+    def strains(self) -> list[Strain]:
+        x = self.place
+        return [strain(c) for c in x] if self.direction is None else [strain(x.along(self.direction))]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SquaredDistance(Measure):
+    """Squared distance of two points."""
+
+    a: Any
+    b: Any
+
+    def strains(self) -> list[Strain]:
+        a, b = (point_of("SquaredDistance", p).position for p in (self.a, self.b))
+        return [squared(b - a)]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class DirectorProduct(Measure):
+    """Product of director `i` of frame `a` with director `j` of frame `b`: the cosine between them."""
+
+    a: Any
+    b: Any
+    i: Director = 3
+    j: Director = 3
+
+    def strains(self) -> list[Strain]:
+        a, b = (frame_of("DirectorProduct", f).directors for f in (self.a, self.b))
+        return [dot(a[self.i - 1], b[self.j - 1])]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Offset(Measure):
+    """How far the point `to` is from the frame `a` along its director `i`."""
+
+    a: Any
+    to: Any
+    i: Director = 3
+
+    def strains(self) -> list[Strain]:
+        frame, point = frame_of("Offset", self.a), point_of("Offset", self.to)
+        return [dot(frame.directors[self.i - 1], point.position - frame.position)]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Direction(Measure):
+    """Direction (3) in space of an axis that goes with a body, given in its own coordinates."""
+
+    of: Any
+    axis: Vector3
+
+    def strains(self) -> list[Strain]:
+        d1, d2, d3 = frame_of("Direction", self.of).directors
+        x, y, z = self.axis.tolist()
+        return [strain(component) for component in x * d1 + y * d2 + z * d3]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Separation(Reading):
+    """Probe: distance of two points, such as the length of a rope.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(3, 4, 0))
+    >>> vv.Separation(a=ground, b=ball)(vv.System([ground, ball]))
+    5.0
+    """
+
+    a: Any
+    b: Any
+
+    def __call__(self, system: System) -> float:
+        a, b = (point_of("Separation", p).position.value(system.x) for p in (self.a, self.b))
+        return float(np.linalg.norm(b - a))
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class CentreOfMass(Reading):
+    """Probe: centre of mass (3,) of a component, or of several together.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> a, b = vv.PointMass(mass=1.0), vv.PointMass(mass=3.0, position=(4, 0, 0))
+    >>> vv.CentreOfMass(of=[a, b])(vv.System([a, b])).tolist()
+    [3.0, 0.0, 0.0]
+    """
+
+    of: Component | list[Component]
+
+    def __call__(self, system: System) -> Any:
+        parts = self.of if isinstance(self.of, list) else [self.of]
+        mass = sum(c.total_mass for c in parts)
+        if mass == 0:
+            raise InputError(f"CentreOfMass: {', '.join(c.label for c in parts)} has no mass")
+        return np.sum([c.mass_moment(system.x) for c in parts], axis=0) / mass
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class JointCoordinate(Measure):
+    """Angle or stroke of a joint, which becomes a coordinate of the system."""
+
+    joint: Joint
+    coordinate: Literal["angle", "stroke"] | None = None
+
+    def __post_init__(self) -> None:
+        self.joint.want(self.name)
+
+    @property
+    def name(self) -> str:
+        """Which coordinate: the angle where the joint has one, unless said otherwise."""
+        return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
+
+    def strains(self) -> list[Strain]:
+        return [strain(self.joint.coordinate(self.name))]
+
+
+@dataclass(config=settings, frozen=True)
+class Custom(Measure):
+    """What a function without arguments returns: forms or strains, built when the system is."""
+
+    function: Callable[[], Any]
+
+    def strains(self) -> list[Strain]:
+        made = self.function()
+        return [strain(e) for e in (made if isinstance(made, Sequence) else [made])]
+
+
+def measure_of(label: str, what: Any) -> Measure:
+    """A measure from itself, a joint (its coordinate), a component or point (its three), or a function."""
+    if isinstance(what, Measure):
+        return what
+    if isinstance(what, Joint):
+        return JointCoordinate(joint=what)
+    if callable(what):
+        return Custom(what)
+    point_of(label, what)
+    return Position(of=what)
+
+
+def measures_of(label: str, of: Sequence[Any]) -> list[Measure]:
+    """One measure for each entry; at least one."""
+    if not isinstance(of, list | tuple) or not of:
+        raise InputError(
+            f"{label} needs a list of measures: points, joints, or e.g. vv.SquaredDistance(a=..., b=...)"
+        )
+    return [measure_of(label, what) for what in of]
+
+
+def strains_of(measures: Sequence[Measure]) -> list[Strain]:
+    """All their strains, in order."""
+    return [e for m in measures for e in m.strains()]

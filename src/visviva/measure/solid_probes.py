@@ -1,0 +1,286 @@
+"""Probes of solids: displacements, velocities, fields, extremes, forces on supports and in sections."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.body.solid import Solid
+from visviva.body.solid_fields import quantity
+from visviva.component.component import settings
+from visviva.component.values import Nodes, Vector3
+from visviva.component.where import point_of
+from visviva.load.support import SymmetryPlane
+from visviva.measure.measures import Reading
+from visviva.mesh.locate import locate
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Displacement(Reading):
+    """Probe: displacement (3,) of a point since the start, or along `direction`.
+
+    Parameters
+    ----------
+    of : component or Point
+    at : array (3,)
+        Place of the point at the start, if `of` is a component.
+    direction : array (3,)
+        Record the component along it alone.
+    """
+
+    of: Any
+    at: Vector3 | None = None
+    direction: Vector3 | None = None
+
+    def __call__(self, system: System) -> Any:
+        place = point_of("Displacement", self.of, self.at).position
+        return along(place.value(system.x) - place.value(system.model.initial[0]), self.direction)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Velocity(Reading):
+    """Probe: velocity (3,) of a point, or along `direction`."""
+
+    of: Any
+    at: Vector3 | None = None
+    direction: Vector3 | None = None
+
+    def __call__(self, system: System) -> Any:
+        place = point_of("Velocity", self.of, self.at).position
+        return along(place.rate(system.v), self.direction)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class FieldAt(Reading):
+    """Probe: a field of a solid, smoothed to nodes, at a place.
+
+    Parameters
+    ----------
+    solid : Solid
+    field : str
+        See `Solid.nodal`.
+    at : array (3,)
+        Reference position.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> steel = vv.LinearElastic(young=2.0, poisson=0.0)
+    >>> bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(2, 1, 1)), material=steel)
+    >>> system = vv.System([bar])
+    >>> system.x[bar.node_unknowns(range(bar.grid.n_nodes))] *= 1.1
+    >>> vv.FieldAt(solid=bar, field="cauchy", at=(1.5, 0.5, 0.5))(system)[:3].round(12).tolist()
+    [0.2, 0.0, 0.0]
+    """
+
+    solid: Solid
+    field: str = "von_mises"
+    at: Vector3 = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        quantity(self.field)
+        _ = self._place
+
+    @cached_property
+    def _place(self) -> tuple[Any, Array]:
+        return locate(self.solid.grid, self.at[: self.solid.dimension], self.solid.label)
+
+    def __call__(self, system: System) -> Any:
+        nodes, weights = self._place
+        return np.tensordot(weights, self.solid.nodal(self.field, system.x)[nodes], axes=1)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Extreme(Reading):
+    """Probe: the largest or smallest value of a field of a solid, over the quadrature points.
+
+    Parameters
+    ----------
+    solid : Solid
+    field : str
+        See `Solid.nodal`; of a field with components, the extreme of each.
+    which : {'max', 'min'}
+    """
+
+    solid: Solid
+    field: str = "von_mises"
+    which: Literal["max", "min"] = "max"
+
+    def __post_init__(self) -> None:
+        quantity(self.field)
+
+    def __call__(self, system: System) -> Any:
+        width = quantity(self.field)[0]
+        values = self.solid.at_points(self.field, system.x)
+        found = values.max(axis=0) if self.which == "max" else values.min(axis=0)
+        return float(found[0]) if width == 1 else found
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class Volume(Reading):
+    """Probe: present volume of a solid, its area if it is plane.
+
+    Parameters
+    ----------
+    solid : Solid
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> sheet = vv.RectangleMesh(size=(2.0, 0.5), counts=(2, 1))
+    >>> pad = vv.Solid(mesh=sheet, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
+    >>> vv.Volume(solid=pad)(vv.System([pad]))
+    1.0
+    """
+
+    solid: Solid
+
+    def __call__(self, system: System) -> float:
+        return self.solid.volume(system.x)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SupportForce(Reading):
+    """Probe: force (3,) by which supports hold nodes of a solid: `Fixed`, `Prescribed`, `SymmetryPlane`.
+
+    Couplings and joints have their `ReactionForce`, contact has its `ContactForce`. Forces are those of the last step:
+    of the midpoint schemes, those that acted in its middle.
+
+    Parameters
+    ----------
+    solid : Solid
+    nodes : str or array of int
+        A set of the mesh, or numbers of nodes; all if not given.
+    """
+
+    solid: Solid
+    nodes: Nodes | None = None
+
+    def __post_init__(self) -> None:
+        if self.nodes is not None:
+            self.solid.nodes(self.nodes)
+
+    def __call__(self, system: System) -> Array:
+        force: Array = self.by_node(system).sum(axis=0)
+        return force
+
+    def by_node(self, system: System) -> Array:
+        """Forces (n, 3) on all nodes, zero on those that are free or not chosen."""
+        solid = self.solid
+        held = np.zeros(len(system.x))
+        held[solid.motion.start : solid.motion.start + solid.motion.size] = solid.motion.fixed
+        force = solid.by_node(held * system.holding_forces())
+        for plane in system.components:
+            if isinstance(plane, SymmetryPlane) and plane.solid is solid:
+                np.add.at(force, *plane.reactions(system))
+        if self.nodes is not None:
+            chosen = np.zeros((solid.grid.n_nodes, 1))
+            chosen[solid.nodes(self.nodes)] = 1.0
+            return chosen * force
+        return force
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SupportTorque(SupportForce):
+    """Probe: torque (3,) of the same forces about a point in space, with the present lever arms."""
+
+    about: Vector3 = (0.0, 0.0, 0.0)
+
+    def __call__(self, system: System) -> Array:
+        arms = self.solid.positions(system.x) - self.about
+        torque: Array = np.cross(arms, self.by_node(system)).sum(axis=0)
+        return torque
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SectionForce(Reading):
+    """Probe: force (3,) that a solid transmits through a section.
+
+    The elements whose centres lie behind a plane of the reference configuration act on the others through
+    the nodes that both have; the force is what the part in front, where `normal` points, exerts on the part behind
+    (a tensile force is positive along the normal). As a sum of nodal forces it is, in statics, in exact
+    equilibrium with the loads on either part; what acts on the section's own nodes (weight, inertia, loads) belongs to
+    both parts, by their shares in the volume there.
+
+    Parameters
+    ----------
+    solid : Solid
+    point, normal : array (3,)
+        The plane; only elements on either side are told by it, so the section follows their faces.
+    """
+
+    solid: Solid
+    point: Vector3
+    normal: Vector3
+
+    def __post_init__(self) -> None:
+        d = self.solid.dimension
+        side = (self.solid.grid.centres - self.point[:d]) @ self.normal[:d]
+        if not (np.any(side > 0) and np.any(side <= 0)):
+            raise InputError(
+                f"{self.solid.label} has all elements on one side of the section at {self.point}"
+            )
+
+    @cached_property
+    def _behind(self) -> NDArray[np.bool_]:
+        d = self.solid.dimension
+        behind: NDArray[np.bool_] = np.asarray(
+            (self.solid.grid.centres - self.point[:d]) @ self.normal[:d] <= 0
+        )
+        return behind
+
+    @cached_property
+    def _shared(self) -> NDArray[np.bool_]:
+        """Nodes of elements on both sides."""
+        count = np.zeros((2, self.solid.grid.n_nodes), dtype=bool)
+        first = 0
+        for _, nodes in self.solid.each_cell():
+            side = self._behind[first : first + len(nodes)]
+            count[0, nodes[side]] = count[1, nodes[~side]] = True
+            first += len(nodes)
+        shared: NDArray[np.bool_] = np.logical_and(*count)
+        return shared
+
+    @cached_property
+    def _share(self) -> Array:
+        """Share (n, 1) of the elements in front in the volume at each node."""
+        share: Array = self.solid.nodal_volume(~self._behind) / self.solid.nodal_volume()
+        return share[:, None]
+
+    def by_node(self, system: System) -> Array:
+        """Forces (n, 3) on the nodes of the section by what is in front of it."""
+        front, behind = (self.solid.nodal_forces(system.x, side) for side in (~self._behind, self._behind))
+        force: Array = (front - self._share * (front + behind)) * self._shared[:, None]
+        return force
+
+    def __call__(self, system: System) -> Array:
+        force: Array = self.by_node(system).sum(axis=0)
+        return force
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class SectionTorque(SectionForce):
+    """Probe: torque (3,) of the same forces about the mean of the section's nodes, or about a fixed point."""
+
+    about: Vector3 | None = None
+
+    def __call__(self, system: System) -> Array:
+        x = self.solid.positions(system.x)
+        about = x[self._shared].mean(axis=0) if self.about is None else self.about
+        torque: Array = np.cross(x - about, self.by_node(system)).sum(axis=0)
+        return torque
+
+
+def along(vector: Array, direction: Array | None) -> Any:
+    """The vector, or its component along a direction."""
+    return vector if direction is None else float(vector @ direction)

@@ -1,0 +1,200 @@
+"""Meshes in files: Gmsh, Abaqus, VTK and what meshio knows, with their sets."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.mesh.abaqus import Reader
+from visviva.mesh.cells import CELLS, Ints
+from visviva.mesh.collect import VERTEX, Collection, dimension_of
+from visviva.mesh.generate import CONFIG, MeshSource
+from visviva.mesh.mesh import Mesh
+from visviva.mesh.source_files import existing, refuse_outside
+from visviva.mesh.write_mesh import load_meshio
+
+NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
+CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", ".e", ".ex2", ".exo", ".nc")
+"""Endings of formats whose files can name other files to be read with them."""
+
+
+@dataclass(frozen=True, config=CONFIG)
+class MeshFile(MeshSource):
+    """Mesh from a file.
+
+    Cells of the highest dimension are the mesh. Named groups of them become sets of cells, groups of their
+    faces (edges in the plane) sets of faces, groups of anything lower sets of nodes. Physical groups of Gmsh
+    without a name are called by their number.
+
+    Parameters
+    ----------
+    path : path
+        ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
+        ``.vtk``, where whole-numbered arrays of zeros and ones are sets; whatever else meshio reads; ``.geo``
+        of Gmsh, a script which is run and meshed, if it is trusted.
+    drop_orphans : bool
+        Whether nodes that belong to no cell are left out, such as centres of circles.
+    trust : bool
+        Run the script of a ``.geo`` file. Such scripts can run any command of the system: read them before. A scene
+        file cannot say this; `read_scene` takes `trust`, the command line ``--trust``.
+    within : path, optional
+        Folder which reading must not leave, for files that the file includes as well; that of the scene for meshes in
+        scene files unless ``allow_outside`` is said.
+
+    Raises
+    ------
+    InputError
+        By `build`, with the path, if the file cannot be read, is a script that is not trusted, holds unknown cells,
+        or faces that no cell has.
+
+    Notes
+    -----
+    Needs the package meshio, but for Abaqus files: ``pip install "visviva[mesh]"``; for ``.geo`` also gmsh:
+    ``pip install "visviva[gmsh]"``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from visviva import BoxMesh
+    >>> file = tempfile.mkdtemp() + "/box.inp"
+    >>> BoxMesh(size=(1, 1, 1), counts=(2, 2, 2), cell="tet10").build().write(file)
+    >>> MeshFile(file).build()
+    <Mesh: 125 nodes, 48 tet10; sets: x0, x1, y0, y1, z0, z1>
+    """
+
+    path: Path
+    drop_orphans: bool = False
+    trust: bool = False
+    within: Path | None = None
+
+    def build(self) -> Mesh:
+        """The mesh."""
+        refuse_outside(existing(self.path), self.within)
+        try:
+            mesh = self._collection().mesh()
+        except ValueError as error:
+            raise InputError(f"{self.path} cannot be used as a mesh: {error}") from error
+        return mesh.without_orphans() if self.drop_orphans else mesh
+
+    def _collection(self) -> Collection:
+        suffix = self.path.suffix.lower()
+        if suffix == ".inp":
+            return Reader(self.within).read(self.path)
+        if suffix == ".geo":
+            self._refuse_untrusted()
+            with tempfile.TemporaryDirectory() as folder:
+                return _of_meshio(_meshio_read(_meshed(self.path, Path(folder) / "mesh.msh")))
+        if self.within is not None and suffix in CAN_REFER:
+            raise InputError(
+                f"files *{suffix} can name others to be read, which may be outside the scene's folder: convert it to "
+                ".vtu, or allow it by --allow-outside (in Python read_scene(..., allow_outside=True))"
+            )
+        read = _meshio_read(self.path)
+        if suffix == ".vtk":  # its names are written without blanks
+            read.point_data = {unquote(name): data for name, data in read.point_data.items()}
+            read.cell_data = {unquote(name): data for name, data in read.cell_data.items()}
+        return _of_meshio(read)
+
+    def _refuse_untrusted(self) -> None:
+        if not self.trust:
+            raise InputError(
+                "it is a script of Gmsh, which can run any command of the system: read it, then trust it by --trust "
+                "(in Python MeshFile(..., trust=True) or read_scene(..., trust=True)), or mesh it to a .msh file"
+            )
+
+
+def _meshed(script: Path, target: Path) -> Path:
+    """Let Gmsh run a script and mesh what it makes."""
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:  # its shared library needs some of the system
+        raise InputError(
+            f'a script of Gmsh needs the package gmsh: pip install "visviva[gmsh]" ({error})'
+        ) from error
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(script))
+        gmsh.model.mesh.generate(gmsh.model.getDimension())
+        gmsh.write(str(target))
+    except Exception as error:  # it raises plain exceptions
+        raise InputError(f"Gmsh says: {error}") from error
+    finally:
+        gmsh.finalize()
+    return target
+
+
+def _meshio_read(path: Path) -> Any:
+    meshio = load_meshio()
+    named = {".msh": "gmsh"}  # else meshio tries Ansys first, and prints what fails
+    said = io.StringIO()  # it prints what it raises as well
+    try:
+        with redirect_stdout(said), redirect_stderr(said):
+            return meshio.read(path, file_format=named.get(path.suffix.lower()))
+    except (Exception, SystemExit) as error:  # its readers raise whatever the bytes lead them to, or exit
+        raise InputError(f"meshio cannot read it ({type(error).__name__}: {error})") from error
+
+
+def _of_meshio(read: Any) -> Collection:
+    """What meshio has read: cells, named groups, sets."""
+    unknown = {block.type: len(block.data) for block in read.cells if block.type not in NAMES}
+    if unknown:
+        listed = ", ".join(f"{n} cells of type {name}" for name, n in unknown.items())
+        raise InputError(f"it holds {listed}; known are {', '.join(CELLS)}")
+    blocks = [np.asarray(block.data, dtype=np.int64) for block in read.cells]
+    starts = np.cumsum([0, *map(len, blocks)])
+    groups: dict[str, list[Ints]] = {}
+    for name, block, rows in _groups(read):
+        groups.setdefault(name, []).append(starts[block] + rows)
+    return Collection(
+        np.asarray(read.points, dtype=float),
+        [NAMES[block.type] for block in read.cells],
+        blocks,
+        {name: np.unique(np.concatenate(parts)) for name, parts in groups.items()},
+        {name: np.unique(np.asarray(nodes, np.int64)) for name, nodes in _node_sets(read)},
+    )
+
+
+def _groups(read: Any) -> Iterator[tuple[str, int, Ints]]:
+    """Name, number of the block and rows in it of all groups of cells."""
+    for name, blocks in read.cell_sets.items():
+        if not name.startswith("gmsh:"):
+            parts = enumerate(blocks)
+            yield from ((name, k, np.asarray(rows, np.int64)) for k, rows in parts if np.size(rows))
+    physical = read.cell_data.get("gmsh:physical")
+    if physical is not None:
+        called = {(int(tag), int(dim)): name for name, (tag, dim) in _tags(read).items()}
+        for k, tags in enumerate(physical):
+            dim = dimension_of(NAMES[read.cells[k].type])
+            for tag in np.unique(tags[tags != 0]):
+                yield called.get((int(tag), dim), str(tag)), k, np.flatnonzero(tags == tag)
+    for name, data in read.cell_data.items():
+        if ":" not in name and _is_set(np.concatenate([np.asarray(part) for part in data])):
+            yield from ((name, k, np.flatnonzero(part)) for k, part in enumerate(data) if np.any(part))
+
+
+def _tags(read: Any) -> dict[str, Any]:
+    return {name: value for name, value in read.field_data.items() if np.size(value) == 2}
+
+
+def _node_sets(read: Any) -> Iterator[tuple[str, Ints]]:
+    yield from read.point_sets.items()
+    for name, data in read.point_data.items():
+        if ":" not in name and _is_set(data):
+            yield name, np.flatnonzero(data)
+
+
+def _is_set(data: Any) -> bool:
+    """Whether an array consists of zeros and ones in whole numbers."""
+    return bool(
+        data.ndim == 1 and np.issubdtype(data.dtype, np.integer) and np.all((data == 0) | (data == 1))
+    )

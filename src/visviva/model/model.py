@@ -1,0 +1,401 @@
+"""What components build when they join a system: fields of unknowns and elements of terms, in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.base.timefunction import TimeFunction
+from visviva.model.batch import along, book, strain_batch
+from visviva.model.field import Field, Owner, Prescription, Role
+from visviva.model.form import Form, Strain, strain
+from visviva.model.law import Law, LawKind
+
+if TYPE_CHECKING:
+    from visviva.model.term import Term
+
+Array = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Account:
+    """A place in the ledger: whose energy or work of which kind."""
+
+    component: int
+    kind: str
+    category: str  # kinetic, potential, work, dissipation, constraint
+
+
+@dataclass(eq=False)
+class Element:
+    """Strains under a law, with the multipliers and signals it needs.
+
+    `shift` is added to the unknowns of the strains, so that elements of equal structure can share theirs.
+    """
+
+    strains: Sequence[Strain]
+    law: Law
+    multipliers: Sequence[int]
+    signals: Sequence[int]
+    account: int
+    component: int
+    shift: int = 0
+
+
+@dataclass(eq=False)
+class Model:
+    """Collects fields and elements while components contribute; the system then hands them to the core."""
+
+    components: Sequence[Owner] = ()
+    fields: list[Field] = field(default_factory=list)
+    elements: list[Element] = field(default_factory=list)
+    masses: list[tuple[Any, ...]] = field(default_factory=list)
+    terms: list[tuple[Term, int]] = field(default_factory=list)
+    batches: list[_core.Term] = field(default_factory=list)
+    accounts: list[Account] = field(default_factory=list)
+    signals: list[TimeFunction] = field(default_factory=list)
+    prescribed: list[Prescription] = field(default_factory=list)
+    kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
+    drives: list[tuple[int, int]] = field(default_factory=list)  # multipliers of what is driven, accounts
+    dependences: list[tuple[int, int]] = field(default_factory=list)
+    nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
+    rigid: list[list[int]] = field(default_factory=list)
+    nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
+    length: float = 1.0
+    is_driven: bool = False  # by functions of time in constraints
+    has_servo: bool = False
+    _transport: list[Field] = field(default_factory=list)
+    _numbers: dict[int, int] = field(default_factory=dict)
+    _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
+    _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
+
+    def index(self, component: Owner) -> int:
+        """Number of a component."""
+        if len(self._numbers) != len(self.components):
+            self._numbers = {id(c): k for k, c in enumerate(self.components)}
+        number = self._numbers.get(id(component))
+        if number is None:
+            raise InputError(
+                f"{component.label} is used by another component but is not part of the system; add it"
+            )
+        return number
+
+    # --- unknowns ------------------------------------------------------------------------------------------
+    def field(
+        self,
+        component: Owner,
+        name: str,
+        values: ArrayLike,
+        rates: ArrayLike | None = None,
+        *,
+        role: Role = Role.MOTION,
+        scale: float | ArrayLike | None = None,
+        stage: int = 0,
+        block: Any = None,
+        fixed: ArrayLike = False,
+        node: int = 1,
+        element: ArrayLike = (),
+        instantaneous: bool = True,
+    ) -> Field:
+        """New unknowns; see `Field`."""
+        x = np.array(values, dtype=float).ravel()
+        v = np.zeros_like(x) if rates is None else np.array(rates, dtype=float).ravel()
+        if scale is None:
+            scale = 0.0 if role.order == 0 else 1.0
+        scales, held = np.empty_like(x), np.empty(x.shape, dtype=bool)
+        scales[:], held[:] = scale, fixed
+        start = self.n_unknowns
+        block = (component, name) if block is None and stage == 0 else (block or component)
+        local = np.asarray(element, dtype=np.int32).ravel()
+        new = Field(
+            component,
+            name,
+            role,
+            start,
+            x,
+            v,
+            scales,
+            stage,
+            block,
+            held,
+            node,
+            instantaneous,
+            local,
+        )
+        self.fields.append(new)
+        if role.order == 1:
+            self._transport.append(new)
+        self._remember(new)
+        return new
+
+    def refresh(self, changed: Field) -> None:
+        """To be called after initial values or rates of a field were changed."""
+        self._remember(changed)
+
+    def _remember(self, new: Field) -> None:
+        end = new.start + new.size
+        if end > self._initial.shape[1]:
+            self._initial = np.hstack([self._initial, np.zeros((2, end))])
+        self._initial[:, new.start : end] = new.values, new.rates
+
+    def hold(self, held: Field, numbers: ArrayLike, values: ArrayLike | None = None) -> None:
+        """Fix unknowns of a field, given by their numbers in it, at their initial or other values, at rest."""
+        k = np.asarray(numbers, dtype=int)
+        held.fixed[k] = True
+        held.rates[k] = 0.0
+        if values is not None:
+            held.values[k] = values
+        self._remember(held)
+
+    def prescribe(
+        self,
+        component: Owner,
+        moved: Field,
+        numbers: ArrayLike,
+        values: Callable[[float], Array],
+        rates: Callable[[float], Array],
+        kinks: Iterable[float] = (),
+    ) -> None:
+        """Let unknowns of a field, given by their numbers in it, move as functions of time with values (k,) say.
+
+        At `kinks` their rates may jump.
+
+        Raises
+        ------
+        InputError
+            If something holds or moves one of them already.
+        """
+        k = np.asarray(numbers, dtype=int)
+        if np.any(moved.fixed[k]):
+            first = int(k[np.argmax(moved.fixed[k])])
+            others = [p.component.label for p in self.prescribed if moved.start + first in p.unknowns]
+            raise InputError(
+                f"{component.label} prescribes {moved.name}[{first}] of {moved.component.label}, which "
+                f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
+            )
+        self.hold(moved, k, values(0.0))
+        moved.rates[k] = rates(0.0)
+        self._remember(moved)
+        account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
+        unknowns = np.asarray(moved.start + k, dtype=np.int32)
+        self.prescribed.append(Prescription(component, unknowns, values, rates, account, moved.supply))
+        self._bend(kinks, account)
+
+    def supplied(self) -> tuple[NDArray[np.int32], ...]:
+        """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
+        rows = [(int(u), p.account, p.supply) for p in self.prescribed for u in p.unknowns]
+        moving = {u for u, _, _ in rows}
+        for f in self.fields:
+            still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
+            rows += [(u, self.account(f.component, "supply", "work"), f.supply) for u in still]
+        table = np.array(rows, dtype=np.int32).reshape(-1, 3)
+        return tuple(np.ascontiguousarray(column) for column in table.T)
+
+    @property
+    def initial(self) -> tuple[Array, Array]:
+        """Initial values and rates of all unknowns made so far."""
+        x, v = self._initial[:, : self.n_unknowns]
+        return x, v
+
+    def multipliers(
+        self,
+        component: Owner,
+        name: str,
+        n: int,
+        *,
+        stage: int = 1,
+        block: Any = None,
+        instantaneous: bool = True,
+    ) -> Field:
+        """Unknown multipliers of `n` constraints."""
+        zero = np.zeros(n)
+        return self.field(
+            component, name, zero, role=Role.MULTIPLIER, stage=stage, block=block, instantaneous=instantaneous
+        )
+
+    @property
+    def n_unknowns(self) -> int:
+        return self.fields[-1].start + self.fields[-1].size if self.fields else 0
+
+    # --- books ---------------------------------------------------------------------------------------------
+    def account(self, component: Owner, kind: str, category: str) -> int:
+        """Number of the account of a component, a kind and a category, opened on first use."""
+        key = self.index(component), kind, category
+        if key not in self._opened:
+            self._opened[key] = len(self.accounts)
+            self.accounts.append(Account(*key))
+        return self._opened[key]
+
+    def signal(self, function: Any) -> int:
+        """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none."""
+        if function is None:
+            return -1
+        self.signals.append(TimeFunction(function))
+        return len(self.signals) - 1
+
+    # --- physics -------------------------------------------------------------------------------------------
+    def inertia(self, component: Owner, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
+        """Constant symmetric mass (k, k) between k nodes of three unknowns from `start` on.
+
+        `positions` marks the nodes that move along under a translation (they make up linear momentum).
+        """
+        m = np.asarray(mass, dtype=float)
+        nodes = [(start + 3 * k, bool(p)) for k, p in enumerate(positions)]
+        self.nodes.setdefault(component, []).extend(nodes)
+        entries = [(a, b, value) for a, row in enumerate(m.tolist()) for b, value in enumerate(row)]
+        pairs = tuple((a, b) for a, b, value in entries if value != 0.0)
+        values = [value for _, _, value in entries if value != 0.0]
+        key = (2, len(m), 3, pairs, tuple(bool(p) for p in positions))
+        account = self.account(component, "kinetic", "kinetic")
+        index = list(range(start, start + 3 * len(m)))
+        self.masses.append((key, index, values, account, self.index(component)))
+
+    def potential(self, component: Owner, kind: str, strains: Any, law: Law) -> None:
+        """Potential energy ``W(e)`` of one strain (or several, for a law that takes several).
+
+        Raises
+        ------
+        InputError
+            If one sees an unknown of order 1, whose equation is no balance of forces.
+        """
+        self._refuse_transport(component, strains)
+        self._element(component, strains, law, (), (), self.account(component, kind, "potential"))
+
+    def _refuse_transport(self, component: Owner, strains: Any) -> None:
+        if not self._transport:
+            return
+        seen = {u for e in strains_of(strains) for u in e.unknowns}
+        for f in self._transport:
+            if found := sorted(seen.intersection(f.unknowns)):
+                raise InputError(
+                    f"{component.label} has a potential of {f.name}[{found[0] - f.start}] of {f.component.label}, an "
+                    "unknown of order 1, whose equation balances rates and no forces; give a vv.Term its residual, or "
+                    "make the field of order 0, where the energy is least, or 2, for motion"
+                )
+
+    def dissipate(self, component: Owner, kind: str, strains: Any, law: Law) -> None:
+        """A law of strain rates."""
+        self._element(component, strains, law, (), (), self.account(component, kind, "dissipation"))
+
+    def act(self, component: Owner, kind: str, strains: Any, law: Law, times: Any = None) -> None:
+        """A law whose stresses do work on the system, driven by a function of time if it takes one."""
+        account = self.account(component, kind, "work")
+        self._element(component, strains, law, (), (self.signal(times),), account)
+
+    def load(self, component: Owner, kind: str, strains: Any, amplitude: float, at: Any) -> None:
+        """Generalised force ``amplitude * at(t)`` conjugate to a strain; `at` None means constant."""
+        self.act(component, kind, strains, Law(LawKind.LOAD, (amplitude, 0.0)), at)
+
+    def constrain(
+        self,
+        component: Owner,
+        multipliers: Field,
+        strains: Sequence[Strain | Form],
+        *,
+        first: int = 0,
+        targets: Sequence[Any] | None = None,
+        law: Law | None = None,
+        n: int | None = None,
+        shift: int = 0,
+    ) -> None:
+        """Constraints ``strain_i = target_i(t)`` (or zero), one multiplier each from `first` on.
+
+        Elements whose strains differ by the numbers of their unknowns alone may share one tuple of them and
+        give the `shift` of these numbers: it is compiled once.
+        """
+        n = len(strains) if n is None else n
+        numbers = [multipliers.start + first + k for k in range(n)]
+        signals = [self.signal(f) for f in targets] if targets else [-1] * n
+        driven = any(s >= 0 for s in signals)
+        account = self.account(
+            component, "drive" if driven else "constraint", "work" if driven else "constraint"
+        )
+        law = Law(LawKind.CONSTRAINT) if law is None else law
+        if law.kind is LawKind.SERVO:
+            account = self.account(component, "servo", "work")
+            self.has_servo = True
+        else:
+            self.drives += [(u, account) for u, s in zip(numbers, signals, strict=True) if s >= 0]
+        self.is_driven = self.is_driven or driven or self.has_servo
+        self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
+        self._element(component, strains, law, numbers, signals, account, shift)
+
+    def _bend(self, times: Iterable[float], account: int) -> None:
+        """Note at which times what is driven gets another rate at once, by the work of an account."""
+        for t in times:
+            self.kinks.setdefault(t, set()).add(account)
+
+    def depend(self, unknown: int, multiplier: int) -> None:
+        """Let an unknown leave the equations with a multiplier whose constraint, linear in it, gives it by others.
+
+        The constraint must be that of a term of its own, and linear in the multiplier too.
+        """
+        self.dependences.append((unknown, multiplier))
+
+    def press(self, multiplier: int, unknown: int, size: int) -> None:
+        """Let a multiplier leave the equations by the momentum of a node, its first unknown and how many it has.
+
+        The multiplier's force must act on that node more than on those of other such multipliers; it may be no other
+        one's.
+        """
+        self.nodal_multipliers.append((multiplier, unknown, size))
+
+    def term(self, component: Owner, term: Term) -> None:
+        """A whole term written in Python."""
+        self.terms.append((term, self.index(component)))
+
+    def batch(self, term: _core.Term) -> None:
+        """A term of the core that stands for many elements."""
+        self.batches.append(term)
+
+    def strain_batch(
+        self, component: Owner, kind: str, category: str, term: _core.StrainTerm, n: int
+    ) -> None:
+        """A batch of `n` elements given by arrays, see `visviva.model.batch`."""
+        term.name = component.label
+        account = self.account(component, kind, category)
+        book(term, [account] * n, [self.index(component)] * n, n)
+        self.batch(term)
+
+    def dead_forces(self, component: Owner, kind: str, first: NDArray[np.int32], force: Array) -> None:
+        """Potential ``-f . x`` of constant forces (n, d) on nodes whose unknowns begin at `first` (n,)."""
+        n, d = force.shape
+        index = np.asarray(first)[:, None] + np.arange(d)
+        term = strain_batch(along(d), Law(LawKind.LINEAR), index, -force, (1.0, 0.0))
+        self.strain_batch(component, kind, "potential", term, n)
+
+    def nodal_loads(
+        self, component: Owner, kind: str, first: NDArray[np.int32], force: Array, times: Any
+    ) -> None:
+        """Forces (n, d) times a function of time on nodes whose unknowns begin at `first` (n,)."""
+        n, d = force.shape
+        index = np.asarray(first)[:, None] + np.arange(d)
+        term = strain_batch(along(d), Law(LawKind.LOAD), index, force, (1.0, 0.0), self.signal(times))
+        self.strain_batch(component, kind, "work", term, n)
+
+    def _element(
+        self,
+        component: Owner,
+        strains: Any,
+        law: Law,
+        multipliers: Sequence[int],
+        signals: Sequence[int],
+        account: int,
+        shift: int = 0,
+    ) -> None:
+        number = self.index(component)
+        self.elements.append(
+            Element(strains_of(strains), law, multipliers, signals or [-1], account, number, shift)
+        )
+
+
+def strains_of(strains: Any) -> Sequence[Strain]:
+    """Strains of one or several, which may be forms."""
+    listed = strains if isinstance(strains, list | tuple) else [strains]
+    return listed if all(isinstance(s, Strain) for s in listed) else [strain(s) for s in listed]

@@ -1,0 +1,59 @@
+"""What components may ask of the system they are in: its present state, and the core that holds it."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+
+
+class State(Protocol):
+    """A system as its components see it.
+
+    Attributes
+    ----------
+    model : Model
+        The unknowns that components have made.
+    core : object
+        The compiled system.
+    has_inertia : bool
+        Whether masses take part, as they do not in statics.
+    """
+
+    model: Model
+    core: Any
+    has_inertia: bool
+
+    @property
+    def x(self) -> Array:
+        """Present unknowns (n,)."""
+        ...
+
+    @property
+    def v(self) -> Array:
+        """Present rates (n,)."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """Present time."""
+        ...
+
+    @property
+    def last_step(self) -> float:
+        """Length of the step that led to the present state; 0 without one."""
+        ...
+
+    @property
+    def constrains_motion(self) -> bool:
+        """Whether constraints act on motion alone."""
+        ...
+
+    def take_stock(self) -> None:
+        """Fill the core's sums with the present state."""
+        ...

@@ -1,0 +1,55 @@
+"""Writing files so that neither a full disk nor a killed process leaves something unreadable."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from visviva.base.errors import RunError
+
+
+@contextmanager
+def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
+    """Turn an `OSError` raised inside into a `RunError` that names the file and what stays readable.
+
+    Parameters
+    ----------
+    path
+        File being written.
+    kept_until
+        Time up to which the file stays valid, or None where nothing was written yet.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        kept = "" if kept_until is None else f"; what it holds up to t = {kept_until!r} stays readable"
+        raise RunError(f"cannot write {path}: {reason}{kept}") from error
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary path beside `path` that takes its place, durably, when the block succeeds.
+
+    At every moment `path` holds either the old or the new content, complete.
+    """
+    temporary = path.with_name(f".{path.name}.new")
+    try:
+        yield temporary
+        with open(temporary, "rb") as written:
+            os.fsync(written.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_at(descriptor: int, data: bytes | memoryview, offset: int) -> None:
+    """Write all of `data` at byte `offset` of an open file; raise `OSError` if the disk is full."""
+    view = memoryview(data).cast("B")
+    while len(view):
+        written = os.pwrite(descriptor, view, offset)
+        view, offset = view[written:], offset + written

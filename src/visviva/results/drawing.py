@@ -1,0 +1,181 @@
+"""What is drawn of a system: surfaces of its components, and where their points are at a state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from visviva.base.errors import InputError, nearest
+from visviva.body.solid import Solid
+from visviva.body.solid_fields import QUANTITIES
+from visviva.component.meshed import Meshed
+from visviva.component.point import Attachable
+from visviva.contact import contact_fields as of_contact
+from visviva.contact.contact import Contact
+from visviva.flow.flow_fields import FIELDS
+from visviva.mesh.cells import CELLS
+from visviva.model.form import Vector
+from visviva.output.surface import Surface
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+Line = tuple[Vector, Vector]
+
+
+class Drawing:
+    """The surfaces of a system and, for any state, the points of each.
+
+    Parameters
+    ----------
+    system : System
+        Every component with a `surface` is drawn, the cells of solids and fluids, and the `lines` of ropes and springs.
+    spots : mapping
+        Further single points by name.
+    fields : sequence of str
+        Fields of solids and fluids to store, beside displacements, velocities and what contacts show; see
+        `Solid.nodal` and `FlowField`.
+
+    Attributes
+    ----------
+    surfaces : tuple of Surface
+        Named after the components, points of rigid bodies in their own coordinates.
+
+    Raises
+    ------
+    InputError
+        For a field that does not exist.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ball = vv.PointMass(mass=1.0, position=(0, 0, 2), name="ball")
+    >>> system = vv.System([vv.Ground(), ball])
+    >>> drawing = Drawing(system)
+    >>> drawing.surfaces[0].name, float(drawing.points(system.x)[0][:, 2].mean().round(9))
+    ('ball', 2.0)
+    """
+
+    def __init__(
+        self,
+        system: System,
+        spots: Mapping[str, Vector] | None = None,
+        fields: Sequence[str] = (),
+    ) -> None:
+        drawn = [(c, c.surface()) for c in system.components if isinstance(c, Attachable)]
+        bodies = [(c, surface) for c, surface in drawn if surface is not None]
+        self._meshes = [c for c in system.components if isinstance(c, Meshed)]
+        named = list(named_lines(system))
+        taken = {str(c.name) for c in (*(c for c, _ in bodies), *self._meshes)} | {name for name, _ in named}
+        free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
+        self.surfaces = (
+            *(Surface(str(c.name), points, triangles) for c, (points, triangles) in bodies),
+            *(filled(component) for component in self._meshes),
+            *(Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named),
+            *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
+        )
+        self._n_bodies, self._n_lines = len(bodies), len(named)
+        vectors = [v for c, _ in bodies for v in placement(c)]
+        vectors += [end for _, line in named for end in line] + list(free.values())
+        self._map, self._constant = stacked(vectors, len(system.x))
+        self._start = self.points(system.model.initial[0])
+        self._contacts = [c for c in system.components if isinstance(c, Contact)]
+        self._starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
+        places = zip(self._meshes, self._starts[self._n_bodies :].tolist(), strict=False)
+        starts = {component: start for component, start in places if isinstance(component, Solid)}
+        self._painting = of_contact.Painting(self._contacts, starts, int(self._starts[-1]))
+        shown = [name for name in fields if self._painting.is_blank or name not in of_contact.FIELDS]
+        self.fields = self._known(shown)
+
+    def _known(self, fields: Sequence[str]) -> dict[str, int]:
+        """Those of the fields that some component has, with their numbers of components."""
+        everything = {*QUANTITIES, *FIELDS}
+        for name in fields:
+            if name not in everything:
+                raise InputError(f"there is no field {name!r}{nearest(name, everything)}")
+        found = [(name, c.widths()[name]) for name in fields for c in self._meshes if name in c.widths()]
+        return {name: width for name, width in found if name != "velocity"}
+
+    @property
+    def stored(self) -> set[str]:
+        """Names of all that is stored of meshes."""
+        of_contacts = () if self._painting.is_blank else of_contact.FIELDS
+        return {*self.fields, *of_contacts, *(("velocity", "displacement") if self._meshes else ())}
+
+    def points(self, x: Array) -> list[Array]:
+        """Points of every surface at the unknowns `x`."""
+        return self._placed(self._map @ x + self._constant, [c.positions(x) for c in self._meshes])
+
+    def velocities(self, x: Array, v: Array) -> list[Array]:
+        """Velocities of the points of every surface at the unknowns `x` and rates `v`."""
+        return self._placed(self._map @ v, [c.moving(x, v) for c in self._meshes])
+
+    def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
+        """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
+
+        Displacements count from the start. Where a component has no such field, there is NaN. Contacts show their
+        last step, or what they recorded then (see `Result.records`).
+        """
+        if not self._meshes:
+            return {}
+        moved = [now - then for now, then in zip(self.points(x), self._start, strict=True)]
+        found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(x, v))}
+        n = self._starts[-1]
+        for name, width in self.fields.items():
+            found[name] = np.full((n, width) if width > 1 else n, np.nan)
+        for component, start in zip(self._meshes, self._starts[self._n_bodies :], strict=False):
+            wide = component.widths()
+            own = [name for name, width in self.fields.items() if wide.get(name) == width]
+            for name, part in component.smoothed(own, x).items():
+                found[name][start : start + len(part)] = part
+        if not self._painting.is_blank:
+            shown = [c.record(x) for c in self._contacts] if records is None else records
+            found |= self._painting.values(shown)
+        return found
+
+    def _placed(self, mapped: Array, meshes: list[Array]) -> list[Array]:
+        """Vectors at the points of every surface, from the mapped ones and those of the meshes."""
+        values = mapped.reshape(-1, 3)
+        n, m = 4 * self._n_bodies, 4 * self._n_bodies + 2 * self._n_lines
+        moved = [
+            s.points @ frame[1:] + frame[0]
+            for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
+        ]
+        return [*moved, *meshes, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
+
+
+def filled(component: Meshed) -> Surface:
+    """The cells of a solid or fluid at their reference positions."""
+    cells = component.grid.cells
+    return Surface(
+        str(component.name), component.points, list(cells.values()), [CELLS[name].vtk for name in cells]
+    )
+
+
+def named_lines(system: System) -> Iterator[tuple[str, Line]]:
+    """Lines of components under their names."""
+    for component in system.components:
+        for k, line in enumerate(component.lines()):
+            yield (f"{component.name}-{k + 1}" if k else str(component.name)), line
+
+
+def placement(component: Attachable) -> list[Vector]:
+    """Origin and three directions of a component; directions of space where it has none of its own."""
+    origin = component.place(np.zeros(3))
+    if not component.has_directions:
+        return [origin, *(Vector.constant(e) for e in np.eye(3))]
+    return [origin, *(component.turn(e) for e in np.eye(3))]
+
+
+def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_array, Array]:
+    """All components of vectors as one matrix on the unknowns plus constants."""
+    forms = [form for vector in vectors for form in vector]
+    entries = [(row, u, w) for row, form in enumerate(forms) for u, w in form.weights]
+    row, column, weight = zip(*entries, strict=True) if entries else ((), (), ())
+    matrix = sparse.csr_array((weight, (row, column)), shape=(len(forms), n_unknowns), dtype=float)
+    return matrix, np.array([form.constant for form in forms])

@@ -1,0 +1,262 @@
+"""The ledger: where energy and momentum are, what work was done, and how well the balance closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.model.field import Role
+from visviva.output.tables import Table
+from visviva.system.instant import Instant, instant
+from visviva.system.memory import undisturbed
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+STILL = 1e-6
+"""What moves by less than this part of its size counts as being at rest."""
+
+RELEASE = "release"
+"""Work in statics of what held a system that starts out of equilibrium: it lets go slowly in the first load step."""
+
+MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z")
+
+
+@dataclass
+class Ledger:
+    """Rows of books, one per accepted step, the first one the initial state.
+
+    Attributes
+    ----------
+    names : list of str
+        Columns: time, kinetic, potentials by kind, total, works by kind (summed over time), imbalance of the
+        balance ``total - total_0 - works``, momenta, constraint defects of position and velocity (the largest
+        violations relative to the constraints' gradients times the sizes of the unknowns, so that lengths,
+        their squares and products of directors compare; that of rates is per unit of time).
+    mass, length : float
+        Of the whole system: what momenta and rates are compared with.
+    pull : float
+        Work of the forces at the start if everything moved along by its own size.
+    power : float
+        Their power on what flows if it did so with the speed that is large in it.
+    file : Table or None
+        Holds the rows, maybe not of every step; without it they are kept in memory. Figures of the whole run need
+        neither: they follow from the first and the last row and the least and greatest values of all.
+    moves : list of str
+        What was moved onto the constraints before the first row.
+    """
+
+    potentials: list[str]
+    works: list[str]
+    mass: float = 0.0
+    length: float = 1.0
+    pull: float = 0.0
+    power: float = 0.0
+    moves: list[str] = field(default_factory=list)
+    rows: list[Array] = field(default_factory=list)
+    file: Table | None = None
+    span: Array = field(default_factory=lambda: np.empty((4, 0)))
+    """First row, last row, least values, greatest values."""
+
+    def add(self, row: Array) -> None:
+        """Take in the row of a step."""
+        if not self.span.size:
+            self.span = np.array([row] * 4)
+        self.span[1] = row
+        np.minimum(self.span[2], row, out=self.span[2])
+        np.maximum(self.span[3], row, out=self.span[3])
+        if self.file is None:
+            self.rows.append(row)
+
+    @cached_property
+    def _column(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.names)}
+
+    def first(self, name: str) -> float:
+        """Value at the start."""
+        return float(self.span[0, self._column[name]])
+
+    def last(self, name: str) -> float:
+        """Value of the last step."""
+        return float(self.span[1, self._column[name]])
+
+    def least(self, name: str) -> float:
+        """Least value of all steps."""
+        return float(self.span[2, self._column[name]])
+
+    def greatest(self, name: str) -> float:
+        """Greatest value of all steps."""
+        return float(self.span[3, self._column[name]])
+
+    def size(self, name: str) -> float:
+        """Greatest absolute value of all steps."""
+        return float(np.abs(self.span[2:, self._column[name]]).max())
+
+    def swing(self, name: str) -> float:
+        """Greatest value of all steps less the least one."""
+        return self.greatest(name) - self.least(name)
+
+    @property
+    def names(self) -> list[str]:
+        works = [f"work_{k}" for k in self.works]
+        potentials = [f"potential_{k}" for k in self.potentials]
+        defects = ["defect_position", "defect_velocity"]
+        return ["time", "kinetic", *potentials, "total", *works, "imbalance", *MOMENTA, *defects]
+
+    @property
+    def table(self) -> Array:
+        """All rows (n, columns); of a run in a directory those in its table."""
+        return np.array(self.rows) if self.file is None else self.file.read()
+
+    def __getitem__(self, name: str) -> Array:
+        return self.table[:, self.names.index(name)]
+
+    @property
+    def energy_scale(self) -> float:
+        """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work.
+
+        Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
+        rounding only.
+        """
+        potentials = [f"potential_{k}" for k in self.potentials]
+        swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
+        works = [self.size(f"work_{k}") for k in self.works]
+        return float(
+            max(
+                [
+                    self.greatest("kinetic"),
+                    *swings,
+                    *works,
+                    STILL * (self.pull + self.power * self.duration),
+                    np.finfo(float).tiny,
+                ]
+            )
+        )
+
+    @property
+    def duration(self) -> float:
+        """Time between the ends of the run."""
+        return self.swing("time")
+
+    @property
+    def speed(self) -> float:
+        """Greatest root mean square of the velocity of the mass; at least a millionth of the length per run."""
+        rms = float(np.sqrt(2 * self.greatest("kinetic") / self.mass)) if self.mass > 0 else 0.0
+        return max(rms, STILL * self.length / self.duration if self.duration > 0 else 0.0)
+
+    def momentum_scale(self, kind: str) -> float:
+        """What changes of momentum ('momentum' or 'angular') are relative to.
+
+        The greatest momentum that the masses can have with the largest kinetic energy T of the run, ``sqrt(2 m
+        T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
+        """
+        most = self.mass * self.speed * (self.length if kind == "angular" else 1.0)
+        parts = [self.size(f"{kind}_{c}") for c in "xyz"]
+        return float(max(most, *parts, np.finfo(float).tiny))
+
+    @property
+    def rate_scale(self) -> float:
+        """How often per unit of time the system moves by its length; once in the run at least."""
+        return max(self.speed / self.length, 1 / self.duration if self.duration > 0 else 1.0)
+
+    def imbalance(self) -> float:
+        """Largest closing error of the energy balance relative to the energy scale."""
+        return self.size("imbalance") / self.energy_scale
+
+    def drift(self, name: str) -> float:
+        """Largest change of a momentum column relative to the momentum scale."""
+        first = self.first(name)
+        change = max(self.greatest(name) - first, first - self.least(name))
+        return change / self.momentum_scale(name.split("_")[0])
+
+
+class Bookkeeper:
+    """Turns the core's sums of each step into rows of a ledger.
+
+    Attributes
+    ----------
+    ledger : Ledger
+    done : array
+        Work done so far by kind.
+    total0 : float or None
+        Energy of the initial state, None before its row is booked.
+    """
+
+    def __init__(self, system: System) -> None:
+        accounts = system.model.accounts
+
+        def kinds(*categories: str) -> list[str]:
+            return sorted({a.kind for a in accounts if a.category in categories})
+
+        mass = sum(c.total_mass for c in system.components)
+        self._held = None if system.has_inertia else held(system)
+        works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
+        with undisturbed(system):
+            self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
+            self._per_reach = 1 / reaches(system)[:, None]
+        if system.report is not None:
+            self.ledger.moves = system.report.moves
+        ledger, n = self.ledger, len(accounts)
+        self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)
+        self._potential = np.zeros((len(ledger.potentials), n))
+        self._work = np.zeros((len(ledger.works), n))
+        for k, a in enumerate(accounts):
+            if a.category == "potential":
+                self._potential[ledger.potentials.index(a.kind), k] = 1
+            if a.category in ("work", "dissipation"):
+                self._work[ledger.works.index(a.kind), k] = 1
+        self.done = np.zeros(len(ledger.works))
+        self.total0: float | None = None
+
+    def book(self, time: float, core: Any) -> Array:
+        """Add the row of the step that the core has just accepted (or of the initial state)."""
+        energy = core.energy
+        kinetic = self._kinetic @ energy
+        potential = self._potential @ energy
+        total = kinetic + potential.sum()
+        self.done = self.done + self._work @ core.work
+        if self._held is not None:
+            self.done[-1] += core.release[self._held].sum()
+        if self.total0 is None:
+            self.total0 = total
+        momentum = core.momentum.reshape(-1, 6).sum(axis=0)
+        defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
+        imbalance = total - self.total0 - self.done.sum()
+        row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
+        self.ledger.add(row)
+        return row
+
+
+def held(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) in which energies are least: those that stood out of equilibrium release some in statics."""
+    fields = system.model.fields
+    return np.concatenate([np.full(f.size, f.role.has_least_energy) for f in fields])
+
+
+def reaches(system: System) -> Array:
+    """By what the violations of each component's constraints are measured (n_components,); 1 without any."""
+    reach = np.full(len(system.components), np.inf)
+    if system.n_constraints:
+        at, model = Instant(system), system.model
+        owner = {u: model.index(f.component) for f in model.fields if f.multiplier for u in f.unknowns}
+        np.minimum.at(reach, [owner[int(u)] for u in at.multipliers], at.reach)
+    return np.where(np.isfinite(reach), reach, 1.0)
+
+
+def pull(system: System) -> tuple[float, float]:
+    """Work of the present forces, without constraints, if every unknown of motion moved along by its size; and power
+    of those on flows, if all had the speed that is large."""
+    saved = system.x.copy()
+    system.x[system.order == 0] = 0.0
+    force = np.abs(system.residual(instant(system.time, theta=1.0)))
+    system.x[:] = saved
+    fields, effect = system.model.fields, force * system.scale
+    moves = np.concatenate([(f.role is Role.MOTION) & ~f.fixed for f in fields])
+    flows = np.concatenate([(f.role is Role.VELOCITY) & ~f.fixed for f in fields])
+    return float(effect[moves].sum()), float(effect[flows].sum())

@@ -1,0 +1,108 @@
+"""Time that is counted, not summed up: after k steps of length h it is t0 + k h."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from visviva.base.errors import InputError
+
+SLIVER = 0.01
+"""Part of a step that no step falls short of: velocities are increments by the length, and rounding of positions
+would fill them."""
+ROUNDING = 1e-9
+"""Part of a step that two times may differ by and still be the same."""
+
+
+@dataclass
+class Clock:
+    """Counts steps of one length, or halves of them after failures.
+
+    Sums of lengths drift, and leave slivers of steps at the end.
+
+    Attributes
+    ----------
+    start : float
+        Time from which steps are counted.
+    step : float
+        Length of a whole step.
+    halvings : int
+        How often it is halved at present.
+    count : int
+        Steps of the present length since the start.
+
+    Examples
+    --------
+    >>> clock = Clock(step=0.1)
+    >>> for _ in range(10):
+    ...     clock.advance(0.1)
+    >>> clock.time
+    1.0
+    """
+
+    start: float = 0.0
+    step: float = 0.0
+    halvings: int = 0
+    count: int = 0
+
+    @property
+    def length(self) -> float:
+        """Length of the present steps."""
+        return math.ldexp(self.step, -self.halvings)
+
+    @property
+    def time(self) -> float:
+        return self.start + self.count * self.length
+
+    def restart(self, time: float) -> None:
+        """Begin a new count of whole steps at a time."""
+        self.start, self.halvings, self.count = time, 0, 0
+
+    def use(self, step: float) -> None:
+        """Count whole steps of this length from now on, if it is another one."""
+        if step != self.step:
+            self.restart(self.time)
+            self.step = step
+
+    def advance(self, h: float) -> None:
+        """A step of length `h` was taken; one of another length begins a new count."""
+        if abs(h - self.length) <= self.rounding(self.time):
+            self.count += 1
+        else:
+            self.restart(self.time + h)
+            self.step = h
+
+    def halve(self, failed: float) -> None:
+        """Take steps of half the length that failed; where the end had shortened it, a new count of such begins."""
+        if failed < self.length - self.rounding(self.time):
+            self.restart(self.time)
+            self.step = failed
+        self.halvings, self.count = self.halvings + 1, 2 * self.count
+
+    def lengthen(self) -> None:
+        """Twice the length again where a step of that length begins, so that the whole steps' times are met again."""
+        if self.halvings and self.count % 2 == 0:
+            self.halvings, self.count = self.halvings - 1, self.count // 2
+
+    def next(self, until: float) -> float:
+        """Length of the next step on the way to `until`: the last one is stretched if it left a sliver."""
+        left, h = until - self.time, self.length
+        whole = abs(left - h) <= self.rounding(until) or left > (1 + SLIVER) * h
+        return h if whole else left
+
+    def has_reached(self, until: float) -> bool:
+        """Whether nothing but rounding is left of the way to `until`."""
+        return until - self.time <= self.rounding(until)
+
+    def rounding(self, until: float) -> float:
+        """By so much two times near `until` may differ and be the same."""
+        return max(ROUNDING * self.step, 1e-15 * max(abs(until), abs(self.start)))
+
+    def refuse_sliver(self, until: float, step: float) -> None:
+        """Refuse an end time so close that the only step would be a sliver."""
+        left = until - self.time
+        if left < SLIVER * step and not self.has_reached(until):
+            raise InputError(
+                f"end time until = {until} is {left:.3g} after the present time {self.time:g}, less than a hundredth "
+                f"of step = {step:g}: give a smaller step, or another end time"
+            )

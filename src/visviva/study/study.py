@@ -1,0 +1,92 @@
+"""A study: a system with what to do with it; what examples and scene files give and the command line runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from visviva.analysis.adaptive import Adaptive
+from visviva.base.arguments import Named, finite, positive, refuse_other
+from visviva.base.errors import InputError, nearest
+from visviva.component.component import refuse_absent
+from visviva.model.form import Form, Strain, Vector
+from visviva.scheme.schemes import EnergyMomentum, Scheme
+from visviva.system.system import System
+
+Probe = Form | Vector | Strain | Callable[[System], Any]
+"""What can be recorded over time: a form, vector or strain, or a function of the system."""
+
+FIELDS = ("von_mises", "pressure", "cauchy", "energy")
+"""Fields of solids that trajectories hold unless others are chosen."""
+
+
+TYPES: tuple[tuple[str, Any, str], ...] = (
+    ("system", System, "a vv.System"),
+    ("scheme", Scheme, "a scheme such as vv.EnergyMomentum()"),
+    ("probes", Mapping, "a mapping from names to probes"),
+    ("trails", Iterable, "a list of names of probes"),
+    ("fields", Iterable, "a list of names of fields"),
+    ("moments", Iterable, "a list of times"),
+    ("adaptive", Adaptive | None, "vv.Adaptive(...)"),
+)
+"""What the arguments of a study are."""
+
+
+@dataclass
+class Study(metaclass=Named):
+    """A system, how long and by which steps to run it, and what to record.
+
+    Attributes
+    ----------
+    system : System
+    until, step : float
+        End time and step length.
+    scheme : Scheme
+    probes : dict
+        Time series by name; a vector is recorded as name_x, name_y, name_z.
+    trails : tuple of str
+        Probes of positions whose path is drawn.
+    fields : sequence of str
+        Fields of solids that the trajectory holds beside displacements, velocities and what contacts show
+        (``contact_pressure``, ``contact_gap``, ``contact_state``, ``contact_traction``); pictures show the first.
+    moments : sequence of float
+        Times of which `run` draws pictures, beside the end.
+    movie : bool
+        `run` makes a movie, too.
+    title : str
+    notes : str
+        Choices the source leaves open.
+    adaptive : Adaptive, optional
+        Chooses step sizes; `step` is then the first.
+    """
+
+    system: System
+    until: float
+    step: float
+    scheme: Scheme = field(default_factory=EnergyMomentum)
+    probes: Mapping[str, Probe] = field(default_factory=dict)
+    trails: tuple[str, ...] = ()
+    fields: Sequence[str] = FIELDS
+    moments: Sequence[float] = ()
+    movie: bool = False
+    title: str = ""
+    notes: str = ""
+    adaptive: Adaptive | None = None
+
+    def __post_init__(self) -> None:
+        for what, kind, wanted in TYPES:
+            refuse_other("Study", what, getattr(self, what), kind, wanted)
+        self.step = positive("Study", "step", self.step)
+        self.until = finite("Study", "until", self.until)
+        refuse_absent("Study: probes", self.probes, {id(c) for c in self.system.components})
+        unknown = [name for name in self.trails if name not in self.probes]
+        if unknown:
+            raise InputError(
+                f"Study: trails name {unknown[0]!r}, which is no probe{nearest(unknown[0], self.probes)}"
+            )
+
+
+def measure(system: System, probe: Probe) -> Any:
+    """Present value of a probe."""
+    return probe(system) if callable(probe) else system.value(probe)

@@ -1,0 +1,95 @@
+"""The core of a system, built from what its components have declared and contributed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.model.stencil import inertia_terms, strain_terms
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+    from visviva.system.system import System
+
+Ints = NDArray[np.int32]
+
+
+def build_core(system: System) -> _core.System:
+    """The core with its terms and the numbers of the unknowns, ready for a linear solver."""
+    model = system.model
+    order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in model.fields])
+    fixed = np.concatenate([f.fixed for f in model.fields]).astype(np.int32)
+    core = _core.System(order, fixed, system.scale)
+    terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
+    terms += [term.build(model, component) for term, component in model.terms]
+    supplied = model.supplied()
+    core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
+    for term in terms:
+        core.add(term)
+    core.set_signal_count(max(len(model.signals), 1))
+    core.set_driven(model.is_driven)
+    core.set_blocks(*blocks(model))
+    core.set_nodes(nodes(model))
+    if any(c.collides for c in system.components):
+        core.set_islands(*islands(model))
+    core.set_local(system.local)
+    core.set_prescribed(*supplied)
+    if model.drives:
+        core.set_drives(*columns(model.drives))
+    if model.dependences and not system.newton.null_space:  # which takes constraints block by block
+        core.set_dependences(*columns(model.dependences))
+    if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
+        core.set_nodal_multipliers(*columns(model.nodal_multipliers))
+    core.finalize()
+    return core
+
+
+def columns(rows: Any) -> Ints:
+    """Columns of a list of tuples, each in one piece."""
+    return np.array(rows, dtype=np.int32).T.copy()
+
+
+def blocks(model: Model) -> tuple[Ints, ...]:
+    """Block of each unknown, stage of each block, which unknowns are multipliers; unknowns (n, 18) of rigid bodies."""
+    numbers: dict[Any, int] = {}
+    stages: list[int] = []
+    block = np.zeros(model.n_unknowns, dtype=np.int32)
+    multiplier = np.zeros_like(block)
+    for f in model.fields:
+        if f.block not in numbers:
+            numbers[f.block] = len(numbers)
+            stages.append(f.stage)
+        block[f.start : f.start + f.size] = numbers[f.block]
+        multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
+    rigid = np.array(model.rigid, dtype=np.int32).reshape(-1, 18)
+    return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+
+def islands(model: Model) -> tuple[Ints, ...]:
+    """What constraints hold together has one number: that of each unknown, and accounts of constraints with theirs."""
+    import scipy.sparse as sp
+    from scipy.sparse.csgraph import connected_components
+
+    owner = np.concatenate([np.full(f.size, model.index(f.component)) for f in model.fields])
+    pairs = {
+        (int(owner[u + e.shift]), e.component)
+        for e in model.elements
+        if len(e.multipliers)
+        for strain in e.strains
+        for u in strain.unknowns
+    }
+    a, b = columns([*pairs, (0, 0)])
+    graph = sp.coo_array((np.ones(len(a)), (a, b)), shape=(len(model.components),) * 2)
+    island = connected_components(graph, directed=False)[1].astype(np.int32)
+    accounts = [k for k, a in enumerate(model.accounts) if a.category == "constraint"]
+    of_accounts = island[[model.accounts[k].component for k in accounts]]
+    return island[owner], np.array(accounts, dtype=np.int32), of_accounts
+
+
+def nodes(model: Model) -> Ints:
+    """First unknown of the node of each unknown."""
+    starts = [f.start + np.arange(f.size) // f.node * f.node for f in model.fields]
+    return np.concatenate(starts).astype(np.int32)

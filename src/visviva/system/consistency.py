@@ -1,0 +1,340 @@
+"""Consistent states: positions and velocities on the constraints, accelerations and multipliers of a state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.scheme.clock import Clock
+from visviva.system.instant import COMPLIANCE, Instant, instant
+
+if TYPE_CHECKING:
+    from visviva.scheme.schemes import Scheme, Table
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 4e-15
+"""Relative violation below which a constraint holds."""
+
+
+@dataclass
+class Correction:
+    """How far a projection moved things.
+
+    Attributes
+    ----------
+    before, after : float
+        Largest relative violation of a constraint.
+    moved : dict of str to float
+        Largest change of an unknown (or rate), by component; in the units of the unknowns.
+    """
+
+    before: float
+    after: float
+    moved: dict[str, float]
+
+    def __str__(self) -> str:
+        if not self.moved:
+            return f"consistent to {self.before:.1e}"
+        largest = sorted(self.moved.items(), key=lambda item: -item[1])
+        listed = ", ".join(f"{label} by {size:.3g}" for label, size in largest[:6])
+        more = f" and {len(largest) - 6} more" if len(largest) > 6 else ""
+        return f"violated by {self.before:.1e}, corrected to {self.after:.1e}: moved {listed}{more}"
+
+
+def moved(system: System, change: Array) -> dict[str, float]:
+    """Largest change of each component that changed by more than rounding."""
+    sizes: dict[str, float] = {}
+    noise = 1e-12 * float(np.abs(change).max(initial=0.0))
+    for f in system.model.fields:
+        if f.order > 0:
+            size = float(np.abs(change[f.start : f.start + f.size]).max(initial=0.0))
+            if size > noise:
+                sizes[f.component.label] = max(size, sizes.get(f.component.label, 0.0))
+    return sizes
+
+
+def project_positions(system: System, at: Instant | None = None) -> Correction:
+    """Move the configuration onto the constraints, as little as possible in the metric of mass.
+
+    Gauss-Newton steps; where redundant constraints spoil them, damped ones.
+
+    Returns
+    -------
+    Correction
+        How far each component was moved; nothing is touched where the constraints hold to round-off.
+
+    Raises
+    ------
+    InputError
+        If no configuration satisfies the constraints; it names those that remain violated.
+    """
+    at = Instant(system) if at is None else at
+    start = system.x.copy()
+    first = worst(at)
+    if first <= ROUND_OFF:
+        return Correction(first, first, {})
+    last = first
+    for damped in (False, True):
+        system.x[:] = start
+        last = descend(system, damped)
+        if last <= 1e-11:
+            break
+    else:
+        message = contradiction(system)
+        system.x[:] = start
+        system.touch()
+        raise InputError(message)
+    system.touch()
+    return Correction(first, last, moved(system, system.x - start))
+
+
+def worst(at: Instant) -> float:
+    """Largest relative violation."""
+    size = float(np.abs(at.violation() / at.reach).max(initial=0.0))
+    return size if np.isfinite(size) else np.inf
+
+
+def descend(system: System, damped: bool) -> float:
+    """Take Gauss-Newton steps until the violation no longer shrinks; returns what is left."""
+    best, kept, stalled = np.inf, system.x.copy(), 0
+    for _ in range(60 if damped else 25):
+        at = Instant(system)
+        size = worst(at)
+        if size < 0.5 * best:
+            stalled = 0
+        elif stalled >= (12 if damped else 4) or best < 1e-13:
+            break
+        stalled += 1
+        if size < best:
+            best, kept = size, system.x.copy()
+        if size <= ROUND_OFF / 4 or not np.isfinite(size):
+            break
+        at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
+        phi, zero = at.violation(), np.zeros(len(at.coordinates))
+        step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
+        longest = float(np.abs(step / at.scale).max(initial=0.0))
+        system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
+    system.x[:] = kept
+    return best
+
+
+def contradiction(system: System) -> str:
+    """Names the constraints that remain violated at the present state."""
+    at = Instant(system)
+    relative = np.abs(at.violation() / at.reach)
+    rigidity = {u for f in system.model.fields if f.multiplier and f.stage == 0 for u in f.unknowns}
+    of_body = np.array([int(u) in rigidity for u in at.multipliers])
+    if np.any(relative[~of_body] > 0.05 * relative.max()):
+        relative[of_body] = 0.0  # bodies bend only because their joints pull
+    named = []
+    for k in np.argsort(-relative)[:4]:
+        if relative[k] > 0.05 * relative.max():
+            component, unknown = system.describe(int(at.multipliers[k]))
+            named.append(f"{unknown} of {component} by {at.violation()[k]:.3g}")
+    return (
+        f"no configuration satisfies all constraints: violated remain {', '.join(named)} at the nearest "
+        "configuration found. Correct the places, axes or lengths of these joints or of bodies they join, "
+        "or start closer to a configuration that fits"
+    )
+
+
+def project_velocities(system: System, at: Instant | None = None) -> Correction:
+    """Make the velocities satisfy the constraints' time derivatives, changed as little as possible in kinetic
+    energy.
+
+    Raises
+    ------
+    InputError
+        If no velocities do (a motion is prescribed that the joints do not allow); it names the constraints.
+    """
+    if at is None:
+        at = Instant(system)
+        at.factor()
+    if len(at.multipliers) == 0:
+        return Correction(0.0, 0.0, {})
+    v = system.v[at.coordinates].copy()
+    drift = at.drift()
+    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
+    defect = at.G @ v + drift
+    before = float(np.abs(defect / reach).max(initial=0.0))
+    if before <= ROUND_OFF:
+        return Correction(before, before, {})
+    change, _ = at.solve(np.zeros(len(v)), -defect)
+    system.v[at.coordinates] = v + change
+    rest = at.G @ (v + change) + drift
+    after = float(np.abs(rest / reach).max(initial=0.0))
+    if after > 1e-9:
+        k = int(np.argmax(np.abs(rest / reach)))
+        component, unknown = system.describe(int(at.multipliers[k]))
+        system.v[at.coordinates] = v
+        raise InputError(
+            f"no velocities satisfy all constraints in the initial state: {unknown} of {component} "
+            f"stays violated at the rate {rest[k]:.3g}. Check prescribed motions against what joints allow"
+        )
+    system.touch()
+    full = np.zeros(len(system.x))
+    full[at.coordinates] = change
+    return Correction(before, after, moved(system, full))
+
+
+def rate_violation(system: System, at: Instant) -> float:
+    """Largest relative violation of the constraints' rates."""
+    v, drift = system.v[at.coordinates], at.drift()
+    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
+    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+
+
+def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
+    """In a singular position, turn velocities that lead nowhere into those of a motion close by.
+
+    Where constraints are redundant for an instant only (bars in one line), more velocities satisfy their rates
+    than motions have: accelerations exist only if ``null^T (G' v) v`` vanishes for the combinations `null`
+    (m, r) of constraints without effect. Newton steps keep ``G v`` and are least in kinetic energy. Where they
+    find nothing (the mechanism is locked, or an impact is due) the velocities stay as they are.
+
+    Returns
+    -------
+    dict of str to float
+        Largest change of a rate by component.
+    """
+    coordinates, start = at.coordinates, system.v.copy()
+    bound = rate_violation(system, at) + 1e-9
+    for _ in range(20):
+        c = at.convection()
+        rest = null.T @ c
+        if np.all(np.abs(rest) <= 1e-7 * (np.abs(null).T @ np.abs(c))):
+            break
+        J = 2 * at.bend(null)
+        still = np.zeros(len(at.multipliers))
+        ways = np.column_stack([at.solve(column, still)[0] for column in J.T])
+        system.v[coordinates] -= ways @ np.linalg.lstsq(J.T @ ways, rest, rcond=1e-9)[0]
+        if rate_violation(system, at) > bound:
+            system.v[:] = start
+            break
+    else:
+        system.v[:] = start
+    system.touch()
+    return moved(system, system.v - start)
+
+
+# --- accelerations ------------------------------------------------------------------------------------------
+
+
+def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
+    """Accelerations (n,) and multipliers (m,) of the present state; `still` leaves the velocities out."""
+    saved = system.x[at.multipliers].copy()
+    system.x[at.multipliers] = 0.0
+    force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
+    if system.model.prescribed and not still:
+        force = force + at.prescribed_inertia()
+    system.x[at.multipliers] = saved
+    right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
+    return at.solve_consistent(-force, right)
+
+
+def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant | None = None) -> None:
+    """Fill the history of schemes that start from accelerations, and the multipliers, consistently.
+
+    Solves ``M a + f(q, v) + G^T lambda = 0`` with ``G a = -(G' v) v - ...``, parts prescribed in time
+    included. Acceleration-like variables stand for another moment than their step's end, see `Scheme.history_at`.
+    """
+    if at is None:
+        at = Instant(system)
+        at.add_rate_constraints()
+        at.factor()
+    a, multipliers = accelerations(system, at)
+    histories = (system.core.a, system.core.w)
+    for history in histories:
+        history[:] = at.prescribed_acceleration()
+        history[at.coordinates] = a
+    system.x[at.multipliers] = multipliers
+    for history, offset in zip(histories, scheme.history_at, strict=True):
+        if offset and len(at.multipliers):
+            history[:] = accelerations_later(system, history, offset * h)
+    system.touch()
+    system.has_acceleration = True
+
+
+def accelerations_later(system: System, now: Array, time: float) -> Array:
+    """Accelerations (n,) of the motion a `time` from now; those of now where they change too much for that.
+
+    Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
+    """
+    x, v, clock, moves = system.x.copy(), system.v.copy(), system.clock, system.order == 2
+    system.x[moves] += time * v[moves] + 0.5 * time**2 * now[moves]
+    system.v[moves] += time * now[moves]
+    system.clock = Clock(system.time + time)
+    for p in system.model.prescribed:
+        system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
+    later = now.copy()
+    at = Instant(system)
+    at.factor()
+    of_motion = moves[at.coordinates]
+    later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
+    system.x[:], system.v[:], system.clock = x, v, clock
+    change, size = (float(np.linalg.norm(u * system.inverse_scale)) for u in (later - now, now))
+    return later if change < 0.5 * size else now
+
+
+def project_step(system: System, step: Any, table: Table, x0: Array, trial: Array) -> Array:
+    """Rates at the end of a step on the constraints; what `cpp/visviva/system/rates.cpp` does, for systems of any kind.
+
+    Parameters
+    ----------
+    step : Step
+        The step; its solution was `trial`.
+    table : table
+        The scheme's table of motion.
+    x0, trial : array (n,)
+        Unknowns at its start and as solved.
+
+    Returns
+    -------
+    array
+        Work of what is driven by functions of time as the rates change, of each of ``system.model.drives``.
+    """
+    at = Instant(system)
+    impulse = np.zeros(len(at.coordinates))
+    if step.theta_g == 0.0:
+        x1 = system.x.copy()
+        system.x[:], system.core.dx[:] = x0, trial - x0
+        with_them = system.residual(step)
+        system.core.dx[at.multipliers] = -x0[at.multipliers]
+        impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
+        system.x[:], system.core.dx[:] = x1, 0.0
+    at.factor()
+    before = system.v[at.coordinates].copy()
+    after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
+    work = drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
+    if table[1][2] == 0.0:  # nothing but rates is remembered
+        system.v[at.coordinates] = after
+        return work
+    moves = system.order[at.coordinates] == 2
+    change, coordinates = (after - before)[moves], at.coordinates[moves]
+    for history, row in ((system.v, 2), (system.core.a, 3), (system.core.w, 4)):
+        history[coordinates] += table[row][0] / table[2][0] * change
+    system.x[at.multipliers] += table[1][0] / table[2][0] * mu
+    return work
+
+
+def drive_works(
+    system: System, at: Instant, step: Any, x0: Array, trial: Array, mu: Array, mean: Array
+) -> Array:
+    """Work of each drive by its share of the impulses of a projection, along the `mean` of the rates."""
+    drives = np.array([u for u, _ in system.model.drives], dtype=int)
+    if not len(drives):
+        return np.zeros(0)
+    rows = np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives])
+    work: Array = -mu[rows] * (at.G[rows] @ mean)
+    if step.theta_g == 0.0:
+        x1, along = system.x.copy(), np.zeros(len(system.x))
+        system.x[:], along[at.coordinates] = x0, step.h * mean
+        work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
+        system.x[:] = x1
+    return work

@@ -1,0 +1,206 @@
+"""Rigid motions that nothing holds: what makes a structure unfit for statics, or for motion without mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.body.solid import Solid
+from visviva.component.point import Attachable
+from visviva.scheme.schemes import EnergyMomentum, load_step
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+ROUNDING = 3e-12
+"""A motion that meets less than this part of the stiffnesses that cancel in it is free."""
+CLEAR = 1e-6
+"""How far a free motion may be from a translation or rotation along an axis to be called so."""
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Rigid motions of a body, translations along and rotations about the three axes.
+
+    Attributes
+    ----------
+    body : Attachable
+    centre : array (3,)
+        Rotations are about it.
+    moves : array (n, 6)
+        Change of the system's unknowns; the largest is 1, or all are zero where the body has no such motion.
+    size : array (6,)
+        What the changes were divided by.
+    """
+
+    body: Attachable
+    centre: Array
+    moves: Array
+    size: Array
+
+    @property
+    def possible(self) -> NDArray[np.bool_]:
+        """Which of the six (6,) the body has."""
+        return self.size > 0
+
+    def in_words(self, free: Array) -> str:
+        """Names of the free motions, the span of the columns of `free` (6, k)."""
+        u, s, _ = np.linalg.svd(free, full_matrices=False)
+        span = u[:, s > CLEAR]
+        along = [k for k in range(6) if 1 - np.linalg.norm(span[k]) < CLEAR]
+        rest = span - np.eye(6)[:, along] @ span[along]
+        translations, rotations = (", ".join("xyz"[k % 3] for k in along if k // 3 == j) for j in (0, 1))
+        words = [f"translation along {translations}"] * bool(translations)
+        words += [f"rotation about {rotations}"] * bool(rotations)
+        return "; ".join([*words, *map(self._screw, simplest(rest).T)])
+
+    def _screw(self, motion: Array) -> str:
+        """A motion (6,) along no axis of space."""
+        translation, rotation = motion[:3], motion[3:] / np.where(self.possible, self.size, 1.0)[3:]
+        speed = float(np.linalg.norm(rotation))
+        if speed < CLEAR * np.linalg.norm(translation) / (np.max(self.size[3:], initial=0.0) or 1.0):
+            return f"translation along {_direction(translation)}"
+        through = self.centre + np.cross(rotation, translation) / speed**2
+        return f"rotation about the axis through {_listed(through)} along {_direction(rotation)}"
+
+
+def refuse_free(system: System) -> None:
+    """Refuse a system with bodies that can move rigidly without resistance, for an analysis without inertia.
+
+    The tangent at the present state is applied to the rigid motions of all bodies; combinations that it sends to
+    zero, and that no support forbids, are free.
+
+    Raises
+    ------
+    InputError
+        With the free motions of every body.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1, poisson=0.3))
+    >>> refuse_free(vv.System([block, vv.Fixed(solid=block, nodes="z0")]))
+    """
+    bodies = [c for c in system.components if isinstance(c, Attachable)]
+    if found := free_bodies(system, bodies, load_step(system.time, 0.0)):
+        raise InputError(
+            f"nothing holds {', nor '.join(found)}: statics has no solution; hold it by vv.Fixed, "
+            "vv.SymmetryPlane, a joint or a spring, or run it in time"
+        )
+
+
+def refuse_massless(system: System) -> None:
+    """Refuse solids without mass that can move rigidly without resistance, for an analysis in time.
+
+    Raises
+    ------
+    InputError
+        With the free motions of every such solid.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    >>> refuse_massless(vv.System([vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1, poisson=0.3), density=1.0)]))
+    """
+    bodies: list[Attachable] = [c for c in system.components if isinstance(c, Solid) and c.density == 0]
+    if found := free_bodies(system, bodies, EnergyMomentum().step(system.time, 1.0)):
+        raise InputError(
+            f"{', and '.join(found)} has no mass, and nothing holds it: forces, such as those of a contact, would move "
+            "it at any speed; give it a density, or hold it by vv.Fixed, vv.Tie, a joint or a spring"
+        )
+
+
+def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list[str]:
+    """Those of the bodies that can move rigidly in a step and meet nothing while all others stay; their motions."""
+    motions = [m for body in bodies if (m := rigid_motions(system, body))]
+    if not motions:
+        return []
+    kept = [m.moves[:, m.possible] for m in motions]
+    null = _null_space(_resistance(system, np.hstack([*kept, _coordinates(system)]), step))
+    ends = np.cumsum([part.shape[1] for part in kept])
+    found = []
+    for m, first, end in zip(motions, [0, *ends], ends, strict=False):
+        free = np.zeros((6, null.shape[1]))
+        free[m.possible] = null[first:end]
+        if np.abs(free).max(initial=0.0) > CLEAR and not m.body.is_massless:
+            found.append(f"{m.body.label} ({m.in_words(free)})")
+    return found
+
+
+def rigid_motions(system: System, body: Attachable) -> Motions | None:
+    """Rigid motions of a body in its present configuration; None for what cannot move."""
+    vectors = body.vectors(system.model)
+    if vectors is None:
+        return None
+    starts, is_position, width = vectors
+    index = starts[:, None] + np.arange(width)
+    x = np.pad(system.x[index], ((0, 0), (0, 3 - width)))
+    centre = x[is_position].mean(axis=0)
+    arms = x - np.where(is_position[:, None], centre, 0.0)
+    moves, size = np.zeros((len(system.x), 6)), np.zeros(6)
+    for k, axis in enumerate(np.eye(3)):
+        moves[index, k] = np.where(is_position[:, None], axis, 0.0)[:, :width]
+        moves[index, 3 + k] = np.cross(axis, arms)[:, :width]
+    size = np.abs(moves).max(axis=0)
+    return Motions(body, centre, moves / np.where(size > 0, size, 1.0), size)
+
+
+def simplest(span: Array) -> Array:
+    """A basis (6, k) of a span (6, m) with a one and zeros in each of k rows."""
+    from scipy.linalg import qr
+
+    _, r, rows = qr(span.T, pivoting=True)
+    rank = int((np.abs(np.diag(r)) > CLEAR).sum())
+    chosen = span[rows[:rank]]
+    basis: Array = span @ np.linalg.pinv(chosen)
+    return basis
+
+
+def _coordinates(system: System) -> Array:
+    """Unit changes (n, k) of coordinates of joints, which go with the bodies."""
+    of_joints = [f for f in system.model.fields if f.order > 0 and not isinstance(f.component, Attachable)]
+    unknowns = [u for f in of_joints for u in f.unknowns]
+    moves = np.zeros((len(system.x), len(unknowns)))
+    moves[unknowns, range(len(unknowns))] = 1.0
+    return moves
+
+
+def _resistance(system: System, motions: Array, step: Any) -> Array:
+    """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
+    import scipy.sparse as sp
+
+    system.core.search()  # bodies may rest on what they touch
+    row, col, unknown = system.pattern
+    values, residual = np.zeros(len(col)), np.zeros(len(system.x))
+    system.core.assemble(step, system.signals(step), residual, values)
+    K = sp.csr_array((values, col, row), shape=(len(unknown),) * 2)
+    R = motions[unknown]
+    largest = (abs(K) @ np.abs(R)).max(axis=1)[system.free_equations]
+    forces = (K @ R)[system.free_equations] / np.where(largest > 0, largest, 1.0)[:, None]
+    fixed = np.concatenate([f.fixed for f in system.model.fields])
+    return np.vstack([forces, motions[fixed]])
+
+
+def _null_space(A: Array) -> Array:
+    """Orthonormal combinations (k, p) of the columns of `A` (m, k) that vanish."""
+    _, s, vt = np.linalg.svd(np.linalg.qr(A, mode="r"))
+    rank = int((s > ROUNDING * np.sqrt(A.shape[1])).sum())
+    null: Array = vt[rank:].T
+    return null
+
+
+def _direction(vector: Array) -> str:
+    rounded = np.round(vector / np.linalg.norm(vector), 9)
+    return _listed(rounded * np.sign(rounded[np.argmax(np.abs(rounded))]))
+
+
+def _listed(vector: Array) -> str:
+    return "(" + ", ".join(f"{c:.4g}" for c in np.round(vector, 9) + 0.0) + ")"

@@ -1,0 +1,84 @@
+"""What the choice of a linear solver is told of a system."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.linear.choice import Problem, rigid_motions
+from visviva.model.field import Role
+from visviva.system.build import blocks
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+STATIC = 100.0
+"""By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
+LARGEST_BLOCK = 20
+"""Unknowns of a block up to which rigid bodies are eliminated block by block."""
+CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
+"""What is carried along by a flow makes the tangent unsymmetric."""
+
+
+def uses_null_space(system: System) -> bool:
+    """Whether rigid bodies are reduced to six unknowns and eliminated block by block."""
+    model = system.model
+    if system.newton.null_space is not None:
+        return system.newton.null_space
+    small = int(np.bincount(blocks(model)[0]).max()) <= LARGEST_BLOCK
+    small = small and not any(f.is_local for f in model.fields)
+    others = model.has_servo or any(c.touches for c in system.components)
+    others = others or any(f.role in CARRIED for f in model.fields)
+    return small and not model.terms and not others and not model.dependences
+
+
+def problem_of(system: System) -> Problem:
+    """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
+    core, model = system.core, system.model
+    fields = [f for f in model.fields if not f.is_local]
+    condensed = core.n_exchanged or len(model.nodal_multipliers)  # before anything is near
+    symmetric = not any(f.role in CARRIED for f in fields)
+    has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
+    return Problem(
+        n=core.n_equations,
+        n_entries=core.n_entries,
+        symmetric=symmetric,
+        nearly=symmetric and system.has_discrete_gradient and not condensed,
+        definite=all(f.role.has_least_energy or f.multiplier for f in fields),
+        n_multipliers=system.n_constraints - core.n_eliminated,
+        has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
+        n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
+        n_condensed=condensed,
+        has_inertia=system.has_inertia,
+        regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
+        has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
+        has_flow=has_flow,
+        is_flow=has_flow and all(f.order < 2 for f in fields),
+    )
+
+
+def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:
+    """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
+    fields = [f for f in model.fields if not f.is_local]
+    free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
+    pressures = sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE)
+    others = any(f.role in (Role.STATE, Role.SOLID_PRESSURE) for f in fields)
+    return not others and (free, pressures) == (eliminated, condensed)
+
+
+def rigid_modes(model: Model) -> Array:
+    """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
+    parts = [
+        rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order == 2 else None
+        for f in model.fields
+    ]
+    modes = np.zeros((model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0)))
+    for f, part in zip(model.fields, parts, strict=True):
+        if part is not None:
+            modes[f.start : f.start + f.size, : part.shape[1]] = part
+    return modes

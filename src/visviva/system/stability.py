@@ -1,0 +1,155 @@
+"""Whether an equilibrium is stable: the negative eigenvalues of its tangent, less those that constraints bring.
+
+The tangent ``[[K, G^T], [G, 0]]`` of n coordinates and m independent constraints has m negative eigenvalues, and one
+more for each direction that the constraints leave free in which energy falls (Sylvester's law of inertia). A direct
+solver's factors tell their number; where they do not, small systems are factored once more as ``L D L^T``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.formulation import SUITED
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+LARGEST, FULL = 6000, 600
+"""Equations up to which a tangent is factored for its signs alone, and as a full matrix."""
+UNSYMMETRIC = 1e-6
+"""Relative difference from its transpose beyond which the signs of a tangent say nothing."""
+COMPLIANCE = 1e-6
+"""Of scaled constraints, so that they have pivots too; it leaves the signs of all but the hardest directions."""
+NEUTRAL, ROUNDING = 1e-13, 1e-10
+"""Scaled pivots nearer to zero are those of motions that nothing resists; the latter with constraints."""
+
+
+@dataclass
+class Stability:
+    """How many equilibria a run found, how many were unstable, and of how many that is not known."""
+
+    equilibria: int = 0
+    unstable: int = 0
+    unchecked: int = 0
+    first: float = 0.0  # load parameter of the first unstable one
+
+    def record(self, falling: int | None, time: float) -> None:
+        """Enter an equilibrium with so many directions in which energy falls, None where that is not known."""
+        self.equilibria += 1
+        if falling is None:
+            self.unchecked += 1
+        elif falling:
+            self.first = self.first if self.unstable else time
+            self.unstable += 1
+
+    def __str__(self) -> str:
+        if self.unstable:
+            return f"unstable from the load parameter {self.first:.6g} on, in {self.unstable} load steps"
+        return "stability not checked" if self.unchecked else "stable"
+
+
+def falling_directions(system: System, step: Any) -> int | None:
+    """In how many directions the energy falls from the trial state of a static step; None where that is not known."""
+    reported, exchanged = int(system.core.n_negative), bool(system.core.n_exchanged)
+    if exchanged or reported < 0:
+        return count_falling(system, step)
+    local = np.concatenate([f.element >= 0 for f in system.model.fields])
+    left = int(np.sum(bears(system) & ~local)) - system.core.n_eliminated
+    return judged(system, reported - left)
+
+
+def judged(system: System, falling: int) -> int | None:
+    """Gaps of facets have kinks where edges cross: in contact a falling direction may be one of the mesh alone."""
+    touches = any(c.touches for c in system.components)
+    return None if falling > 0 and touches else max(falling, 0)
+
+
+def count_falling(system: System, step: Any) -> int | None:
+    """The same by factors of the whole tangent, where it is symmetric and small."""
+    if system.core.n_equations > LARGEST:
+        return None
+    if not system.core.n_equations:
+        return 0
+    _, K = system.tangent(step)
+    if abs(K - K.T).max() > UNSYMMETRIC * abs(K).max():
+        return None
+    pressed = bears(system)[system.free_unknowns]
+    pivots = pivots_of(K, pressed)
+    if pivots is None:
+        return None
+    tiny = ROUNDING if pressed.any() else NEUTRAL
+    return judged(system, int(np.sum(pivots < -tiny)) - int(pressed.sum()))
+
+
+def bears(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) that stand for forces, multipliers and pressures: the energy is largest in them."""
+    fields = system.model.fields
+    return np.concatenate([~f.fixed & f.role.bears for f in fields])
+
+
+def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_]) -> Array | None:
+    """Numbers (n,) with the signs of the eigenvalues of a symmetric matrix; None where they are not found."""
+    import scipy.sparse as sp
+
+    scale = np.ones(K.shape[0])
+    for _ in range(3):  # rows and columns alike, until the largest entry of each is about one
+        largest = (sp.diags_array(scale) @ abs(K) @ sp.diags_array(scale)).max(axis=1).toarray().ravel()
+        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
+    A = sp.diags_array(scale) @ K @ sp.diags_array(scale)
+    A = A - sp.diags_array(np.where(pressed & (A.diagonal() == 0), COMPLIANCE, 0.0))
+    return full_pivots(A.toarray()) if len(scale) <= FULL else sparse_pivots(A)
+
+
+def full_pivots(A: Array) -> Array:
+    """Eigenvalues of the blocks, of one row or two, in the factors of Bunch and Kaufman."""
+    from scipy.linalg import ldl
+
+    _, D, _ = ldl(A)
+    a, b, c = D.diagonal().copy(), np.append(D.diagonal(1), 0.0), np.append(D.diagonal()[1:], 0.0)
+    for k in np.flatnonzero(b):
+        a[k : k + 2] = np.linalg.eigvalsh([[a[k], b[k]], [b[k], c[k]]])
+    return np.asarray(a)
+
+
+def sparse_pivots(A: sp.csr_array) -> Array | None:
+    """Pivots without exchange of rows, None where one vanishes."""
+    from scipy.sparse.linalg import splu
+
+    options = {"SymmetricMode": True}
+    try:
+        lu = splu(A.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError:
+        return None
+    return np.asarray(lu.U.diagonal()) if np.array_equal(lu.perm_r, lu.perm_c) else None
+
+
+def instability(system: System, where: str, falling: int) -> str:
+    """What is wrong with an unstable equilibrium, and the first of its cures."""
+    directions = "one direction" if falling == 1 else f"{falling} directions"
+    return (
+        f"the equilibrium {where} is unstable: energy falls in {directions}, so that the structure buckles or falls "
+        f"over at the slightest disturbance{weak_elements(system)}. Disturb it, by a small load or an imperfect shape"
+    )
+
+
+def weak_elements(system: System) -> str:
+    """Doubt about instabilities, where elements may have some of their own: modes that look like hourglasses."""
+    weak = [
+        f"{c.label} ({kind})"
+        for c in system.components
+        if (kind := str(getattr(c, "formulation", ""))) in SUITED
+    ]
+    if not weak:
+        return ""
+    return (
+        f", or elements do, which in {', '.join(weak)} may give way under strong compression where the structure would "
+        "not (compare with formulation='displacement')"
+    )

@@ -1,0 +1,127 @@
+"""Rooms of the package: imports go down between them, no modules import each other in circles, names stand once."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import visviva
+
+ROOT = Path(visviva.__file__).parent
+ROOMS = (
+    "base",  # errors, arguments, functions of time
+    "mesh",
+    "output",
+    "model",  # fields and terms
+    "scheme",
+    "component",  # what the user names, and points to attach to
+    "linear",
+    "material",
+    "body",
+    "joint",
+    "load",
+    "contact",
+    "flow",
+    "system",
+    "measure",
+    "user",
+    "results",
+    "analysis",
+    "study",
+    "examples",
+    "scene",
+)
+"""From the lowest floor to the highest."""
+FLAT = {"", "__main__", "cli"}
+
+Import = tuple[str, str]
+"""The module, and 'executed', 'late' or 'typing'."""
+
+
+def modules() -> dict[str, Path]:
+    found = {}
+    for path in ROOT.rglob("*.py"):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        found[name.removesuffix("__init__").removesuffix(".") if name != "__init__" else ""] = path
+    return found
+
+
+MODULES = modules()
+
+
+def imports(node: ast.AST, when: str = "executed") -> Iterator[Import]:
+    """Modules of the package that a tree of code imports, and when."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.ImportFrom):
+            yield from ((name, when) for name in named(child))
+        elif isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
+            yield from imports(child, "typing")
+        elif isinstance(child, ast.FunctionDef) and when == "executed":
+            yield from imports(child, "late")
+        else:
+            yield from imports(child, when)
+
+
+def named(line: ast.ImportFrom) -> Iterator[str]:
+    """The modules that ``from ... import ...`` names; the package itself and its compiled part are none."""
+    assert line.level == 0
+    package, _, below = (line.module or "").partition(".")
+    if package != "visviva":
+        return
+    for alias in line.names:
+        whole = f"{below}.{alias.name}".removeprefix(".")
+        name = whole if whole in MODULES else below
+        if name in MODULES and name:
+            yield name
+
+
+ARROWS = [(a, b, when) for a, path in MODULES.items() for b, when in imports(ast.parse(path.read_text()))]
+
+
+def room(module: str) -> str:
+    return "" if module in FLAT else module.partition(".")[0]
+
+
+def test_every_module_is_in_a_room_and_few_are_flat() -> None:
+    assert {room(m) for m in MODULES} <= {*ROOMS, ""}
+    assert len(ARROWS) > 500
+    assert {m for m in MODULES if "." not in m and m not in ROOMS} == FLAT
+
+
+def test_imports_go_down() -> None:
+    """Executed ones, late ones and those for annotations."""
+    floor = {name: k for k, name in enumerate((*ROOMS, ""))}
+    up = [f"{a} -> {b} ({when})" for a, b, when in ARROWS if floor[room(b)] > floor[room(a)]]
+    assert up == []
+
+
+def test_no_circles_at_run_time() -> None:
+    graph: dict[str, set[str]] = {m: set() for m in MODULES}
+    for a, b, when in ARROWS:
+        if when != "typing" and a:
+            graph[a].add(b)
+    TopologicalSorter(graph).prepare()  # raises CycleError
+
+
+def test_names_stand_once() -> None:
+    """A newcomer who reads a file's name knows which; a room's namesake holds its main class."""
+    files = Counter(m.rpartition(".")[2] for m in MODULES if "." in m)
+    assert [name for name, times in files.items() if times > 1] == []
+
+
+@pytest.mark.parametrize(
+    ("code", "found"),
+    [
+        ("from visviva.system.system import System", [("system.system", "executed")]),
+        ("def f():\n    from visviva.body import solid", [("body.solid", "late")]),
+        ("if TYPE_CHECKING:\n    from visviva.body.solid import Solid", [("body.solid", "typing")]),
+        ("from visviva import _core\nimport numpy", []),
+    ],
+)
+def test_the_reader_of_imports(code: str, found: list[Import]) -> None:
+    assert list(imports(ast.parse(code))) == found
