@@ -7,9 +7,11 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, HERE)
 
 from make_gallery import make_gallery  # noqa: E402
+from make_rooms import make_rooms  # noqa: E402
 from make_verification import make_verification  # noqa: E402
 
 make_gallery()
+make_rooms()
 make_verification()
 
 project = "visviva"
