@@ -1,5 +1,7 @@
 #include "point_gaps.hpp"
 
+#include <algorithm>
+
 #include "core/parallel.hpp"
 
 namespace visviva {
@@ -9,7 +11,115 @@ using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
-    stencils_.resize(n_);
+    stencils_.resize(n_), sides_.resize(n_);
+}
+
+// --- the way in
+// -----------------------------------------------------------------------------------------------
+Vector3 PointGaps::nudged(const double* X, int A) const {
+    constexpr double part = 1e-9;
+    Vector3 middle = Vector3::Zero();
+    for (int B = 0; B < n_; ++B) middle += At(X + 3 * B) / n_;
+    return At(X + 3 * A) + part * (middle - At(X + 3 * A));
+}
+
+int PointGaps::side(const double* X, int A) const {
+    const bool known = !sides_.start().empty() && (sides_.of(A) >= 0 || !sides_.began_inside(A));
+    if (!known || !is_inside(X, A)) return Sides::nearest;
+    return sides_.of(A) >= 0 ? sides_.of(A) : entrance(sides_.start().data(), X, A);
+}
+
+bool PointGaps::settle(const double* X) {
+    return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
+        if (!is_inside(X, A)) return std::make_pair(Sides::nearest, 0);
+        const int came = side(X, A), near = nearest_side(X, A);
+        if (keeps_) return std::make_pair(came >= 0 ? came : near, 1);
+        return std::make_pair(came >= 0 && !are_same(X, came, near) ? came : Sides::nearest, 1);
+    });
+}
+
+// The straight way of a vertex' stencil in a step.
+class PointGaps::Path {
+  public:
+    Path(const PointGaps& gaps, const double* from, const double* to, int A)
+        : length(gaps.way(from, to, A)), gaps_(gaps), from_(from), to_(to), A_(A) {}
+    const double length;
+    double gap(double t) const { return near(t, 0).value - gaps_.options_.radius; }
+    /// At one place, and how much it changes along the way; zero where nothing is near.
+    Vector3 normal(double t, double& change) const {
+        const Distance d = near(t, 1);
+        change = 0;
+        for (Eigen::Index i = 0; i < d.gradient.size(); ++i) {
+            const int at = 3 * gaps_.stencils_[A_][i / 3] + i % 3;
+            change += d.gradient[i] * (to_[at] - from_[at]);
+        }
+        return d.gradient.size() ? Vector3(d.gradient.head<3>().normalized()) : Vector3::Zero();
+    }
+
+  private:
+    Distance near(double t, int derivatives) const {
+        const double* X = t == 0 ? from_ : to_;
+        if (t > 0 && t < 1) {
+            if (X_.empty()) X_.assign(from_, from_ + gaps_.skin_.constant.size());
+            for (const int v : gaps_.stencils_[A_])
+                for (int i = 3 * v; i < 3 * v + 3; ++i) X_[i] = (1 - t) * from_[i] + t * to_[i];
+            X = X_.data();
+        }
+        Distance d;
+        if (gaps_.distance(X, A_, derivatives, d) == Reach::near) return d;
+        return {gaps_.options_.reach + gaps_.options_.radius, {}, {}};
+    }
+    const PointGaps& gaps_;
+    const double *from_, *to_;
+    int A_;
+    mutable std::vector<double> X_;
+};
+
+// Whether what is open at both ends of a step went through a corner on the way. Distances change by no more
+// than the way: so far one may go without missing anything.
+bool PointGaps::cuts_through(const Path& path, double before, double after) const {
+    constexpr double shallow = 0.01;  // part of the way: steps that are halved come to end in the corner
+    const double least = shallow * path.length;
+    if (before + after > path.length) return false;
+    double begin = before / path.length, end = 1 - after / path.length;
+    auto step = [&](double t) { return std::max(path.gap(t), least) / path.length; };
+    while (begin < end && path.gap(begin) > 0) begin += step(begin);
+    while (begin < end && path.gap(end) > 0) end -= step(end);
+    return begin < end && path.gap(0.5 * (begin + end)) < -least;
+}
+
+// Whether what touches at the end of a step pushes elsewhere than where it closed, or than at the start, while
+// it has gone deeper by more than it has come out.
+bool PointGaps::turns_about(const Path& path, bool closes) const {
+    constexpr double same = 0.5;  // least agreement of normals
+    double change, change_at_end;
+    const Vector3 end = path.normal(1, change_at_end);
+    auto agrees = [&](double t) { return path.normal(t, change).dot(end) > same; };
+    if (agrees(0)) return false;
+    if (!closes) return !end.isZero() && change + change_at_end < 0;
+    double open = 0, closed = 1;
+    for (int halving = 0; halving < 20; ++halving) {
+        const double t = 0.5 * (open + closed);
+        (path.gap(t) > 0 ? open : closed) = t;
+    }
+    return !agrees(open);
+}
+
+int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
+    std::vector<char> stray(n_, 0);
+    parallel_for(n_, [&](int A) {
+        if (stencils_[A].empty() || (before[A] > 0 && after[A] > 0 &&
+                                     before[A] + after[A] > options_.areas[A] * way(from, to, A)))
+            return;
+        const Path path(*this, from, to, A);
+        if (!(path.length > 0)) return;
+        if (after[A] < 0)
+            stray[A] = turns_about(path, before[A] > 0);
+        else if (before[A] > 0 && after[A] > 0)
+            stray[A] = cuts_through(path, before[A] / options_.areas[A], after[A] / options_.areas[A]);
+    });
+    const auto first = std::find(stray.begin(), stray.end(), 1);
+    return first == stray.end() ? -1 : static_cast<int>(first - stray.begin());
 }
 
 void PointGaps::values(const double* X, double* gap, double* area) {
