@@ -58,8 +58,9 @@ class Gaps {
     /// Fixes for a step that begins here what does not move with the unknowns; true if gaps are other
     /// functions from now on.
     virtual bool settle(const double* /*X*/) { return false; }
-    /// Vertices that overlap stay with the side they came in by until they are outside, and not only until it
-    /// is the nearest: forces hold what overlaps where it is.
+    /// Vertices that overlap stay with the side they came in by until a step begins with them outside, and not
+    /// only until it is the nearest: forces hold what overlaps where it is, and what would leave past an edge in
+    /// the step after an impact has to feel that first.
     virtual void keep_sides() {}
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}

@@ -69,6 +69,7 @@ class NodeToSegment : public PointGaps {
     double seen_inside(int A, int facet) const;
     Found pick(const double* X, int A, bool only_facing, int side) const;
     Reach locate_nearest(const double* X, int A, Found& found) const;
+    bool leaves(const double* X, int A, const Found& found, int side) const;
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
@@ -391,6 +392,21 @@ int NodeToSegment::nearest_side(const double* X, int A) const {
     return locate_nearest(X, A, found) == Reach::near ? found.candidate->facet : Sides::nearest;
 }
 
+// Whether what is found is beyond a side: of another one, or on what that shares with another one.
+bool NodeToSegment::leaves(const double* X, int A, const Found& found, int side) const {
+    const Foot& foot = found.foot;
+    if (!are_same(X, found.candidate->facet, side)) return true;
+    if (foot.n == found.facet.dim) return false;
+    const int* own = skin_.corners(found.candidate->facet);
+    return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
+        const int *corners = skin_.corners(c.facet), *end = corners + skin_.n_corners(c.facet);
+        const bool shares = std::all_of(foot.vertex, foot.vertex + foot.n, [&](int v) {
+            return v != FacetShape::centre && std::find(corners, end, own[v]) != end;
+        });
+        return shares && !are_same(X, c.facet, side);
+    });
+}
+
 bool NodeToSegment::are_same(const double* X, int side, int other) const {
     return shape(X, side).normal(0).dot(shape(X, other).normal(0)) > same_side;
 }
@@ -435,12 +451,12 @@ PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, Found& fo
 // What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     Reach reach = locate_nearest(X, A, found);
-    if (reach == Reach::near && found.value < same_place * size(found.facet)) {
-        const int came = side(X, A);
-        if (came >= 0 && !are_same(X, came, found.candidate->facet)) {
-            found = pick(X, A, false, came);
-            reach = sign(X, A, found);
-        }
+    const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
+    if (came >= 0 && leaves(X, A, found, came)) {
+        found = pick(X, A, false, came);
+        if (!found.candidate) return Reach::far;
+        found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
+        reach = sign(X, A, found);
     }
     const bool deep =
         reach == Reach::near && options_.radius - found.value > sight(A, found.candidate->facet);

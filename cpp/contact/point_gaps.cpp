@@ -24,9 +24,11 @@ Vector3 PointGaps::nudged(const double* X, int A) const {
 }
 
 int PointGaps::side(const double* X, int A) const {
-    const bool known = !sides_.start().empty() && (sides_.of(A) >= 0 || !sides_.began_inside(A));
-    if (!known || !is_inside(X, A)) return Sides::nearest;
-    return sides_.of(A) >= 0 ? sides_.of(A) : entrance(sides_.start().data(), X, A);
+    if (sides_.start().empty()) return Sides::nearest;
+    const int kept = sides_.of(A);
+    if (kept >= 0 && (keeps_ || is_inside(X, A))) return kept;
+    if (sides_.began_inside(A) || !is_inside(X, A)) return Sides::nearest;
+    return entrance(sides_.start().data(), X, A);
 }
 
 bool PointGaps::settle(const double* X) {
