@@ -53,6 +53,7 @@ class NodeToSegment : public PointGaps {
     bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;
     int entrance(const double* from, const double* to, int vertex) const override;
+    double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double* X, int side, int other) const override;
 
   private:
@@ -69,6 +70,7 @@ class NodeToSegment : public PointGaps {
     double seen_inside(int A, int facet) const;
     Found pick(const double* X, int A, bool only_facing, int side) const;
     Reach locate_nearest(const double* X, int A, Found& found) const;
+    Found plane_of(const double* X, int A, int side) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
@@ -448,14 +450,24 @@ PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, Found& fo
     return sign(X, A, found);
 }
 
+// What is nearest of a side, as if it went on.
+Found NodeToSegment::plane_of(const double* X, int A, int side) const {
+    Found found = pick(X, A, false, side);
+    if (found.candidate) found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
+    return found;
+}
+
+double NodeToSegment::depth(const double* X, int A, int side) const {
+    Found found = plane_of(X, A, side);
+    return sign(X, A, found) == Reach::near ? -found.value : HUGE_VAL;
+}
+
 // What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     Reach reach = locate_nearest(X, A, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
     if (came >= 0 && leaves(X, A, found, came)) {
-        found = pick(X, A, false, came);
-        if (!found.candidate) return Reach::far;
-        found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
+        found = plane_of(X, A, came);
         reach = sign(X, A, found);
     }
     const bool deep =

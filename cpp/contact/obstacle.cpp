@@ -82,6 +82,7 @@ class Obstacle : public PointGaps {
     bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;
     int entrance(const double* from, const double* to, int vertex) const override;
+    double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double*, int side, int other) const override { return side == other; }
 
   private:
@@ -139,6 +140,12 @@ int Obstacle::nearest_side(const double* X, int A) const {
     Scalar q[3];
     const int n = excesses(shape_, place(X, nudged(X, A)), q);
     return static_cast<int>(deepest(q, n) - q);
+}
+
+double Obstacle::depth(const double* X, int A, int side) const {
+    Scalar q[3];
+    excesses(shape_, place(X, A), q);
+    return -q[side].v;
 }
 
 // The core is convex: it is the side that the vertex passes last.

@@ -26,17 +26,26 @@ Vector3 PointGaps::nudged(const double* X, int A) const {
 int PointGaps::side(const double* X, int A) const {
     if (sides_.start().empty()) return Sides::nearest;
     const int kept = sides_.of(A);
-    if (kept >= 0 && (keeps_ || is_inside(X, A))) return kept;
-    if (sides_.began_inside(A) || !is_inside(X, A)) return Sides::nearest;
-    return entrance(sides_.start().data(), X, A);
+    if (kept >= 0 && keeps_) return kept;
+    if (!is_inside(X, A)) return Sides::nearest;
+    if (kept < 0) return entrance(sides_.start().data(), X, A);
+    const int near = nearest_side(X, A);
+    return near < 0 || are_same(X, kept, near) || slides_out(X, A, kept, near) ? Sides::nearest : kept;
+}
+
+// Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer: where
+// both are as near the gap is the same.
+bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
+    const double* start = sides_.start().data();
+    const double in_before = depth(start, A, in), out_before = depth(start, A, out);
+    return in_before <= out_before && out_before - depth(X, A, out) > depth(X, A, in) - in_before;
 }
 
 bool PointGaps::settle(const double* X) {
     return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
-        if (!is_inside(X, A)) return std::make_pair(Sides::nearest, 0);
-        const int came = side(X, A), near = nearest_side(X, A);
-        if (keeps_) return std::make_pair(came >= 0 ? came : near, 1);
-        return std::make_pair(came >= 0 && !are_same(X, came, near) ? came : Sides::nearest, 1);
+        if (!is_inside(X, A)) return Sides::nearest;
+        const int came = side(X, A);
+        return came >= 0 ? came : nearest_side(X, A);
     });
 }
 
@@ -47,14 +56,9 @@ class PointGaps::Path {
         : length(gaps.way(from, to, A)), gaps_(gaps), from_(from), to_(to), A_(A) {}
     const double length;
     double gap(double t) const { return near(t, 0).value - gaps_.options_.radius; }
-    /// At one place, and how much it changes along the way; zero where nothing is near.
-    Vector3 normal(double t, double& change) const {
+    /// Zero where nothing is near.
+    Vector3 normal(double t) const {
         const Distance d = near(t, 1);
-        change = 0;
-        for (Eigen::Index i = 0; i < d.gradient.size(); ++i) {
-            const int at = 3 * gaps_.stencils_[A_][i / 3] + i % 3;
-            change += d.gradient[i] * (to_[at] - from_[at]);
-        }
         return d.gradient.size() ? Vector3(d.gradient.head<3>().normalized()) : Vector3::Zero();
     }
 
@@ -82,7 +86,7 @@ class PointGaps::Path {
 bool PointGaps::cuts_through(const Path& path, double before, double after) const {
     constexpr double shallow = 0.01;  // part of the way: steps that are halved come to end in the corner
     const double least = shallow * path.length;
-    if (before + after > path.length) return false;
+    if (before + after >= path.length) return false;
     double begin = before / path.length, end = 1 - after / path.length;
     auto step = [&](double t) { return std::max(path.gap(t), least) / path.length; };
     while (begin < end && path.gap(begin) > 0) begin += step(begin);
@@ -90,35 +94,26 @@ bool PointGaps::cuts_through(const Path& path, double before, double after) cons
     return begin < end && path.gap(0.5 * (begin + end)) < -least;
 }
 
-// Whether what touches at the end of a step pushes elsewhere than where it closed, or than at the start, while
-// it has gone deeper by more than it has come out.
-bool PointGaps::turns_about(const Path& path, bool closes) const {
+// Whether what touches at the end of a step pushes elsewhere than where it closed.
+bool PointGaps::turns_about(const Path& path) const {
     constexpr double same = 0.5;  // least agreement of normals
-    double change, change_at_end;
-    const Vector3 end = path.normal(1, change_at_end);
-    auto agrees = [&](double t) { return path.normal(t, change).dot(end) > same; };
-    if (agrees(0)) return false;
-    if (!closes) return !end.isZero() && change + change_at_end < 0;
+    const Vector3 end = path.normal(1);
+    if (path.normal(0).dot(end) > same) return false;
     double open = 0, closed = 1;
     for (int halving = 0; halving < 20; ++halving) {
         const double t = 0.5 * (open + closed);
         (path.gap(t) > 0 ? open : closed) = t;
     }
-    return !agrees(open);
+    return path.normal(open).dot(end) <= same;
 }
 
 int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
     std::vector<char> stray(n_, 0);
     parallel_for(n_, [&](int A) {
-        if (stencils_[A].empty() || (before[A] > 0 && after[A] > 0 &&
-                                     before[A] + after[A] > options_.areas[A] * way(from, to, A)))
-            return;
+        if (stencils_[A].empty() || before[A] <= 0) return;
         const Path path(*this, from, to, A);
-        if (!(path.length > 0)) return;
-        if (after[A] < 0)
-            stray[A] = turns_about(path, before[A] > 0);
-        else if (before[A] > 0 && after[A] > 0)
-            stray[A] = cuts_through(path, before[A] / options_.areas[A], after[A] / options_.areas[A]);
+        const double area = options_.areas[A];
+        stray[A] = after[A] < 0 ? turns_about(path) : cuts_through(path, before[A] / area, after[A] / area);
     });
     const auto first = std::find(stray.begin(), stray.end(), 1);
     return first == stray.end() ? -1 : static_cast<int>(first - stray.begin());

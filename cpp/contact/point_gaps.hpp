@@ -41,6 +41,7 @@ class PointGaps : public Gaps {
     /// Sides::nearest if that is not known.
     virtual int nearest_side(const double* X, int vertex) const = 0;
     virtual int entrance(const double* from, const double* to, int vertex) const = 0;
+    virtual double depth(const double* X, int vertex, int side) const = 0;
     virtual bool are_same(const double* X, int side, int other) const = 0;
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
     int side(const double* X, int vertex) const;
@@ -57,7 +58,8 @@ class PointGaps : public Gaps {
 
     class Path;
     bool cuts_through(const Path&, double before, double after) const;
-    bool turns_about(const Path&, bool closes) const;
+    bool turns_about(const Path&) const;
+    bool slides_out(const double* X, int vertex, int in, int out) const;
 
     PointOptions options_;
     Sides sides_;

@@ -1,8 +1,7 @@
-// Which side of the body that it lies in a vertex belongs to, where the nearest is not the one by which it came
-// in: known for the start of the step, and kept for where a step may be looked at again.
+// Which side of the body that it lies in a vertex belongs to: that by which it came in, not the nearest. Known for
+// the start of the step, and kept for where a step may be looked at again.
 #pragma once
 #include <cstddef>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -10,7 +9,7 @@ namespace visviva {
 
 class Sides {
   public:
-    static constexpr int nearest = -1;
+    static constexpr int nearest = -1;  // of what is outside, or was not followed
 
     void resize(int n) {
         n_ = n;
@@ -19,17 +18,16 @@ class Sides {
     /// The positions at the start of the step; empty: there was no step yet.
     const std::vector<double>& start() const { return at_.X; }
     int of(int vertex) const { return at_.side[vertex]; }
-    bool began_inside(int vertex) const { return at_.inside[vertex] != 0; }
 
     /// Makes X the start of the step; what is not known there yet follows from where the step began until now,
-    /// by find(vertex), a pair of the side and whether it lies inside. True if sides have changed.
+    /// by find(vertex). True if sides have changed.
     template <class F>
     bool settle(const std::vector<double>& X, F find) {
         if (X == at_.X) return false;
         for (const Record* r : {&now_, &before_, &at_tangent_})
             if (X == r->X) return take(*r);
         Record next = fresh(X);
-        for (int A = 0; A < n_; ++A) std::tie(next.side[A], next.inside[A]) = find(A);
+        for (int A = 0; A < n_; ++A) next.side[A] = find(A);
         before_ = std::move(now_), now_ = next;
         return take(std::move(next));
     }
@@ -40,7 +38,6 @@ class Sides {
             m.push_back(static_cast<double>(r->X.size()));
             m.insert(m.end(), r->X.begin(), r->X.end());
             m.insert(m.end(), r->side.begin(), r->side.end());
-            m.insert(m.end(), r->inside.begin(), r->inside.end());
         }
     }
     void read(const double*& m) {
@@ -48,7 +45,6 @@ class Sides {
             const std::size_t size = static_cast<std::size_t>(*m++);
             *r = fresh({m, m + size}), m += size;
             for (int& side : r->side) side = static_cast<int>(*m++);
-            for (int& inside : r->inside) inside = static_cast<int>(*m++);
         }
         at_ = now_;
     }
@@ -56,10 +52,10 @@ class Sides {
   private:
     struct Record {
         std::vector<double> X;
-        std::vector<int> side, inside;
+        std::vector<int> side;
     };
     Record fresh(std::vector<double> X) const {
-        return {std::move(X), std::vector<int>(n_, nearest), std::vector<int>(n_, 0)};
+        return {std::move(X), std::vector<int>(n_, nearest)};
     }
     bool take(Record next) {
         const bool changed = next.side != at_.side;
