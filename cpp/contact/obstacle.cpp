@@ -89,6 +89,8 @@ class Obstacle : public PointGaps {
     Vector3 place(const double* X, const Vector3& x) const;
     Vector3 place(const double* X, int vertex) const { return place(X, At(X + 3 * vertex)); }
     bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
+    // Balls whose middle is just above an edge come in from above.
+    double on_edge() const { return 1e-9 * options_.radius; }
     ObstacleShape shape_;
 };
 
@@ -130,10 +132,11 @@ bool Obstacle::is_inside(const double* X, int A) const {
     Scalar q[3];
     const Vector3 y = place(X, A);
     // most are outside, and by more than what nudging them may change
-    constexpr double far = 1e-3;
+    constexpr double far = 1e-2;
     if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return false;
     const Vector3 inner = place(X, nudged(X, A));
-    return deepest(q, excesses(shape_, inner, q))->v < (inner - y).norm();
+    const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
+    return deepest(q, excesses(shape_, inner, q))->v < touching;
 }
 
 int Obstacle::nearest_side(const double* X, int A) const {
@@ -157,7 +160,7 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
     const int n = excesses(shape_, start, q);
     for (int k = 0; k < n; ++k) {
         excesses(shape_, start, q);
-        if (q[k].v < 0) continue;
+        if (q[k].v < on_edge()) continue;
         double before = 0, after = 1;
         for (int halving = 0; halving < 50; ++halving) {
             const double t = 0.5 * (before + after);

@@ -16,11 +16,14 @@ PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), o
 
 // --- the way in
 // -----------------------------------------------------------------------------------------------
+// Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is not
+// followed in, as forces would jump there.
 Vector3 PointGaps::nudged(const double* X, int A) const {
-    constexpr double part = 1e-9;
+    constexpr double rounding = 1e-9, deformation = 1e-3;
+    const bool deforms = skin_.mesh_node[skin_.first[A]];
     Vector3 middle = Vector3::Zero();
     for (int B = 0; B < n_; ++B) middle += At(X + 3 * B) / n_;
-    return At(X + 3 * A) + part * (middle - At(X + 3 * A));
+    return At(X + 3 * A) + (deforms ? -deformation : rounding) * (middle - At(X + 3 * A));
 }
 
 int PointGaps::side(const double* X, int A) const {
