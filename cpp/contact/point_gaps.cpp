@@ -86,10 +86,9 @@ class PointGaps::Path {
 
 // Whether what is open at both ends of a step went through a corner on the way. Distances change by no more
 // than the way: so far one may go without missing anything.
-bool PointGaps::cuts_through(const Path& path, double before, double after) const {
+bool PointGaps::cuts_through(const Path& path, double before, double after, double near) const {
     constexpr double shallow = 0.01;  // part of the way: steps that are halved come to end in the corner
-    const double least = shallow * path.length;
-    if (before + after >= path.length) return false;
+    const double least = std::max(shallow * path.length, near);
     double begin = before / path.length, end = 1 - after / path.length;
     auto step = [&](double t) { return std::max(path.gap(t), least) / path.length; };
     while (begin < end && path.gap(begin) > 0) begin += step(begin);
@@ -115,8 +114,12 @@ int PointGaps::strays(const double* from, const double* to, const double* before
     parallel_for(n_, [&](int A) {
         if (stencils_[A].empty() || before[A] <= 0) return;
         const Path path(*this, from, to, A);
-        const double area = options_.areas[A];
-        stray[A] = after[A] < 0 ? turns_about(path) : cuts_through(path, before[A] / area, after[A] / area);
+        if (before[A] + after[A] >= options_.areas[A] * path.length) return;
+        const double area = options_.areas[A], near = (nudged(to, A) - At(to + 3 * A)).norm();
+        if (after[A] > 0)
+            stray[A] = cuts_through(path, before[A] / area, after[A] / area, near);
+        else if (after[A] < -near * area)
+            stray[A] = turns_about(path);
     });
     const auto first = std::find(stray.begin(), stray.end(), 1);
     return first == stray.end() ? -1 : static_cast<int>(first - stray.begin());

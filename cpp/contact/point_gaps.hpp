@@ -57,7 +57,7 @@ class PointGaps : public Gaps {
                             int own, double sign, Grip& out);
 
     class Path;
-    bool cuts_through(const Path&, double before, double after) const;
+    bool cuts_through(const Path&, double before, double after, double near) const;
     bool turns_about(const Path&) const;
     bool slides_out(const double* X, int vertex, int in, int out) const;
 
