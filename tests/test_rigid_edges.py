@@ -153,9 +153,7 @@ def test_flexible_block_does_not_pass_one_that_is_little_larger(cells: int) -> N
         mesh=mesh, material=vv.NeoHooke(young=1e7, poisson=0.3), density=1e3, velocity=(0, 0, -3)
     )
     obstacle = vv.Obstacle(shape=vv.Box(size=(2 * HALF,) * 3))
-    system = vv.System(
-        [block, obstacle, vv.Contact(first=block, second=obstacle, impact="conserving")]
-    )
+    system = vv.System([block, obstacle, vv.Contact(first=block, second=obstacle, impact="conserving")])
     result = vv.simulate(system, until=0.1, step=0.01)
     assert result.ledger["momentum_z"][-1] > 0
     result.assert_conserved("energy", tolerance=1e-10)
@@ -178,3 +176,31 @@ def test_runs_beside_edges_are_resumed_to_the_bit(target: str, end: float, tmp_p
     assert whole.system.x[2] > 0.2
     for name in ("x", "v"):
         np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))
+
+
+@pytest.mark.parametrize("size", [0.3, 0.6, 0.7])
+def test_stacked_boxes_of_equal_size_rest(size: float) -> None:
+    """They overlap at the start by the rounding of their places, which is nothing beside their size."""
+    one, two = (
+        vv.RigidBody(shape=vv.Box(size=(size,) * 3), density=1e3, position=(0, 0, z))
+        for z in (size / 2, size + size / 2)
+    )
+    plane = vv.Plane()
+    contacts = [
+        vv.Contact(first=first, second=second, formulation="node-to-segment", stiffness=1e5)
+        for first, second in ((one, plane), (two, one))
+    ]
+    system = vv.System([plane, one, two, *contacts, vv.Gravity()])
+    vv.simulate(system, until=0.5, step=0.01)
+    assert system.value(two.point().position) == pytest.approx([0, 0, 1.5 * size], abs=1e-12)
+
+
+def test_overlap_of_rigid_bodies_is_refused() -> None:
+    """By more than a millionth of the shape."""
+    box, plane = (
+        vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1e3, position=(0, 0, 0.5 - 2e-6)),
+        vv.Plane(),
+    )
+    system = vv.System([box, plane, vv.Contact(first=box, second=plane, stiffness=1e5)])
+    with pytest.raises(vv.InputError, match="overlap by 2e-06"):
+        vv.simulate(system, until=0.1, step=0.01)

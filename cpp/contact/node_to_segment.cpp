@@ -425,7 +425,8 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
         for (int s = 0; s < one.n_simplices(); ++s) {
             const Vector3 n = two.normal(s);
             const int first = one.vertex(s, 0);
-            const double before = one.normal(s).dot(start - one.corner[first]), after = n.dot(end - two.corner[first]);
+            const double before = one.normal(s).dot(start - one.corner[first]),
+                         after = n.dot(end - two.corner[first]);
             if (!(before >= 0 && after < 0) || (!own.isZero() && own.dot(n) >= facing)) continue;
             const double t = before / (before - after);
             FacetShape there = two;

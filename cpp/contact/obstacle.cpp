@@ -122,8 +122,7 @@ void Obstacle::approaches(const double* from, const double* to, std::vector<Appr
     for (double half : shape_.half)
         if (half > 0) least = std::min(least, half);
     if (!std::isfinite(least)) least = 0;
-    for (int A = 0; A < n_; ++A)
-        out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
+    for (int A = 0; A < n_; ++A) out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
 }
 
 // Or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.

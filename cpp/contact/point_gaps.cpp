@@ -36,8 +36,8 @@ int PointGaps::side(const double* X, int A) const {
     return near < 0 || are_same(X, kept, near) || slides_out(X, A, kept, near) ? Sides::nearest : kept;
 }
 
-// Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer: where
-// both are as near the gap is the same.
+// Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer:
+// where both are as near the gap is the same.
 bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
     const double* start = sides_.start().data();
     const double in_before = depth(start, A, in), out_before = depth(start, A, out);

@@ -45,8 +45,8 @@ class PointGaps : public Gaps {
     virtual bool are_same(const double* X, int side, int other) const = 0;
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
     int side(const double* X, int vertex) const;
-    /// A vertex of a rigid body by so little nearer to the middle of its surface that what touches an edge from
-    /// above comes in by its upper side, and what slides along the edge does not come in.
+    /// A vertex of a rigid body by so little nearer to the middle of its surface that what touches an edge
+    /// from above comes in by its upper side, and what slides along the edge does not come in.
     Eigen::Vector3d nudged(const double* X, int vertex) const;
     /// Sets what friction acts on, with weights that add up to zero where those of the vertex add up to -1;
     /// without touching it where nothing is near.

@@ -1,5 +1,5 @@
-// Which side of the body that it lies in a vertex belongs to: that by which it came in, not the nearest. Known for
-// the start of the step, and kept for where a step may be looked at again.
+// Which side of the body that it lies in a vertex belongs to: that by which it came in, not the nearest.
+// Known for the start of the step, and kept for where a step may be looked at again.
 #pragma once
 #include <cstddef>
 #include <utility>
@@ -19,8 +19,8 @@ class Sides {
     const std::vector<double>& start() const { return at_.X; }
     int of(int vertex) const { return at_.side[vertex]; }
 
-    /// Makes X the start of the step; what is not known there yet follows from where the step began until now,
-    /// by find(vertex). True if sides have changed.
+    /// Makes X the start of the step; what is not known there yet follows from where the step began until
+    /// now, by find(vertex). True if sides have changed.
     template <class F>
     bool settle(const std::vector<double>& X, F find) {
         if (X == at_.X) return false;
@@ -54,9 +54,7 @@ class Sides {
         std::vector<double> X;
         std::vector<int> side;
     };
-    Record fresh(std::vector<double> X) const {
-        return {std::move(X), std::vector<int>(n_, nearest)};
-    }
+    Record fresh(std::vector<double> X) const { return {std::move(X), std::vector<int>(n_, nearest)}; }
     bool take(Record next) {
         const bool changed = next.side != at_.side;
         at_ = std::move(next);
