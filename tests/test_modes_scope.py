@@ -257,3 +257,16 @@ def test_modes_of_the_catalogue_are_those_of_dense_matrices_or_refused(entry: En
     assert not refusal
     largest = max(float(np.abs(exact).max(initial=0.0)), 1e-3)
     assert squared == pytest.approx(exact, rel=1e-6, abs=1e-6 * largest)
+
+
+@pytest.mark.parametrize("size", [1e-2, 1e-3, 1e-4])
+def test_small_bodies_beside_heavy_ones_are_not_massless(size: float) -> None:
+    """A cube on a bushing turns at sqrt(6 k / (density size^5)): kilograms say nothing about moments of inertia."""
+    ground, heavy = vv.Ground(), vv.PointMass(mass=10.0, position=(1, 0, 0))
+    cube = vv.RigidBody(shape=vv.Box(size=(size,) * 3), density=1e3)
+    bushing = vv.Bushing(a=ground, b=cube, at=(0, 0, 0), stiffness=(5, 5, 5), rotational_stiffness=(1, 1, 1))
+    spring = vv.Spring(a=ground.point((2, 0, 0)), b=heavy, stiffness=10.0, free_length=1.0)
+    frequencies = vv.modes(vv.System([ground, heavy, cube, bushing, spring]), n=9).frequencies
+    turning, swinging = np.sqrt(6 / (1e3 * size**5)), np.sqrt(5 / (1e3 * size**3))
+    assert frequencies[6:] == pytest.approx(np.full(3, turning / (2 * np.pi)), rel=1e-7)
+    assert frequencies[3:6] == pytest.approx(np.full(3, swinging / (2 * np.pi)), rel=1e-6)

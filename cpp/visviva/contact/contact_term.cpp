@@ -56,6 +56,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
+    if (has_multipliers()) gaps_->keep_sides();
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
@@ -131,6 +132,8 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
+    if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
+        return refused(A, "the first surface comes in by one side and out by another, past an edge,");
     return {};
 }
 
@@ -179,6 +182,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     m.insert(m.end(), active_at_tangent_.begin(), active_at_tangent_.end());
     m.push_back(pushed_out_ ? 1 : 0), m.push_back(from_.empty() ? 0 : 1);
     m.insert(m.end(), from_.begin(), from_.end()), m.insert(m.end(), to_.begin(), to_.end());
+    gaps_->write_memory(m);
     for (const Record* r : {&now_, &before_, &at_tangent_}) {
         if (!has_history()) break;
         m.insert(m.end(), r->X.begin(), r->X.end());
@@ -191,6 +195,7 @@ bool ContactTerm::read_memory(const double*& m) {
     for (char& active : active_) active = *m++ != 0;
     pushed_out_ = *m++ != 0;
     const bool changed = read_search(m);
+    gaps_->read_memory(m);
     for (Record* r : {&now_, &before_, &at_tangent_})
         for (std::vector<double>* part : {&r->X, &r->traction}) {
             if (!has_history()) break;
@@ -565,6 +570,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
     narrow();
     evaluate(c, false, true);
     active_at_tangent_ = active_, slips_at_tangent_ = slips_;
+    gaps_->mark_tangent();
     if (has_history()) at_tangent_ = {X0_, elastic_};
     std::vector<char> unpressed(active_.size());
     for (std::size_t A = 0; A < active_.size(); ++A) unpressed[A] = active_[A] && S_[A] == 0;

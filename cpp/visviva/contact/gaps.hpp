@@ -58,6 +58,21 @@ class Gaps {
     /// Fixes for a step that begins here what does not move with the unknowns; true if gaps are other
     /// functions from now on.
     virtual bool settle(const double* /*X*/) { return false; }
+    /// Vertices that overlap stay with the side they came in by until a step begins with them outside, and
+    /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
+    /// edge in the step after an impact has to feel that first.
+    virtual void keep_sides() {}
+    /// The configuration where the last step begins is that of the kept tangent.
+    virtual void mark_tangent() {}
+    /// What gaps remember of the way to where the last step began.
+    virtual void write_memory(std::vector<double>&) const {}
+    virtual void read_memory(const double*& /*memory*/) {}
+    /// A gap that opens again between two configurations, or pushes at the end elsewhere than where it
+    /// closed; -1: none. Their gaps are known.
+    virtual int strays(const double* /*from*/, const double* /*to*/, const double* /*before*/,
+                       const double* /*after*/) const {
+        return -1;
+    }
     /// Vertices that a gap depends on; its own comes first.
     const std::vector<int>& stencil(int gap) const { return stencils_[gap]; }
     /// Gaps weighted by area, and the area that belongs to each; both zero where nothing is near.

@@ -17,6 +17,8 @@ using At = Eigen::Map<const Vector3>;
 
 constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
 constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
+constexpr double same_side = 0.5;    // least agreement of normals of one side of a body
+constexpr double between = 1e-10;    // so far beside a facet what comes in between two of them still meets it
 constexpr double on_border = 1e-9;   // and so close to a border as not beyond it
 // Radius, by a facet's size, with which bodies are rounded off beyond the borders of their surfaces: what
 // slides off is let go without a jump. From a sharp corner it would snap off.
@@ -47,6 +49,12 @@ class NodeToSegment : public PointGaps {
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
+    double way(const double* from, const double* to, int vertex) const override;
+    bool is_inside(const double* X, int vertex) const override;
+    int nearest_side(const double* X, int vertex) const override;
+    int entrance(const double* from, const double* to, int vertex) const override;
+    double depth(const double* X, int vertex, int side) const override;
+    bool are_same(const double* X, int side, int other) const override;
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
@@ -60,7 +68,10 @@ class NodeToSegment : public PointGaps {
     FacetShape shape(const double* X, int facet) const;
     double sight(int A, int facet) const;
     double seen_inside(int A, int facet) const;
-    Found pick(const double* X, int A, bool only_facing) const;
+    Found pick(const double* X, int A, bool only_facing, int side) const;
+    Reach locate_nearest(const double* X, int A, Found& found) const;
+    Found plane_of(const double* X, int A, int side) const;
+    bool leaves(const double* X, int A, const Found& found, int side) const;
     Reach sign(const double* X, int A, Found& found) const;
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
@@ -212,6 +223,8 @@ FacetShape NodeToSegment::shape(const double* X, int f) const {
     return s;
 }
 
+double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
+
 // How far x lies from its foot in the direction of the simplex' middle.
 double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     Vector3 y = Vector3::Zero(), middle = Vector3::Zero();
@@ -231,12 +244,13 @@ double beside(const Found& found, const Vector3& x) {
 }
 
 // The closest simplex of all, or of those that face the vertex; where several meet at the closest point, the
-// one on whose side of it the vertex lies.
-Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
+// one on whose side of it the vertex lies. Where the vertex belongs to a side, of what looks there.
+Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) const {
     Found found;
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
     constexpr double same = 1e-12;  // relative
+    const Vector3 outside = side >= 0 ? shape(X, side).normal(0) : Vector3::Zero();
     const Kept& before = kept_[A];
     Found kept;
     double kept_aside = 0;  // beside the simplex, by its size
@@ -247,6 +261,7 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
             const Vector3 n = facet.normal(s);
             const bool faces = own.isZero() || own.dot(n) < facing;
             if (n.isZero() || (only_facing && !faces)) continue;
+            if (side >= 0 && n.dot(outside) <= same_side) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
             if (before == Kept{c.facet, s}) {
                 kept = {&c, facet, foot, {}, n, 0, faces};
@@ -266,6 +281,7 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing) const {
 // with rounding there: within a step a vertex stays above the one that it was above as long as it hardly
 // leaves that.
 bool NodeToSegment::settle(const double* X) {
+    const bool changed = PointGaps::settle(X);
     std::vector<Kept> last(n_), fresh(n_);
     kept_.swap(last);
     parallel_for(n_, [&](int A) {
@@ -273,7 +289,7 @@ bool NodeToSegment::settle(const double* X) {
         if (locate(X, A, found) == Reach::near) fresh[A] = {found.candidate->facet, found.foot.simplex};
     });
     kept_.swap(fresh);
-    return kept_ != last;
+    return changed || kept_ != last;
 }
 
 // Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
@@ -356,13 +372,103 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     return Reach::near;
 }
 
+double NodeToSegment::way(const double* from, const double* to, int A) const {
+    double farthest = 0;
+    const Vector3 own = At(to + 3 * A) - At(from + 3 * A);
+    for (const Candidate& c : candidates_[A])
+        for (int i = 0; i < skin_.n_corners(c.facet); ++i) {
+            const int v = skin_.corners(c.facet)[i];
+            farthest = std::max(farthest, (own - At(to + 3 * v) + At(from + 3 * v)).norm());
+        }
+    return farthest;
+}
+
+// Whether it lies behind what is nearest, or by rounding before it.
+bool NodeToSegment::is_inside(const double* X, int A) const {
+    Found found;
+    return locate_nearest(X, A, found) == Reach::near && found.value < same_place * size(found.facet);
+}
+
+int NodeToSegment::nearest_side(const double* X, int A) const {
+    Found found;
+    return locate_nearest(X, A, found) == Reach::near ? found.candidate->facet : Sides::nearest;
+}
+
+// Whether what is found is beyond a side: of another one, or on what that shares with another one.
+bool NodeToSegment::leaves(const double* X, int A, const Found& found, int side) const {
+    const Foot& foot = found.foot;
+    if (!are_same(X, found.candidate->facet, side)) return true;
+    if (foot.n == found.facet.dim) return false;
+    const int* own = skin_.corners(found.candidate->facet);
+    return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
+        const int *corners = skin_.corners(c.facet), *end = corners + skin_.n_corners(c.facet);
+        const bool shares = std::all_of(foot.vertex, foot.vertex + foot.n, [&](int v) {
+            return v != FacetShape::centre && std::find(corners, end, own[v]) != end;
+        });
+        return shares && !are_same(X, c.facet, side);
+    });
+}
+
+bool NodeToSegment::are_same(const double* X, int side, int other) const {
+    return shape(X, side).normal(0).dot(shape(X, other).normal(0)) > same_side;
+}
+
+// The facet that the vertex passes last from before it to behind it, as both move straight.
+int NodeToSegment::entrance(const double* from, const double* to, int A) const {
+    const Vector3 start = nudged(from, A), end = nudged(to, A);
+    Vector3 own;
+    if (!normals_.normal(to, A, own.data())) own.setZero();
+    double latest = -1;
+    int side = Sides::nearest;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape one = shape(from, c.facet), two = shape(to, c.facet);
+        for (int s = 0; s < one.n_simplices(); ++s) {
+            const Vector3 n = two.normal(s);
+            const int first = one.vertex(s, 0);
+            const double before = one.normal(s).dot(start - one.corner[first]),
+                         after = n.dot(end - two.corner[first]);
+            if (!(before >= 0 && after < 0) || (!own.isZero() && own.dot(n) >= facing)) continue;
+            const double t = before / (before - after);
+            FacetShape there = two;
+            for (int i = 0; i <= FacetShape::centre; ++i)
+                there.corner[i] = one.corner[i] + t * (two.corner[i] - one.corner[i]);
+            const Foot foot = whole(there, s, start + t * (end - start));
+            const bool meets = std::all_of(foot.coordinate, foot.coordinate + there.dim,
+                                           [](double share) { return share > -between; });
+            if (meets && t > latest) latest = t, side = c.facet;
+        }
+    }
+    return side;
+}
+
 // What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
 // a thin body.
+PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, Found& found) const {
+    found = pick(X, A, false, Sides::nearest);
+    const Reach reach = sign(X, A, found);
+    if (found.faces || found.value >= 0) return reach;
+    found = pick(X, A, true, Sides::nearest);
+    return sign(X, A, found);
+}
+
+// What is nearest of a side, as if it went on.
+Found NodeToSegment::plane_of(const double* X, int A, int side) const {
+    Found found = pick(X, A, false, side);
+    if (found.candidate) found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
+    return found;
+}
+
+double NodeToSegment::depth(const double* X, int A, int side) const {
+    Found found = plane_of(X, A, side);
+    return sign(X, A, found) == Reach::near ? -found.value : HUGE_VAL;
+}
+
+// What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
-    found = pick(X, A, false);
-    Reach reach = sign(X, A, found);
-    if (!found.faces && found.value < 0) {
-        found = pick(X, A, true);
+    Reach reach = locate_nearest(X, A, found);
+    const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
+    if (came >= 0 && leaves(X, A, found, came)) {
+        found = plane_of(X, A, came);
         reach = sign(X, A, found);
     }
     const bool deep =

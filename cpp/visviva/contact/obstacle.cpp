@@ -44,13 +44,16 @@ int excesses(const ObstacleShape& shape, const Vector3& y, Scalar (&q)[3]) {
     return n;
 }
 
-// Outside the core the distance to it, inside minus the distance to its surface.
-Scalar distance_to_core(const ObstacleShape& shape, const Vector3& y) {
+const Scalar* deepest(const Scalar (&q)[3], int n) {
+    return std::max_element(q, q + n, [](const Scalar& a, const Scalar& b) { return a.v < b.v; });
+}
+
+// Outside the core the distance to it, inside minus the distance to its surface, or to one side of it.
+Scalar distance_to_core(const ObstacleShape& shape, const Vector3& y, int side) {
     Scalar q[3];
     const int n = excesses(shape, y, q);
-    const Scalar* deepest =
-        std::max_element(q, q + n, [](const Scalar& a, const Scalar& b) { return a.v < b.v; });
-    if (deepest->v <= 0) return *deepest;
+    if (side >= 0) return q[side];
+    if (deepest(q, n)->v <= 0) return *deepest(q, n);
     Scalar r;
     for (int k = 0; k < n; ++k)
         if (q[k].v > 0) r.v = std::hypot(r.v, q[k].v);
@@ -73,10 +76,21 @@ class Obstacle : public PointGaps {
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
+    double way(const double* from, const double* to, int vertex) const override {
+        return (place(to, vertex) - place(from, vertex)).norm();
+    }
+    bool is_inside(const double* X, int vertex) const override;
+    int nearest_side(const double* X, int vertex) const override;
+    int entrance(const double* from, const double* to, int vertex) const override;
+    double depth(const double* X, int vertex, int side) const override;
+    bool are_same(const double*, int side, int other) const override { return side == other; }
 
   private:
-    Vector3 place(const double* X, int vertex) const;
+    Vector3 place(const double* X, const Vector3& x) const;
+    Vector3 place(const double* X, int vertex) const { return place(X, At(X + 3 * vertex)); }
     bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
+    // Balls whose middle is just above an edge come in from above.
+    double on_edge() const { return 1e-9 * options_.radius; }
     ObstacleShape shape_;
 };
 
@@ -92,9 +106,9 @@ bool Obstacle::search(const double*, const double*) {
     return true;
 }
 
-Vector3 Obstacle::place(const double* X, int A) const {
+Vector3 Obstacle::place(const double* X, const Vector3& x) const {
     const double* frame = X + 3 * (skin_.n_vertices() - 4);
-    const At x(X + 3 * A), o(frame);
+    const At o(frame);
     Vector3 y;
     for (int i = 0; i < 3; ++i) y[i] = (x - o).dot(At(frame + 3 + 3 * i) - o) / shape_.axis;
     return y;
@@ -108,8 +122,53 @@ void Obstacle::approaches(const double* from, const double* to, std::vector<Appr
     for (double half : shape_.half)
         if (half > 0) least = std::min(least, half);
     if (!std::isfinite(least)) least = 0;
-    for (int A = 0; A < n_; ++A)
-        out[A] = {least + shape_.radius + options_.radius, (place(to, A) - place(from, A)).norm()};
+    for (int A = 0; A < n_; ++A) out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
+}
+
+// Or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.
+bool Obstacle::is_inside(const double* X, int A) const {
+    if (shape_.core == ObstacleShape::half_space) return false;
+    Scalar q[3];
+    const Vector3 y = place(X, A);
+    // most are outside, and by more than what nudging them may change
+    constexpr double far = 1e-2;
+    if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return false;
+    const Vector3 inner = place(X, nudged(X, A));
+    const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
+    return deepest(q, excesses(shape_, inner, q))->v < touching;
+}
+
+int Obstacle::nearest_side(const double* X, int A) const {
+    Scalar q[3];
+    const int n = excesses(shape_, place(X, nudged(X, A)), q);
+    return static_cast<int>(deepest(q, n) - q);
+}
+
+double Obstacle::depth(const double* X, int A, int side) const {
+    Scalar q[3];
+    excesses(shape_, place(X, A), q);
+    return -q[side].v;
+}
+
+// The core is convex: it is the side that the vertex passes last.
+int Obstacle::entrance(const double* from, const double* to, int A) const {
+    const Vector3 start = place(from, nudged(from, A)), end = place(to, nudged(to, A));
+    double latest = 0;
+    int side = Sides::nearest;
+    Scalar q[3];
+    const int n = excesses(shape_, start, q);
+    for (int k = 0; k < n; ++k) {
+        excesses(shape_, start, q);
+        if (q[k].v < on_edge()) continue;
+        double before = 0, after = 1;
+        for (int halving = 0; halving < 50; ++halving) {
+            const double t = 0.5 * (before + after);
+            excesses(shape_, start + t * (end - start), q);
+            (q[k].v > 0 ? before : after) = t;
+        }
+        if (after > latest) latest = after, side = k;
+    }
+    return side;
 }
 
 // With the place y_i = (x - o) . (p_i - o) / L in the frame.
@@ -120,7 +179,7 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
     Matrix3 axes;
     for (int i = 0; i < 3; ++i) axes.row(i) = (At(frame + 3 + 3 * i) - o) / L;
     const Vector3 arm = x - o;
-    const Scalar g = distance_to_core(shape_, axes * arm);
+    const Scalar g = distance_to_core(shape_, axes * arm, side(X, A));
     out.value = g.v - shape_.radius;
     if (derivatives == 0) return Reach::near;
     Eigen::Matrix<double, 3, 15> J;

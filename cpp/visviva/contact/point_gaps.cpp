@@ -1,5 +1,7 @@
 #include "visviva/contact/point_gaps.hpp"
 
+#include <algorithm>
+
 #include "visviva/base/parallel.hpp"
 
 namespace visviva {
@@ -9,7 +11,118 @@ using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
-    stencils_.resize(n_);
+    stencils_.resize(n_), sides_.resize(n_);
+}
+
+// --- the way in
+// -----------------------------------------------------------------------------------------------
+// Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is not
+// followed in, as forces would jump there.
+Vector3 PointGaps::nudged(const double* X, int A) const {
+    constexpr double rounding = 1e-9, deformation = 1e-3;
+    const bool deforms = skin_.mesh_node[skin_.first[A]];
+    Vector3 middle = Vector3::Zero();
+    for (int B = 0; B < n_; ++B) middle += At(X + 3 * B) / n_;
+    return At(X + 3 * A) + (deforms ? -deformation : rounding) * (middle - At(X + 3 * A));
+}
+
+int PointGaps::side(const double* X, int A) const {
+    if (sides_.start().empty()) return Sides::nearest;
+    const int kept = sides_.of(A);
+    if (kept >= 0 && keeps_) return kept;
+    if (!is_inside(X, A)) return Sides::nearest;
+    if (kept < 0) return entrance(sides_.start().data(), X, A);
+    const int near = nearest_side(X, A);
+    return near < 0 || are_same(X, kept, near) || slides_out(X, A, kept, near) ? Sides::nearest : kept;
+}
+
+// Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer:
+// where both are as near the gap is the same.
+bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
+    const double* start = sides_.start().data();
+    const double in_before = depth(start, A, in), out_before = depth(start, A, out);
+    return in_before <= out_before && out_before - depth(X, A, out) > depth(X, A, in) - in_before;
+}
+
+bool PointGaps::settle(const double* X) {
+    return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
+        if (!is_inside(X, A)) return Sides::nearest;
+        const int came = side(X, A);
+        return came >= 0 ? came : nearest_side(X, A);
+    });
+}
+
+// The straight way of a vertex' stencil in a step.
+class PointGaps::Path {
+  public:
+    Path(const PointGaps& gaps, const double* from, const double* to, int A)
+        : length(gaps.way(from, to, A)), gaps_(gaps), from_(from), to_(to), A_(A) {}
+    const double length;
+    double gap(double t) const { return near(t, 0).value - gaps_.options_.radius; }
+    /// Zero where nothing is near.
+    Vector3 normal(double t) const {
+        const Distance d = near(t, 1);
+        return d.gradient.size() ? Vector3(d.gradient.head<3>().normalized()) : Vector3::Zero();
+    }
+
+  private:
+    Distance near(double t, int derivatives) const {
+        const double* X = t == 0 ? from_ : to_;
+        if (t > 0 && t < 1) {
+            if (X_.empty()) X_.assign(from_, from_ + gaps_.skin_.constant.size());
+            for (const int v : gaps_.stencils_[A_])
+                for (int i = 3 * v; i < 3 * v + 3; ++i) X_[i] = (1 - t) * from_[i] + t * to_[i];
+            X = X_.data();
+        }
+        Distance d;
+        if (gaps_.distance(X, A_, derivatives, d) == Reach::near) return d;
+        return {gaps_.options_.reach + gaps_.options_.radius, {}, {}};
+    }
+    const PointGaps& gaps_;
+    const double *from_, *to_;
+    int A_;
+    mutable std::vector<double> X_;
+};
+
+// Whether what is open at both ends of a step went through a corner on the way. Distances change by no more
+// than the way: so far one may go without missing anything.
+bool PointGaps::cuts_through(const Path& path, double before, double after, double near) const {
+    constexpr double shallow = 0.01;  // part of the way: steps that are halved come to end in the corner
+    const double least = std::max(shallow * path.length, near);
+    double begin = before / path.length, end = 1 - after / path.length;
+    auto step = [&](double t) { return std::max(path.gap(t), least) / path.length; };
+    while (begin < end && path.gap(begin) > 0) begin += step(begin);
+    while (begin < end && path.gap(end) > 0) end -= step(end);
+    return begin < end && path.gap(0.5 * (begin + end)) < -least;
+}
+
+// Whether what touches at the end of a step pushes elsewhere than where it closed.
+bool PointGaps::turns_about(const Path& path) const {
+    constexpr double same = 0.5;  // least agreement of normals
+    const Vector3 end = path.normal(1);
+    if (path.normal(0).dot(end) > same) return false;
+    double open = 0, closed = 1;
+    for (int halving = 0; halving < 20; ++halving) {
+        const double t = 0.5 * (open + closed);
+        (path.gap(t) > 0 ? open : closed) = t;
+    }
+    return path.normal(open).dot(end) <= same;
+}
+
+int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
+    std::vector<char> stray(n_, 0);
+    parallel_for(n_, [&](int A) {
+        if (stencils_[A].empty() || before[A] <= 0) return;
+        const Path path(*this, from, to, A);
+        if (before[A] + after[A] >= options_.areas[A] * path.length) return;
+        const double area = options_.areas[A], near = (nudged(to, A) - At(to + 3 * A)).norm();
+        if (after[A] > 0)
+            stray[A] = cuts_through(path, before[A] / area, after[A] / area, near);
+        else if (after[A] < -near * area)
+            stray[A] = turns_about(path);
+    });
+    const auto first = std::find(stray.begin(), stray.end(), 1);
+    return first == stray.end() ? -1 : static_cast<int>(first - stray.begin());
 }
 
 void PointGaps::values(const double* X, double* gap, double* area) {

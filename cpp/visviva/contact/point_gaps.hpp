@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include "visviva/contact/gaps.hpp"
+#include "visviva/contact/sides.hpp"
 
 namespace visviva {
 
@@ -15,6 +16,13 @@ class PointGaps : public Gaps {
                  std::vector<Gap>& out) override;
     void grips(const double* X, const std::vector<char>& wanted, bool gradients,
                std::vector<Grip>& out) override;
+    bool settle(const double* X) override;
+    void keep_sides() override { keeps_ = true; }
+    void mark_tangent() override { sides_.mark_tangent(); }
+    void write_memory(std::vector<double>& m) const override { sides_.write(m); }
+    void read_memory(const double*& m) override { sides_.read(m); }
+    int strays(const double* from, const double* to, const double* before,
+               const double* after) const override;
 
   protected:
     enum class Reach { near, far };
@@ -25,6 +33,21 @@ class PointGaps : public Gaps {
     };
     /// Signed distance of a vertex, with as many derivatives as are wanted.
     virtual Reach distance(const double* X, int vertex, int derivatives, Distance& out) const = 0;
+    /// How far a vertex moves at most as seen from what is near.
+    virtual double way(const double* from, const double* to, int vertex) const = 0;
+    /// Whether a vertex, or the middle of a ball, lies inside of the other body.
+    virtual bool is_inside(const double* X, int vertex) const = 0;
+    /// Of a vertex inside, the side that is nearest, and that by which it came in between two configurations;
+    /// Sides::nearest if that is not known.
+    virtual int nearest_side(const double* X, int vertex) const = 0;
+    virtual int entrance(const double* from, const double* to, int vertex) const = 0;
+    virtual double depth(const double* X, int vertex, int side) const = 0;
+    virtual bool are_same(const double* X, int side, int other) const = 0;
+    /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
+    int side(const double* X, int vertex) const;
+    /// A vertex of a rigid body by so little nearer to the middle of its surface that what touches an edge
+    /// from above comes in by its upper side, and what slides along the edge does not come in.
+    Eigen::Vector3d nudged(const double* X, int vertex) const;
     /// Sets what friction acts on, with weights that add up to zero where those of the vertex add up to -1;
     /// without touching it where nothing is near.
     virtual void grip(const double* X, int vertex, bool gradients, Grip& out) const = 0;
@@ -33,7 +56,14 @@ class PointGaps : public Gaps {
     static void add_weights(const double* X, double L, const Eigen::Vector3d& c, const Eigen::MatrixXd& C,
                             int own, double sign, Grip& out);
 
+    class Path;
+    bool cuts_through(const Path&, double before, double after, double near) const;
+    bool turns_about(const Path&) const;
+    bool slides_out(const double* X, int vertex, int in, int out) const;
+
     PointOptions options_;
+    Sides sides_;
+    bool keeps_ = false;
 };
 
 }  // namespace visviva

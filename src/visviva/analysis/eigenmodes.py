@@ -29,6 +29,8 @@ DENSE = 600
 """Up to this many coordinates all modes are computed at once."""
 ZERO = 1e-11
 """Squares of frequencies smaller than this part of the largest are round-off."""
+WEIGHTLESS = 1e-13
+"""A direction weighs nothing with so little of what its coordinates weigh."""
 UNSYMMETRIC = 1e-7
 """Difference of the stiffness from its transpose, relative to its rows, from which on forces have no potential."""
 STIFF = 1e-12
@@ -280,14 +282,18 @@ def balance(system: System, at: Instant, tolerance: float) -> None:
 
 
 def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
-    """All modes in a basis of what the constraints leave free, the lowest `n` returned."""
+    """All modes in a basis of what the constraints leave free, the lowest `n` returned.
+
+    Coordinates are measured by what they weigh: kg and kg m^2 do not compare.
+    """
 
     import scipy.linalg as sla
     import scipy.sparse as sp
 
     at = linear.at
     q = len(at.coordinates)
-    s = at._s[:q]
+    own = at.M.diagonal()
+    s = 1 / np.sqrt(np.where(own > 0, own, typical(own)))
     S = sp.diags_array(s)
     K, rows = without_forces(
         (S @ symmetric(linear.K) @ S).toarray(), (linear.B @ S).toarray(), linear.D.toarray()
@@ -298,7 +304,7 @@ def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
         return np.zeros(0), np.zeros((q, 0))
     M = Z.T @ (at.M @ Z)
     light, direction = np.linalg.eigh(M)
-    if light[0] <= 1e-13 * light[-1]:
+    if light[0] <= WEIGHTLESS:
         raise massless(at, int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale)))
     squared, y = sla.eigh(free.T @ K @ free, M)
     rounding = 4 * np.finfo(float).eps * np.abs(K).sum(axis=1).max()

@@ -224,6 +224,10 @@ class Contact(Component):
         multipliers, sticks = self.enforcement == "multipliers", self.tangential == "multipliers"
         rubs = self.friction > 0
         gaps, self.size, reach = self._gaps(model.length)
+        spans = float(np.ptp(self.places, axis=0).max())
+        self.extent = (
+            self.size or spans or self._radius or model.length
+        )  # by which overlaps at the start are judged
         normal = self._stiffness(self.size)
         tangential = self._tangential_stiffness(sticks) if rubs else 0.0
         along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []

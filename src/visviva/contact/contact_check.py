@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 SOFTEST, STIFFEST = 1e-4, 1e6
 """Penalties outside this range of the bodies' own stiffness are mistakes of unit."""
 DEEP = 1e-6
-"""Surfaces may overlap by this part of a facet at the start: rounding of meshes."""
+"""Surfaces may overlap by this part of a facet, or of a shape that has none, at the start: rounding of meshes."""
 
 
 def check_multipliers(contact: Contact) -> None:
@@ -155,7 +155,7 @@ def refuse_overlap(contact: Contact, places: Array) -> None:
     """Refuse surfaces that overlap: `places` (n, 3) are the vertices of the first one."""
     depth = -np.nan_to_num(contact.gaps)
     worst = int(np.argmax(depth))
-    if depth[worst] > DEEP * contact.size:
+    if depth[worst] > DEEP * contact.extent:
         place = ", ".join(f"{c:.4g}" for c in places[worst])
         other = "itself" if contact.second is None else contact.second.label
         raise InputError(
