@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.run import run
+from visviva.study.run import run
 
 HALF = 0.13
 """Of a cube that others fall on."""
