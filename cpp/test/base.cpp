@@ -39,8 +39,8 @@ void compare(const One& got, const Exact& exact, double ulps, const Exact& terms
         }
 }
 
-const std::vector<double> places = {0,    1e-300, -1e-17, 1e-9, -1e-4, 9.99e-3, 0.01, 0.010001,
-                                    -0.3, 0.4143, 0.999,  -0.7, 3,     25};
+const std::vector<double> places = {0,        1e-300, -1e-17, 1e-9,  -1e-4, 9.99e-3, 0.01,
+                                    0.010001, -0.3,   0.4143, 0.999, -0.7,  3,       25};
 
 }  // namespace
 
@@ -50,8 +50,10 @@ TEST_CASE("jets: the logarithm near one") {
         const Real i = 1 / (1 + Real(u));
         compare(log1p(at(u)), {std::log1p(Real(u)), i, -i * i}, 4);
     }
-    compare(log1p(at(-1 + 1e-10)), {std::log1p(Real(-1 + 1e-10)), 1 / (1 + Real(-1 + 1e-10)),
-                                    -1 / ((1 + Real(-1 + 1e-10)) * (1 + Real(-1 + 1e-10)))}, 4);
+    compare(log1p(at(-1 + 1e-10)),
+            {std::log1p(Real(-1 + 1e-10)), 1 / (1 + Real(-1 + 1e-10)),
+             -1 / ((1 + Real(-1 + 1e-10)) * (1 + Real(-1 + 1e-10)))},
+            4);
     compare(log1p(at(1e200)), {std::log1p(Real(1e200)), 1e-200L, -0.0L}, 4);
 }
 

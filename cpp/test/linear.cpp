@@ -30,7 +30,8 @@ MatrixXd in_other_units(Numbers& numbers, const MatrixXd& a, double decades) {
 
 MatrixXd saddle(Numbers& numbers, int n, int m) {
     MatrixXd a = side_by_side(definite(numbers, n), MatrixXd::Zero(m, m));
-    for (int i = 0; i < m; ++i) a(n + i, 2 * i) = a(2 * i, n + i) = 1, a(n + i, 2 * i + 1) = a(2 * i + 1, n + i) = 0.5;
+    for (int i = 0; i < m; ++i)
+        a(n + i, 2 * i) = a(2 * i, n + i) = 1, a(n + i, 2 * i + 1) = a(2 * i + 1, n + i) = 0.5;
     return a;
 }
 
@@ -231,7 +232,8 @@ struct BlockProblem {
         multiplier.assign(n, 0);
         for (int k = 0; k < bodies; ++k) {
             const MatrixXd m = numbers.matrix(6, 6);
-            a.block(6 * k, 6 * k, 6, 6) = m * m.transpose() + MatrixXd::Identity(6, 6) + 0.3 * numbers.matrix(6, 6);
+            a.block(6 * k, 6 * k, 6, 6) =
+                m * m.transpose() + MatrixXd::Identity(6, 6) + 0.3 * numbers.matrix(6, 6);
         }
         for (std::size_t p = 0; p < pairs.size(); p += 2) {
             const int b = pairs[p].first, at = first(b);
@@ -351,8 +353,7 @@ TEST_CASE("cascade: where a factorisation fails the next solver serves, and says
     const auto solver = make_linear({choice(Backend::cholesky), choice(Backend::sparse_lu)});
     const VectorXd b = numbers.vector(9);
     CHECK(difference(Problem(a).solution(*solver, b), a.fullPivLu().solve(b)) < 1e-12);
-    CHECK(solver->message() ==
-          "simplicial Cholesky was left: the tangent is not positive definite; ");
+    CHECK(solver->message() == "simplicial Cholesky was left: the tangent is not positive definite; ");
     CHECK(solver->name() == make_sparse_lu()->name());
     CHECK(solver->state()[0] == 1);
 }
@@ -361,8 +362,7 @@ TEST_CASE("cascade: where a solution fails the next solver factors and solves") 
     Numbers numbers(21);
     const MatrixXd a = definite(numbers, 12);
     const VectorXd b = numbers.vector(12);
-    const auto solver =
-        make_linear({too_few_iterations(), too_few_iterations(), choice(Backend::sparse_lu)});
+    const auto solver = make_linear({too_few_iterations(), too_few_iterations(), choice(Backend::sparse_lu)});
     CHECK(difference(Problem(a).solution(*solver, b), a.fullPivLu().solve(b)) < 1e-12);
     CHECK(solver->state()[0] == 2);
     CHECK(solver->message().find("after 1 iterations") != std::string::npos);

@@ -235,7 +235,7 @@ TEST_CASE("blocks: products, and inverses of what is on the diagonal") {
             const MatrixXd inverse = dense(inverse_diagonal<double>(matrix.blocks(), alone), 20);
             for (int i = 0; i < 20; ++i) {
                 MatrixXd block = a.block(dofs * i, dofs * i, dofs, dofs);
-                if (alone) block = block.diagonal().asDiagonal();
+                if (alone) block = MatrixXd(block.diagonal().asDiagonal());
                 CHECK(difference(inverse.block(dofs * i, dofs * i, dofs, dofs), block.inverse()) < 1e-12);
             }
         }
@@ -273,11 +273,9 @@ TEST_CASE("aggregation: smoothed prolongation and the coarser matrix are the pro
     for (int i = 0; i < p.n(); ++i)
         for (auto k = p.row[i]; k < p.row[i + 1]; ++k)
             for (int r = 0; r < dofs; ++r)
-                for (int c = 0; c < dofs; ++c)
-                    P(i * dofs + r, p.col[k] * dofs + c) = p.at(k)[r * dofs + c];
+                for (int c = 0; c < dofs; ++c) P(i * dofs + r, p.col[k] * dofs + c) = p.at(k)[r * dofs + c];
     MatrixXd D = MatrixXd::Zero(n * dofs, n * dofs);
-    for (int i = 0; i < n * dofs; i += dofs)
-        D.block(i, i, dofs, dofs) = a.block(i, i, dofs, dofs).inverse();
+    for (int i = 0; i < n * dofs; i += dofs) D.block(i, i, dofs, dofs) = a.block(i, i, dofs, dofs).inverse();
     CHECK(difference(P, T - 0.6 * D * a * T) < 1e-6);  // D is in single precision
     CHECK(difference(dense(coarse_matrix(matrix.blocks(), p), tentative.n), P.transpose() * a * P) < 1e-13);
 }

@@ -66,11 +66,10 @@ TEST_CASE("condensation: what is left is the Schur complement") {
     Condensation reduction(problem.csr, problem.by_unknown(e.element, -1));
     REQUIRE(reduction.eliminate(problem.values.data()));
     const int n = Elements::n_nodes;
-    const MatrixXd schur =
-        e.a.topLeftCorner(n, n) - e.a.topRightCorner(n, e.a.cols() - n) *
-                                      e.a.bottomRightCorner(e.a.rows() - n, e.a.cols() - n)
-                                          .fullPivLu()
-                                          .solve(e.a.bottomLeftCorner(e.a.rows() - n, n));
+    const MatrixXd schur = e.a.topLeftCorner(n, n) - e.a.topRightCorner(n, e.a.cols() - n) *
+                                                         e.a.bottomRightCorner(e.a.rows() - n, e.a.cols() - n)
+                                                             .fullPivLu()
+                                                             .solve(e.a.bottomLeftCorner(e.a.rows() - n, n));
     MatrixXd left = MatrixXd::Zero(n, n);
     for (int i = 0; i < n; ++i)
         for (auto k = reduction.left().row[i]; k < reduction.left().row[i + 1]; ++k)
@@ -125,8 +124,7 @@ struct Tied {
     }
     std::shared_ptr<Elimination> reduction(const Problem& p) const {
         auto listed = dependences;
-        for (Dependence& d : listed)
-            d = {Problem::unknown(d.unknown), Problem::unknown(d.multiplier)};
+        for (Dependence& d : listed) d = {Problem::unknown(d.unknown), Problem::unknown(d.multiplier)};
         std::vector<int> numbered;
         for (int k : node) numbered.push_back(Problem::unknown(k));
         return std::make_shared<Elimination>(p.csr, listed, p.by_unknown<char>(fixed, 1),
@@ -287,8 +285,7 @@ TEST_CASE("reductions around each other: elements condensed, then pressures exch
     std::vector<int> element(n + 2, -1);
     element[n] = element[n + 1] = 0;
     Problem problem(a);
-    const auto condensation =
-        std::make_shared<Condensation>(problem.csr, problem.by_unknown(element, -1));
+    const auto condensation = std::make_shared<Condensation>(problem.csr, problem.by_unknown(element, -1));
     Problem inner(a);
     inner.csr = condensation->left();
     const auto exchange = p.reduction(inner);

@@ -125,8 +125,7 @@ Answer by_jets(const Six& c, const std::vector<double>& fibre, Energy energy) {
     for (int k = 0; k < 6; ++k) {
         a.s[k] = w.g[k][0] / multiplicities()[k];
         for (int l = k; l < 6; ++l)
-            a.d(k, l) = a.d(l, k) =
-                w.h[packed(6, k, l)][0] / (multiplicities()[k] * multiplicities()[l]);
+            a.d(k, l) = a.d(l, k) = w.h[packed(6, k, l)][0] / (multiplicities()[k] * multiplicities()[l]);
     }
     return a;
 }
@@ -173,7 +172,8 @@ TEST_CASE("materials: the chain rule through the invariants is that of jets of t
         }
 }
 
-TEST_CASE("materials: at rest there is neither energy nor stress, and the moduli are symmetric and definite") {
+TEST_CASE(
+    "materials: at rest there is neither energy nor stress, and the moduli are symmetric and definite") {
     for (const Material& m : materials) {
         CAPTURE(m.name);
         const Answer a = respond_to(m, Six::Zero());
@@ -321,7 +321,9 @@ TEST_CASE("materials: stresses and moduli of F-bar and of pressures are derivati
             energy.template evaluate<true>(lanes, p);
             return p;
         };
-        const auto value = [&](const VectorXd& x) { return VectorXd(VectorXd::Constant(1, evaluate(x).W[0])); };
+        const auto value = [&](const VectorXd& x) {
+            return VectorXd(VectorXd::Constant(1, evaluate(x).W[0]));
+        };
         const auto stress = [&](const VectorXd& x) {
             const auto p = evaluate(x);
             return VectorXd(VectorXd::NullaryExpr(n, [&](Eigen::Index k) { return p.s[k][0]; }));

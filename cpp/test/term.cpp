@@ -1,11 +1,10 @@
 // The sparsity pattern against one made pair by pair.
-#include "visviva/term/pattern.hpp"
-
 #include <doctest/doctest.h>
 
 #include <set>
 
 #include "dense.hpp"
+#include "visviva/term/pattern.hpp"
 
 using namespace visviva;
 
@@ -22,8 +21,7 @@ struct Mesh {
             const int first = static_cast<int>(node.size()), size = 1 + numbers.below(3);
             for (int c = 0; c < size; ++c) node.push_back(first), fixed.push_back(numbers.below(3) == 0);
         }
-        for (int k = 0; k < 40; ++k)
-            pairs.insert({node[numbers.below(n())], node[numbers.below(n())]});
+        for (int k = 0; k < 40; ++k) pairs.insert({node[numbers.below(n())], node[numbers.below(n())]});
     }
     int n() const { return static_cast<int>(node.size()); }
     bool is_free(int unknown) const {
