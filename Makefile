@@ -9,7 +9,7 @@ PORTABLE ?= OFF
 core:  ## build the extension module in place
 	cmake -S . -B $(BUILD) -G Ninja -DVISVIVA_PORTABLE=$(PORTABLE) -DPython_EXECUTABLE=$$($(PYTHON) -c 'import sys; print(sys.executable)') >/dev/null
 	cmake --build $(BUILD)
-	cmake --install $(BUILD) --prefix src >/dev/null
+	cmake --install $(BUILD) --component python --prefix src >/dev/null
 test: core
 	PYTHONPATH=src $(PYTHON) -m pytest
 lint:

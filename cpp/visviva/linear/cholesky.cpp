@@ -1,6 +1,7 @@
 // Eigen's simplicial Cholesky factorisation L D L^T of positive definite matrices: always there, fast enough
 // for small and two-dimensional problems.
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "visviva/linear/scaled.hpp"
@@ -34,9 +35,14 @@ class Cholesky : public LinearSolver {
         if (!matrix_.fill(values, regularization)) return message_ = matrix_.message(), false;
         for (std::size_t k = 0; k < to_.size(); ++k) permuted_.valuePtr()[to_[k]] = matrix_.value()[k];
         ldlt_.factorize(permuted_);
-        if (ldlt_.info() != Eigen::Success) return message_ = "the tangent has a zero pivot", false;
+        const auto pivots = ldlt_.vectorD();
+        if (ldlt_.info() != Eigen::Success) {  // it stopped at the first that is zero
+            const auto at = std::find(pivots.begin(), pivots.end(), 0.0) - pivots.begin();
+            if (at < pivots.size()) singular_ = inverse_.indices()[at];
+            return message_ = "the tangent has a zero pivot", false;
+        }
         Eigen::Index at = 0;
-        const double least = ldlt_.vectorD().minCoeff(&at);
+        const double least = pivots.minCoeff(&at);
         if (least > smallest_pivot) return true;
         singular_ = inverse_.indices()[at];
         message_ =

@@ -33,7 +33,7 @@ class SparseLu : public LinearSolver {
         if (!scaled_.fill(values, regularization)) return false;
         for (std::size_t k = 0; k < to_.size(); ++k) matrix_.valuePtr()[to_[k]] = scaled_.value()[k];
         lu_.factorize(matrix_);
-        if (lu_.info() != Eigen::Success) return false;
+        if (lu_.info() != Eigen::Success) return locate(), false;
         if (!careful_ || tested_) return true;
         return tested_ = regular();
     }
@@ -52,10 +52,22 @@ class SparseLu : public LinearSolver {
     std::string name() const override { return "sparse LU of the saddle-point system"; }
 
   private:
-    bool regular() {
+    // Where a pivot vanishes: with the diagonal shifted by no more than rounding there are factors, whose
+    // solutions grow where the matrix is singular.
+    void locate() {
+        constexpr double shift = 1e-14;
+        for (int i = 0; i < scaled_.n(); ++i) matrix_.coeffRef(i, i) += shift;
+        lu_.factorize(matrix_);
+        if (lu_.info() == Eigen::Success) lu_.solve(arbitrary()).eval().cwiseAbs().maxCoeff(&singular_);
+    }
+
+    Eigen::VectorXd arbitrary() const {
         const std::vector<double> any = arbitrary_vector(scaled_.n());
-        const Eigen::Map<const Eigen::VectorXd> b(any.data(), scaled_.n());
-        const Eigen::VectorXd s = lu_.solve(b);
+        return Eigen::Map<const Eigen::VectorXd>(any.data(), scaled_.n());
+    }
+
+    bool regular() {
+        const Eigen::VectorXd b = arbitrary(), s = lu_.solve(b);
         const double residual = (b - matrix_ * s).norm() / b.norm();
         if (!is_singular({s.data(), s.data() + s.size()}, residual, regularization)) return true;
         s.cwiseAbs().maxCoeff(&singular_);

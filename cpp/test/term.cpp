@@ -1,0 +1,98 @@
+// The sparsity pattern against one made pair by pair.
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "dense.hpp"
+#include "visviva/term/pattern.hpp"
+
+using namespace visviva;
+
+namespace {
+
+struct Mesh {
+    std::vector<int> node;
+    std::vector<char> fixed;
+    std::set<std::pair<int, int>> pairs;  // of first unknowns
+
+    explicit Mesh(unsigned seed) {
+        Numbers numbers(seed);
+        for (int k = 0; k < 12; ++k) {
+            const int first = static_cast<int>(node.size()), size = 1 + numbers.below(3);
+            for (int c = 0; c < size; ++c) node.push_back(first), fixed.push_back(numbers.below(3) == 0);
+        }
+        for (int k = 0; k < 40; ++k) pairs.insert({node[numbers.below(n())], node[numbers.below(n())]});
+    }
+    int n() const { return static_cast<int>(node.size()); }
+    bool is_free(int unknown) const {
+        for (int u = 0; u < n(); ++u)
+            if (node[u] == node[unknown] && !fixed[u]) return true;
+        return false;
+    }
+    int size(int unknown) const {
+        return static_cast<int>(std::count(node.begin(), node.end(), node[unknown]));
+    }
+    bool coupled(int a, int b) const {
+        if (!is_free(a) || !is_free(b)) return false;
+        return pairs.count({node[a], node[b]}) || (node[a] == node[b] && size(a) > 1);
+    }
+};
+
+}  // namespace
+
+TEST_CASE("pattern: couples, order, held rows and places") {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        CAPTURE(seed);
+        const Mesh mesh(seed);
+        Pattern pattern(mesh.node, mesh.fixed);
+        for (const auto& [a, b] : mesh.pairs) pattern.couple(a, b), pattern.couple(a, b);
+        Csr csr;
+        pattern.finish(csr);
+
+        std::vector<int> unknown, held;
+        for (int u = 0; u < mesh.n(); ++u) {
+            if (!mesh.is_free(u)) continue;
+            if (mesh.fixed[u]) held.push_back(static_cast<int>(unknown.size()));
+            unknown.push_back(u);
+        }
+        CHECK(csr.n == static_cast<int>(unknown.size()));
+        CHECK(csr.unknown == unknown);
+        CHECK(pattern.held() == held);
+        for (int u = 0; u < mesh.n(); ++u)
+            CHECK((csr.equation[u] < 0 ? !mesh.is_free(u) : csr.unknown[csr.equation[u]] == u));
+
+        std::vector<std::int64_t> row = {0};
+        std::vector<int> col;
+        for (int a : unknown) {
+            CHECK(pattern.row_start(a) == row.back());
+            for (std::size_t j = 0; j < unknown.size(); ++j) {
+                if (!mesh.coupled(a, unknown[j])) continue;
+                CHECK(pattern.position(a, unknown[j]) == static_cast<std::int64_t>(col.size()));
+                col.push_back(static_cast<int>(j));
+            }
+            row.push_back(static_cast<std::int64_t>(col.size()));
+            CHECK(pattern.row_length(a) == row.back() - row[row.size() - 2]);
+            const Pattern::Rows rows = pattern.rows(a);
+            CHECK(rows.end - rows.begin == mesh.size(a) * pattern.row_length(a));
+            CHECK(rows.begin == pattern.row_start(mesh.node[a]));
+        }
+        CHECK(csr.row == row);
+        CHECK(csr.col == col);
+    }
+}
+
+TEST_CASE("pattern: what is fixed has no place") {
+    Pattern pattern({0, 0, 2}, {1, 1, 0});
+    pattern.couple(0, 2), pattern.couple(2, 0), pattern.couple(2, 2);
+    Csr csr;
+    pattern.finish(csr);
+    CHECK(csr.n == 1);
+    CHECK(csr.equation == std::vector<int>{-1, -1, 0});
+    CHECK(csr.col == std::vector<int>{0});
+    CHECK(pattern.position(0, 2) == -1);
+    CHECK(pattern.position(2, 2) == 0);
+    CHECK(pattern.row_start(1) == -1);
+    CHECK(pattern.row_length(1) == 0);
+    CHECK(pattern.rows(1).node == -1);
+    CHECK(pattern.rows(1).begin == pattern.rows(1).end);
+}
