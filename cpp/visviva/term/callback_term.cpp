@@ -37,7 +37,7 @@ TermArguments CallbackTerm::gather(const Context& c) {
         v0_[k] = v.v0[index_[k]];
     }
     return {&c.step,   x0_.data(),     x1_.data(),   rate_.data(),     second_rate_.data(), r_.data(),
-            k_.data(), energy_.data(), work_.data(), momentum_.data(), v1_.data(), v0_.data()};
+            k_.data(), energy_.data(), work_.data(), momentum_.data(), v1_.data(),          v0_.data()};
 }
 
 void CallbackTerm::residual(const Context& c, double* r) {

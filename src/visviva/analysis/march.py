@@ -91,6 +91,7 @@ def march(
 
 def know(system: System, step: float) -> None:
     """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
+    refuse_other("march", "system", system, System, "a vv.System")
     if system.clock.step == 0.0:
         system.clock.use(step)
 
