@@ -1,6 +1,6 @@
 """Immersed elastic solids against published values of body-fitted meshes: what docs/theory/immersed.rst says.
 
-    python benchmarks/immersed_accuracy.py [fsi1 fsi2 fsi2_short_steps crowded volume half_cylinder]
+    python benchmarks/immersed_accuracy.py [fsi1 fsi2 fsi2_short_steps fsi2_fine crowded volume half_cylinder]
 
 fsi1: the flag of Turek & Hron (2006) at rest, on finer and finer meshes. fsi2: the heavier one, from rest until its
 swing no longer grows; a line per second, and in the end the distance to the published one. crowded: the first with
@@ -47,9 +47,9 @@ def fsi1() -> None:
             )
 
 
-def fsi2(until: float = 18.5, step: float = 0.02) -> None:
-    """BDF2, two cells over the flag: how far its end and the forces swing, second by second and in the end."""
-    begin, case, rows = time.process_time(), Flag(channel(Rows(12, 2)), (14, 1), FSI2), []
+def fsi2(until: float = 18.5, step: float = 0.02, across: int = 2) -> None:
+    """BDF2, cells `across` the flag: how far its end and the forces swing, second by second and in the end."""
+    begin, case, rows = time.process_time(), Flag(channel(Rows(12, across)), (14, across // 2), FSI2), []
     print(f"fsi2: {case.system.core.n_equations} equations")
     for second in np.arange(1, np.ceil(until) + 1):
         rows += case.march(min(second, until), step, vv.BDF2()).tolist()
@@ -134,10 +134,15 @@ def short() -> None:
     fsi2(16.0, 0.01)
 
 
+def fine() -> None:
+    fsi2(17.0, 0.01, 4)
+
+
 CASES = {
     "fsi1": fsi1,
     "fsi2": fsi2,
     "fsi2_short_steps": short,
+    "fsi2_fine": fine,
     "crowded": crowded,
     "volume": volume,
     "half_cylinder": half,
