@@ -1,6 +1,7 @@
 // What tests compare with: dense matrices, arbitrary numbers, differences.
 #pragma once
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 
 #include "visviva/linear/linear.hpp"
@@ -85,22 +86,24 @@ struct Problem {
         return all;
     }
     bool factor(LinearSolver& solver) const { return solver.factor(values.data(), {}); }
-    /// x of A x = b; empty: not solved.
+    /// x of A x = b; not a number: not solved.
     Eigen::VectorXd solve(LinearSolver& solver, const Eigen::VectorXd& b) const {
         std::vector<double> r(csr.equation.size(), 0.0), d(csr.equation.size(), 0.0);
         for (int i = 0; i < csr.n; ++i) r[unknown(i)] = -b[i];
-        if (!solver.solve(r.data(), {}, d.data())) return {};
+        if (!solver.solve(r.data(), {}, d.data())) return Eigen::VectorXd::Constant(csr.n, NAN);
         Eigen::VectorXd x(csr.n);
         for (int i = 0; i < csr.n; ++i) x[i] = d[unknown(i)];
         return x;
     }
-    /// Analysis, factorisation and solution; empty: one of them failed.
+    /// Analysis, factorisation and solution; not a number: one of them failed.
     Eigen::VectorXd solution(LinearSolver& solver, const Eigen::VectorXd& b) const {
         solver.analyze(csr, blocks);
-        if (!factor(solver)) return {};
+        if (!factor(solver)) return Eigen::VectorXd::Constant(csr.n, NAN);
         return solve(solver, b);
     }
 };
+
+inline bool solved(const Eigen::VectorXd& x) { return x.allFinite(); }
 
 /// Sparse, far from singular and not symmetric.
 inline Eigen::MatrixXd arbitrary_matrix(Numbers& numbers, int n, int per_row = 4) {
