@@ -17,7 +17,7 @@ PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), o
 // --- the way in
 // -----------------------------------------------------------------------------------------------
 // Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is not
-// followed in, as forces would jump there.
+// judged.
 Vector3 PointGaps::nudged(const double* X, int A) const {
     constexpr double rounding = 1e-9, deformation = 1e-3;
     const bool deforms = skin_.mesh_node[skin_.first[A]];
@@ -27,7 +27,7 @@ Vector3 PointGaps::nudged(const double* X, int A) const {
 }
 
 int PointGaps::side(const double* X, int A) const {
-    if (sides_.start().empty()) return Sides::nearest;
+    if (sides_.start().empty() || deforms(A)) return Sides::nearest;
     const int kept = sides_.of(A);
     if (kept >= 0 && keeps_) return kept;
     if (!is_inside(X, A)) return Sides::nearest;
@@ -46,7 +46,7 @@ bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
 
 bool PointGaps::settle(const double* X) {
     return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
-        if (!is_inside(X, A)) return Sides::nearest;
+        if (deforms(A) || !is_inside(X, A)) return Sides::nearest;
         const int came = side(X, A);
         return came >= 0 ? came : nearest_side(X, A);
     });

@@ -45,6 +45,9 @@ class PointGaps : public Gaps {
     virtual bool are_same(const double* X, int side, int other) const = 0;
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
     int side(const double* X, int vertex) const;
+    /// Whether it is a node of a mesh: what it goes in by an edge its body makes up for by deforming, and the
+    /// nearest side counts, by which its energy is continuous.
+    bool deforms(int vertex) const { return skin_.mesh_node[skin_.first[vertex]]; }
     /// A vertex of a rigid body by so little nearer to the middle of its surface that what touches an edge
     /// from above comes in by its upper side, and what slides along the edge does not come in.
     Eigen::Vector3d nudged(const double* X, int vertex) const;
