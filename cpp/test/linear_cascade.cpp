@@ -74,7 +74,7 @@ TEST_CASE("cascade: a last resort serves only where it may, and if all fail the 
     solver->allow_last_resort(false);
     CHECK_FALSE(problem.factor(*solver));
 
-    const Floating two(true, true);
+    const Floating two(true, 1);
     const auto all = make_linear({choice(Backend::cholesky), choice(Backend::sparse_lu)});
     const Problem singular(two.a);
     all->analyze(singular.csr, singular.blocks);

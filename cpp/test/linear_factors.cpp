@@ -36,8 +36,8 @@ double error(LinearSolver& solver, const MatrixXd& a, const VectorXd& b) {
 
 void check_singular(LinearSolver& solver, const std::vector<const char*>& messages = {}) {
     for (bool exact : {true, false})
-        for (bool second : {true, false}) {
-            const Floating two(exact, second);
+        for (unsigned seed = 1; seed <= 8; ++seed) {
+            const Floating two(exact, seed);
             const Problem problem(two.a);
             solver.analyze(problem.csr, problem.blocks);
             CHECK_FALSE(problem.factor(solver));

@@ -16,21 +16,26 @@ inline LinearChoice choice(Backend backend, MatrixKind kind = MatrixKind::genera
     return c;
 }
 
-/// Two chains, of which one floats, the first or the second. Whole numbers leave a pivot of zero, others one
-/// of rounding.
+/// Two chains, of which the second floats, in an arbitrary order. Whole numbers leave a pivot of zero, others
+/// one of rounding.
 struct Floating {
-    Eigen::MatrixXd a;
-    int begin, end;  // unknowns of the one that floats
+    static constexpr int n = 12, first = 7;
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order{n};
+    Eigen::MatrixXd a = side_by_side(chain(first, true), chain(n - first, false));
 
-    Floating(bool exact, bool second)
-        : a(second ? side_by_side(chain(7, true), chain(5, false))
-                   : side_by_side(chain(5, false), chain(7, true))),
-          begin(second ? Problem::unknown(7) : 0),
-          end(second ? Problem::unknown(12) : Problem::unknown(5)) {
-        const Eigen::VectorXd units = Eigen::VectorXd::LinSpaced(12, 1.3, 4.7);
+    Floating(bool exact, unsigned seed) {
+        Numbers numbers(seed);
+        order.setIdentity();
+        for (int k = n - 1; k > 0; --k) std::swap(order.indices()[k], order.indices()[numbers.below(k + 1)]);
+        const Eigen::VectorXd units = Eigen::VectorXd::LinSpaced(n, 1.3, 4.7);
         if (!exact) a = units.asDiagonal() * a * units.asDiagonal();
+        a = (order * a * order.transpose()).eval();
     }
-    bool has(int unknown) const { return unknown >= begin && unknown < end; }
+    bool has(int unknown) const {
+        for (int k = first; k < n; ++k)
+            if (unknown == Problem::unknown(order.indices()[k])) return true;
+        return false;
+    }
 };
 
 }  // namespace visviva
