@@ -83,7 +83,6 @@ class Attachable(Component):
 
     def frame(self, X: Any = (0.0, 0.0, 0.0), axes: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Frame:
         """Point and three orthonormal directions, given by rows in own coordinates."""
-
         return Frame(self, place(self.label, "X", X), place(self.label, "axes", axes, (3, 3)))
 
     def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Frame:

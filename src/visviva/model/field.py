@@ -17,7 +17,7 @@ Vectors = tuple[NDArray[np.int64], NDArray[np.bool_], int]
 
 
 class Owner(Protocol):
-    """Whose fields and terms they are: a component, of which nothing but its name is asked here."""
+    """Whose fields and terms they are: a component, as far as models ask it."""
 
     @property
     def label(self) -> str:
@@ -74,11 +74,6 @@ class Role(Enum):
     def bears(self) -> bool:
         """Whether it stands for forces: the energy is largest in it."""
         return self not in ORDERS and self is not Role.STATE
-
-    @property
-    def is_pressure(self) -> bool:
-        """Whether it bears without being the multiplier of a constraint."""
-        return self.bears and self is not Role.MULTIPLIER
 
     @property
     def has_least_energy(self) -> bool:
