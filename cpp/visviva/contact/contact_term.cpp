@@ -132,7 +132,7 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
-    if (c.step.motion[0][0] == 0) return {};  // load steps are no ways: equilibria at both ends count
+    if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
     if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
         return refused(A, "the first surface comes in by one side and out by another, past an edge,");
     return {};
@@ -382,7 +382,7 @@ double ContactTerm::rebound(int A, const Context& c) const {
 // The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
 // give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {
-    if (c.step.motion[0][0] == 0) return 0;
+    if (c.step.is_static()) return 0;
     if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
     const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
@@ -391,7 +391,7 @@ double ContactTerm::least_gap(int A, const Context& c) const {
 
 // Without inertia what just touches holds: bodies may rest on nothing else.
 double ContactTerm::slack(int A, const Context& c) const {
-    return c.step.motion[0][0] != 0 ? 0 : touching * area1_[A] * size(A);
+    return c.step.is_static() ? touching * area1_[A] * size(A) : 0;
 }
 
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
@@ -436,7 +436,7 @@ void ContactTerm::choose_active(const Context& c) {
 // multipliers serve as they are, so that a change of the active set changes nothing but their rows and
 // columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
 double ContactTerm::augmentation(int A, const Context& c) const {
-    const bool plain = c.step.motion[0][0] != 0 && !has_friction();
+    const bool plain = !c.step.is_static() && !has_friction();
     return plain || c.backwards ? 0 : options_.stiffness[A];
 }
 
@@ -481,7 +481,7 @@ void ContactTerm::press_discretely(int A, const Context& c) {
         S_[A] = 0.5 * k * (a - b) * (a + b) / change;
         dS_gap_[A] = -(k * b + S_[A]) / change;
     }
-    if (options_.damping.empty() || c.step.motion[0][0] == 0) return;
+    if (options_.damping.empty() || c.step.is_static()) return;
     const double rate = options_.damping[A] / c.step.h;
     S_[A] -= rate * (b - a);
     if (b < 0) dS_gap_[A] -= rate;
@@ -563,7 +563,7 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
-    const bool mass_alone = c.step.theta == 0 && c.step.theta_g == 0 && c.step.motion[0][0] == 0;
+    const bool mass_alone = c.step.theta == 0 && c.step.theta_g == 0 && c.step.is_static();
     if (mass_alone) return;  // at an instant, where the augmentation of closed gaps would be taken for mass
     const Stopwatch watch(costs_.forces);
     // a restart makes this tangent again
@@ -605,7 +605,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
 
 // Where the active set alone has changed in a time step, only rows and columns of multipliers have.
 bool ContactTerm::amend(const Context& c, double* values) {
-    if (!has_multipliers() || has_friction() || c.step.motion[0][0] == 0) return false;
+    if (!has_multipliers() || has_friction() || c.step.is_static()) return false;
     const Stopwatch watch(costs_.forces);
     active_at_tangent_ = active_;
     segments([&] { gaps_->gradients(X1_.data(), active_, at_end_); });
@@ -792,12 +792,12 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
 }
 
 void ContactTerm::accept(const Context& c) {
-    if (c.step.motion[0][0] == 0) {  // the books of statics have gone back along the path
+    if (c.step.is_static()) {  // the books of statics have gone back along the path
         gaps_->skin().positions(c.vectors.x0, X0_);
         settle();
         evaluate(c, true);
     }
-    if (c.step.motion[0][0] != 0) pushed_out_ = true;
+    if (!c.step.is_static()) pushed_out_ = true;
     if (has_history()) keep(c);
     begin(c.vectors.x1);
 }

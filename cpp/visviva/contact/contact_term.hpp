@@ -119,7 +119,7 @@ class ContactTerm : public Term {
     bool pushes_out() const { return options_.presses_out && !pushed_out_; }
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const {
-        return (options_.conserving || rebounds()) && c.step.motion[0][0] != 0;
+        return (options_.conserving || rebounds()) && !c.step.is_static();
     }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }

@@ -40,7 +40,7 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
 
 // How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
 double ImmersedTerm::moved(const Context& c, int k, int i) const {
-    if (has_rates(c.step)) return c.step.h * points_.value(c.vectors.rate, k, i);
+    if (!c.step.is_static()) return c.step.h * points_.value(c.vectors.rate, k, i);
     return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
 }
 
@@ -183,7 +183,7 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
-    const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
+    const double h = c.step.h * share(c.step), own = c.step.is_static() ? 1 : c.step.h * c.step.motion[0][0];
     each([&](int k, int, int, int first) {
         const std::vector<int>& all = coupled_[k];
         const bool free = is_free(first);

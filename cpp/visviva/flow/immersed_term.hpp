@@ -78,7 +78,6 @@ class ImmersedTerm : public Term {
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
     double moved(const Context&, int point, int i) const;
-    static bool has_rates(const Step& step) { return step.motion[0][0] != 0; }
     double share(const Step& step) const { return step.theta + points_.damping; }
 
     ImmersedPoints points_;

@@ -158,7 +158,7 @@ void System::prepare_predictor() {
 void System::predict(const Step& step) {
     for (int i = 0; i < n_; ++i)
         if (!fixed_[i]) dx[i] = 0;
-    if (step.motion[0][0] != 0) predictor_.predict(step.h, x.data(), v.data(), dx.data());
+    if (!step.is_static()) predictor_.predict(step.h, x.data(), v.data(), dx.data());
     predictor_.predict_multipliers(step.h, dx.data());
     set_base_rates(step);
 }
@@ -318,10 +318,6 @@ int System::worst() const {
     return worst;
 }
 
-namespace {
-bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 0 && s.transport[0][0] == 0; }
-}  // namespace
-
 void System::clear_sums() {
     for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
         std::fill(s->begin(), s->end(), 0.0);
@@ -438,7 +434,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    const bool path = ledger && is_static(step);
+    const bool path = ledger && step.is_static() && step.transport[0][0] == 0;
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
