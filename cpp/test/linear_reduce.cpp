@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "dense.hpp"
-#include "visviva/linear/reduce/condensed.hpp"
-#include "visviva/linear/reduce/eliminated.hpp"
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
+#include "visviva/linear/reduce/slave_elimination.hpp"
 
 using namespace visviva;
 using Eigen::MatrixXd, Eigen::VectorXd;
@@ -53,7 +53,8 @@ TEST_CASE("condensation: unknowns of single elements leave and come back") {
     for (int own : {1, 2, 4}) {
         const Elements e(numbers, own);
         Problem problem(e.a);
-        const auto reduction = std::make_shared<Condensation>(problem.csr, problem.by_unknown(e.element, -1));
+        const auto reduction =
+            std::make_shared<ElementCondensation>(problem.csr, problem.by_unknown(e.element, -1));
         CHECK(reduction->left().n == Elements::n_nodes);
         check(e.a, problem, *make_condensed(reduction, make_sparse_lu()), numbers);
     }
@@ -63,7 +64,7 @@ TEST_CASE("condensation: what is left is the Schur complement") {
     Numbers numbers(32);
     const Elements e(numbers, 2);
     const Problem problem(e.a);
-    Condensation reduction(problem.csr, problem.by_unknown(e.element, -1));
+    ElementCondensation reduction(problem.csr, problem.by_unknown(e.element, -1));
     REQUIRE(reduction.eliminate(problem.values.data()));
     const int n = Elements::n_nodes;
     const MatrixXd schur = e.a.topLeftCorner(n, n) - e.a.topRightCorner(n, e.a.cols() - n) *
@@ -84,12 +85,13 @@ TEST_CASE("condensation: an element that does not resist its own unknowns is nam
     const MatrixXd whole = e.a;
     e.a.block(bad, bad, 2, 2).setZero();
     const Problem problem(e.a, whole);
-    const auto solver = make_condensed(
-        std::make_shared<Condensation>(problem.csr, problem.by_unknown(e.element, -1)), make_sparse_lu());
+    const auto solver =
+        make_condensed(std::make_shared<ElementCondensation>(problem.csr, problem.by_unknown(e.element, -1)),
+                       make_sparse_lu());
     solver->analyze(problem.csr, problem.blocks);
     CHECK_FALSE(problem.factor(*solver));
     CHECK(solver->singular_unknown() == Problem::unknown(bad));
-    CHECK(solver->message() == Condensation::singular);
+    CHECK(solver->message() == ElementCondensation::singular);
 }
 
 TEST_CASE("condensation: elements whose own unknowns couple are refused") {
@@ -97,7 +99,8 @@ TEST_CASE("condensation: elements whose own unknowns couple are refused") {
     Elements e(numbers, 1);
     e.a(e.first(0), e.first(1)) = 1;
     const Problem problem(e.a);
-    CHECK_THROWS_AS(Condensation(problem.csr, problem.by_unknown(e.element, -1)), std::invalid_argument);
+    CHECK_THROWS_AS(ElementCondensation(problem.csr, problem.by_unknown(e.element, -1)),
+                    std::invalid_argument);
 }
 
 // --- elimination: nodes that constraints give by others
@@ -122,13 +125,13 @@ struct Tied {
         for (int k : others) a(n + constraint, k) = numbers.one(), a(k, n + constraint) = numbers.one();
         dependences.push_back({unknown, n + constraint});
     }
-    std::shared_ptr<Elimination> reduction(const Problem& p) const {
+    std::shared_ptr<SlaveElimination> reduction(const Problem& p) const {
         auto listed = dependences;
         for (Dependence& d : listed) d = {Problem::unknown(d.unknown), Problem::unknown(d.multiplier)};
         std::vector<int> numbered;
         for (int k : node) numbered.push_back(Problem::unknown(k));
-        return std::make_shared<Elimination>(p.csr, listed, p.by_unknown<char>(fixed, 1),
-                                             p.by_unknown(numbered, Problem::fixed));
+        return std::make_shared<SlaveElimination>(p.csr, listed, p.by_unknown<char>(fixed, 1),
+                                                  p.by_unknown(numbered, Problem::fixed));
     }
 };
 
@@ -200,13 +203,13 @@ struct Pressed {
     }
     int node(int k) const { return before + dim * k; }
     int multiplier(int k) const { return node(n_nodes) + k; }
-    std::shared_ptr<Exchange> reduction(const Problem& p) const {
+    std::shared_ptr<ContactCondensation> reduction(const Problem& p) const {
         std::vector<NodalMultiplier> listed;
         for (int k = 0; k < pressed; ++k)
             listed.push_back({Problem::unknown(multiplier(k)), Problem::unknown(node(k)), dim});
         std::vector<char> fixed(p.csr.equation.size(), 0);
         fixed[Problem::fixed] = 1;
-        return std::make_shared<Exchange>(p.csr, listed, fixed);
+        return std::make_shared<ContactCondensation>(p.csr, listed, fixed);
     }
 };
 
@@ -268,7 +271,7 @@ TEST_CASE("exchange: a pressure without a force and without an entry of its own 
     solver->analyze(problem.csr, problem.blocks);
     CHECK_FALSE(problem.factor(*solver));
     CHECK(solver->singular_unknown() == Problem::unknown(p.multiplier(1)));
-    CHECK(solver->message() == Exchange::singular);
+    CHECK(solver->message() == ContactCondensation::singular);
 }
 
 TEST_CASE("reductions around each other: elements condensed, then pressures exchanged") {
@@ -285,7 +288,8 @@ TEST_CASE("reductions around each other: elements condensed, then pressures exch
     std::vector<int> element(n + 2, -1);
     element[n] = element[n + 1] = 0;
     Problem problem(a);
-    const auto condensation = std::make_shared<Condensation>(problem.csr, problem.by_unknown(element, -1));
+    const auto condensation =
+        std::make_shared<ElementCondensation>(problem.csr, problem.by_unknown(element, -1));
     Problem inner(a);
     inner.csr = condensation->left();
     const auto exchange = p.reduction(inner);

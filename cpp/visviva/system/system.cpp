@@ -94,9 +94,11 @@ static void renew(std::shared_ptr<T>& kept, T&& value) {
 // What leaves the equations before they are solved.
 void System::reduce() {
     const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
-    if (local) renew(condensation_, Condensation(csr_, element_));
-    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_, node_));
-    if (!nodal_multipliers_.empty()) renew(exchange_, Exchange(eliminated(), nodal_multipliers_, fixed_));
+    if (local) renew(condensation_, ElementCondensation(csr_, element_));
+    if (!dependences_.empty())
+        renew(elimination_, SlaveElimination(condensed(), dependences_, fixed_, node_));
+    if (!nodal_multipliers_.empty())
+        renew(exchange_, ContactCondensation(eliminated(), nodal_multipliers_, fixed_));
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "visviva/linear/linear.hpp"
-#include "visviva/linear/reduce/condensed.hpp"
-#include "visviva/linear/reduce/eliminated.hpp"
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
+#include "visviva/linear/reduce/slave_elimination.hpp"
 #include "visviva/system/predictor.hpp"
 #include "visviva/term/term.hpp"
 
@@ -49,11 +49,11 @@ class System {
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
-    // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
+    // element[unknown]: the only element that touches the unknown, or -1; see ElementCondensation.
     void set_local(std::vector<int> element) { element_ = std::move(element); }
-    // Unknowns that linear constraints give by others; see Elimination.
+    // Unknowns that linear constraints give by others; see SlaveElimination.
     void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
-    // Multipliers that leave the equations by the forces on nodes of their own; see Exchange.
+    // Multipliers that leave the equations by the forces on nodes of their own; see ContactCondensation.
     void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
     // island[unknown], and of accounts of constraints: what joints hold together, so that an impact goes
     // through all of it.
@@ -234,11 +234,11 @@ class System {
     Csr csr_;
     std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero
     std::vector<int> element_;
-    std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
+    std::shared_ptr<ElementCondensation> condensation_;  // null where no unknown is local
     std::vector<Dependence> dependences_;
-    std::shared_ptr<Elimination> elimination_;  // null where there are none
+    std::shared_ptr<SlaveElimination> elimination_;  // null where there are none
     std::vector<NodalMultiplier> nodal_multipliers_;
-    std::shared_ptr<Exchange> exchange_;                  // the same
+    std::shared_ptr<ContactCondensation> exchange_;       // the same
     std::unique_ptr<LinearSolver> solver_, rate_solver_;  // null where rates cannot be projected here
     std::vector<char> constraint_;
     std::vector<std::int64_t> rate_zero_, rate_one_;

@@ -1,4 +1,4 @@
-#include "visviva/linear/reduce/reduced.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 #include <algorithm>
 

@@ -12,10 +12,11 @@ struct NodalMultiplier {
     int multiplier, unknown, size;
 };
 
-class Exchange {
+class ContactCondensation {
   public:
     /// What presses on a node that is another one's, or is partly fixed, stays among the equations.
-    Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed);
+    ContactCondensation(const Csr& full, const std::vector<NodalMultiplier>& listed,
+                        const std::vector<char>& fixed);
 
     const Csr& left() const { return left_; }
     const std::vector<int>& kept() const { return kept_; }
@@ -74,6 +75,7 @@ class Exchange {
 };
 
 /// Exchanges, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<Exchange>, std::unique_ptr<LinearSolver>);
+std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<ContactCondensation>,
+                                             std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

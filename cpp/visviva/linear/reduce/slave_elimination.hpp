@@ -12,14 +12,14 @@ struct Dependence {
     int unknown, multiplier;
 };
 
-class Elimination {
+class SlaveElimination {
   public:
     /// Fixed unknowns among the others do not move. A dependence that meets an earlier one (it depends on
     /// what that gives, or gives what that depends on) stays among the equations.
     /// node[unknown]: first unknown of its mesh node; patterns couple nodes, whether their entries vanish or
     /// not.
-    Elimination(const Csr& full, const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
-                const std::vector<int>& node);
+    SlaveElimination(const Csr& full, const std::vector<Dependence>& dependences,
+                     const std::vector<char>& fixed, const std::vector<int>& node);
 
     const Csr& left() const { return left_; }
     const std::vector<int>& kept() const { return kept_; }
@@ -84,6 +84,7 @@ class Elimination {
 };
 
 /// Eliminates, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<Elimination>, std::unique_ptr<LinearSolver>);
+std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<SlaveElimination>,
+                                              std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

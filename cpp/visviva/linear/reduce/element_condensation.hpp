@@ -6,11 +6,11 @@
 
 namespace visviva {
 
-class Condensation {
+class ElementCondensation {
   public:
     /// element[unknown]: to which element the unknown is local, or -1. An element's own unknowns follow each
     /// other; they couple with what this element couples, and with no other element's.
-    Condensation(const Csr& full, const std::vector<int>& element);
+    ElementCondensation(const Csr& full, const std::vector<int>& element);
 
     /// The pattern of what is left, in which local unknowns have no equation.
     const Csr& left() const { return left_; }
@@ -62,6 +62,7 @@ class Condensation {
 };
 
 /// Condenses, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation>, std::unique_ptr<LinearSolver>);
+std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<ElementCondensation>,
+                                             std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

@@ -1,9 +1,9 @@
-#include "visviva/linear/reduce/condensed.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "visviva/linear/reduce/reduced.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
 
@@ -13,7 +13,8 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 }  // namespace
 
-Condensation::Condensation(const Csr& full, const std::vector<int>& element) : full_(&full), local_(full.n) {
+ElementCondensation::ElementCondensation(const Csr& full, const std::vector<int>& element)
+    : full_(&full), local_(full.n) {
     for (int i = 0; i < full.n; ++i) local_[i] = element[full.unknown[i]] >= 0;
     kept_ = number_left(full, local_, left_);
     find_pattern();
@@ -22,7 +23,7 @@ Condensation::Condensation(const Csr& full, const std::vector<int>& element) : f
 
 // The pattern without rows and columns of local unknowns: elements couple all they touch, so nothing is
 // added.
-void Condensation::find_pattern() {
+void ElementCondensation::find_pattern() {
     const Csr& f = *full_;
     left_.row.assign(1, 0);
     for (int i = 0; i < f.n; ++i) {
@@ -34,7 +35,7 @@ void Condensation::find_pattern() {
     values_.resize(left_.col.size());
 }
 
-void Condensation::describe(const std::vector<int>& element) {
+void ElementCondensation::describe(const std::vector<int>& element) {
     const int n = static_cast<int>(element.size());
     for (int u = 0, end = 0; u < n; u = end) {
         for (end = u + 1; end < n && element[end] == element[u];) ++end;
@@ -47,7 +48,7 @@ void Condensation::describe(const std::vector<int>& element) {
 }
 
 // Where an element finds its matrices, and where what it leaves goes.
-void Condensation::describe(Element& e) {
+void ElementCondensation::describe(Element& e) {
     const Csr& f = *full_;
     const int first = f.equation[e.unknown];
     e.own = place(f, first, first) - f.row[first];
@@ -69,13 +70,13 @@ void Condensation::describe(Element& e) {
     inverse_.resize(inverse_.size() + e.n * e.n), follow_.resize(follow_.size() + e.n * e.n_outer);
 }
 
-std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
+std::int64_t ElementCondensation::place(const Csr& csr, int row, int col) const {
     const std::int64_t at = place_of(csr, row, col);
     if (at < 0) throw std::invalid_argument("an element does not couple all that it touches");
     return at;
 }
 
-void Condensation::copy(const double* values) {
+void ElementCondensation::copy(const double* values) {
     const Csr& f = *full_;
     double* to = values_.data();
     for (int i = 0; i < f.n; ++i)
@@ -83,7 +84,7 @@ void Condensation::copy(const double* values) {
             if (!local_[f.col[k]]) *to++ = values[k];
 }
 
-bool Condensation::eliminate(const double* values) {
+bool ElementCondensation::eliminate(const double* values) {
     copy(values);
     singular_ = -1;
     for (const Element& e : elements_) {
@@ -93,7 +94,7 @@ bool Condensation::eliminate(const double* values) {
     return true;
 }
 
-bool Condensation::eliminate(const Element& e, const double* values) {
+bool ElementCondensation::eliminate(const Element& e, const double* values) {
     const Csr& f = *full_;
     const int first = f.equation[e.unknown];
     Rows own(e.n, e.n), others(e.n, e.n_outer);
@@ -113,7 +114,7 @@ bool Condensation::eliminate(const Element& e, const double* values) {
 }
 
 // values_ -= C X, row by row
-void Condensation::subtract(const Element& e) {
+void ElementCondensation::subtract(const Element& e) {
     const auto& runs = runs_[&e - elements_.data()];
     std::vector<double> row(e.n_outer);
     for (int i = 0; i < e.n_outer; ++i) {
@@ -130,7 +131,7 @@ void Condensation::subtract(const Element& e) {
     }
 }
 
-void Condensation::condense(std::vector<double>& r) const {
+void ElementCondensation::condense(std::vector<double>& r) const {
     std::vector<double> y;
     for (const Element& e : elements_) {
         y.assign(e.n, 0.0);
@@ -143,7 +144,7 @@ void Condensation::condense(std::vector<double>& r) const {
     }
 }
 
-void Condensation::recover(const double* r, double* d) const {
+void ElementCondensation::recover(const double* r, double* d) const {
     for (const Element& e : elements_)
         for (int a = 0; a < e.n; ++a) {
             double sum = 0;
@@ -154,9 +155,9 @@ void Condensation::recover(const double* r, double* d) const {
         }
 }
 
-std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation> condensation,
+std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<ElementCondensation> condensation,
                                              std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Reduced<Condensation>>(std::move(condensation), std::move(solver));
+    return std::make_unique<Reduced<ElementCondensation>>(std::move(condensation), std::move(solver));
 }
 
 }  // namespace visviva

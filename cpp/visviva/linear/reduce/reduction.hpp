@@ -14,7 +14,7 @@ std::int64_t place_of(const Csr& csr, int row, int col);
 /// Blocks of what is left, with the numbers of `number_left`.
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left);
 
-/// What takes equations out: see Condensation and Elimination.
+/// What takes equations out: see ElementCondensation and SlaveElimination.
 template <class Reduction>
 class Reduced : public LinearSolver {
   public:

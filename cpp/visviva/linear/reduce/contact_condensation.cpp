@@ -1,14 +1,14 @@
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "visviva/linear/reduce/reduced.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
 
-Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
-                   const std::vector<char>& fixed)
+ContactCondensation::ContactCondensation(const Csr& full, const std::vector<NodalMultiplier>& listed,
+                                         const std::vector<char>& fixed)
     : full_(&full), owner_(full.n, -1), gone_(full.n, 0) {
     choose(listed, fixed);
     kept_ = number_left(full, gone_, left_);
@@ -16,7 +16,7 @@ Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
     find_pattern();
 }
 
-void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
+void ContactCondensation::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
     const Csr& f = *full_;
     for (const NodalMultiplier& m : listed) {
         Node node{};
@@ -35,7 +35,7 @@ void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vec
 }
 
 // Patterns are symmetric: the row of a multiplier tells what feels it.
-void Exchange::find_forces() {
+void ContactCondensation::find_forces() {
     const Csr& f = *full_;
     feeds_.resize(f.n);
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -55,7 +55,7 @@ void Exchange::find_forces() {
     }
 }
 
-void Exchange::find_pattern() {
+void ContactCondensation::find_pattern() {
     const Csr& f = *full_;
     std::vector<int> seen(left_.n, -1);
     int mark = 0;
@@ -93,7 +93,7 @@ void Exchange::find_pattern() {
 }
 
 // A row of the full system by the columns of a node.
-void Exchange::gather(int row, const Node& node, double* out) {
+void ContactCondensation::gather(int row, const Node& node, double* out) {
     const Csr& f = *full_;
     for (std::size_t k = 0; k < node.col.size(); ++k)
         place_[node.col[k]] = static_cast<std::int64_t>(k), out[k] = 0;
@@ -101,7 +101,7 @@ void Exchange::gather(int row, const Node& node, double* out) {
         if (const int col = kept_[f.col[e]]; col >= 0) out[place_[col]] = full_values_[e];
 }
 
-bool Exchange::read(Node& node) {
+bool ContactCondensation::read(Node& node) {
     constexpr double rounding = 1e-13;
     node.own = full_values_[node.square], node.squared = 0;
     for (int i = 0; i < node.n; ++i) {
@@ -116,7 +116,7 @@ bool Exchange::read(Node& node) {
 
 // The node's rows: what is across the force stays, along it stands the constraint, scaled to its stiffness
 // there.
-void Exchange::replace(Node& node) {
+void ContactCondensation::replace(Node& node) {
     double* rows[largest_node];
     for (int i = 0; i < node.n; ++i) {
         rows[i] = values_.data() + left_.row[kept_[node.equation[i]]];
@@ -141,7 +141,7 @@ void Exchange::replace(Node& node) {
                                        node.along[k]);
 }
 
-bool Exchange::eliminate(const double* values) {
+bool ContactCondensation::eliminate(const double* values) {
     const Csr& f = *full_;
     full_values_ = values, rough_ = false, singular_ = -1;
     for (Node& node : nodes_) {
@@ -171,13 +171,13 @@ bool Exchange::eliminate(const double* values) {
     return true;
 }
 
-double Exchange::along(const Node& node, const double* r) const {
+double ContactCondensation::along(const Node& node, const double* r) const {
     double sum = 0;
     for (int i = 0; i < node.n; ++i) sum += node.b[i] * r[full_->unknown[node.equation[i]]] / node.squared;
     return sum;
 }
 
-void Exchange::condense(std::vector<double>& r) const {
+void ContactCondensation::condense(std::vector<double>& r) const {
     const Csr& f = *full_;
     for (const Node& node : nodes_) {
         if (node.squared == 0) continue;
@@ -189,7 +189,7 @@ void Exchange::condense(std::vector<double>& r) const {
     }
 }
 
-void Exchange::recover(const double* r, double* d) const {
+void ContactCondensation::recover(const double* r, double* d) const {
     const Csr& f = *full_;
     for (const Node& node : nodes_) {
         double& multiplier = d[f.unknown[node.multiplier]];
@@ -203,7 +203,7 @@ void Exchange::recover(const double* r, double* d) const {
     }
 }
 
-void Exchange::add_product(const double* d, double* r) const {
+void ContactCondensation::add_product(const double* d, double* r) const {
     const Csr& f = *full_;
     for (int i = 0; i < f.n; ++i) {
         double sum = 0;
@@ -212,7 +212,7 @@ void Exchange::add_product(const double* d, double* r) const {
     }
 }
 
-double Exchange::size(const double* d) const {
+double ContactCondensation::size(const double* d) const {
     double largest = 0;
     for (int i = 0; i < full_->n; ++i)
         if (!gone_[i]) largest = std::max(largest, std::abs(d[full_->unknown[i]]));
@@ -221,9 +221,9 @@ double Exchange::size(const double* d) const {
 
 namespace {
 
-class Exchanged : public Reduced<Exchange> {
+class Exchanged : public Reduced<ContactCondensation> {
   public:
-    Exchanged(std::shared_ptr<Exchange> exchange, std::unique_ptr<LinearSolver> solver)
+    Exchanged(std::shared_ptr<ContactCondensation> exchange, std::unique_ptr<LinearSolver> solver)
         : Reduced(exchange, std::move(solver)), exchange_(std::move(exchange)) {}
 
     bool solve(const double* r, const Place& place, double* d) override {
@@ -260,14 +260,14 @@ class Exchanged : public Reduced<Exchange> {
         return !refused_;
     }
 
-    std::shared_ptr<Exchange> exchange_;
+    std::shared_ptr<ContactCondensation> exchange_;
     std::vector<double> rest_, more_;
     bool refused_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<Exchange> exchange,
+std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<ContactCondensation> exchange,
                                              std::unique_ptr<LinearSolver> solver) {
     return std::make_unique<Exchanged>(std::move(exchange), std::move(solver));
 }
