@@ -15,6 +15,7 @@ namespace visviva {
 
 void System::set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint) {
     rate_solver_ = std::move(solver);
+    rate_rigid_ = rate_solver_->capabilities().rigid;
     constraint_ = std::move(constraint);
     rate_revision_ = -1;
 }
@@ -59,7 +60,7 @@ void System::evaluate_lasting(const Context& c) {
 // With entries of unknowns that take no part.
 void System::evaluate_rate_matrix(const Context& c) {
     clear_values();
-    const bool inner = rate_solver_->keeps_rigidity();
+    const bool inner = rate_rigid_ != nullptr;
     for (const bool first : {true, false})
         for (const auto& term : terms_) {
             if (!term->is_lasting() || term->is_first() != first) continue;
@@ -178,11 +179,12 @@ bool System::project_rates(const Context& c) {
     rate_values_.resize(values_.size()), values_.swap(rate_values_);
     evaluate_rate_matrix(instant);
     evaluate_rate_residual(impulse, change);
-    if (solver_->n_redundant() > 0) rate_solver_->find_redundant(true);
+    if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
     const Place end = place(step);
     rate_solver_->forget();  // a restart has not seen the values of earlier steps
-    const bool solved =
-        rate_solver_->factor(values_.data(), end) && rate_solver_->solve_rates(r_.data(), end, d_.data());
+    const bool solved = rate_solver_->factor(values_.data(), end) &&
+                        (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
+                                     : rate_solver_->solve(r_.data(), end, d_.data(), 0));
     values_.swap(rate_values_);
     x1_ = x1;
     if (!solved) return false;

@@ -6,7 +6,8 @@ namespace visviva {
 std::vector<double> System::memory() const {
     std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
-    const std::vector<double> solver = solver_->state();
+    const SolverSequence* sequence = solver_->capabilities().sequence;
+    const std::vector<double> solver = sequence ? sequence->state() : std::vector<double>();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
     m.push_back(static_cast<double>(mean_.size()));
@@ -30,7 +31,8 @@ void System::remember(const std::vector<double>& memory) {
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
-    std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
+    SolverSequence* sequence = solver_->capabilities().sequence;
+    std::vector<double> solver(m + 4, m + 4 + (sequence ? sequence->state().size() : 0));
     m = predictor_.read(m + 4 + solver.size());
     const auto n_mean = static_cast<std::size_t>(*m++);
     mean_.assign(m, m + n_mean), m += n_mean;
@@ -38,7 +40,7 @@ void System::remember(const std::vector<double>& memory) {
     for (const auto& term : terms_)
         if (term->read_memory(m)) changed = true;
     if (changed) rewire();
-    solver_->set_state(solver);
+    if (sequence) sequence->set_state(solver);
     solver_->forget();
     amended_ = false;
     if (!stale) {
@@ -62,7 +64,7 @@ void System::remember(const std::vector<double>& memory) {
         const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
         refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()}, signals}, s);
         x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
-        solver_->set_state(solver);  // making the factorisation again has counted
+        if (sequence) sequence->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;
     }
     stale_begin_ = true;

@@ -73,32 +73,17 @@ void System::finalize() {
             zeros_.emplace_back(rows.begin, rows.end);
         }
     hold(pattern);
-    reduce();
+    const Csr* left = &csr_;
+    for (const auto& reduction : reductions_) {
+        reduction->analyze(*left, fixed_, node_);
+        left = &reduction->left();
+    }
 }
 
 // Rows that the first terms do not set to zero themselves
 void System::clear_values() {
     for (const auto& [begin, end] : zeros_) std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
     values_.back() = 0;
-}
-
-// The solver may know the old one.
-template <class T>
-static void renew(std::shared_ptr<T>& kept, T&& value) {
-    if (kept)
-        *kept = std::move(value);
-    else
-        kept = std::make_shared<T>(std::move(value));
-}
-
-// What leaves the equations before they are solved.
-void System::reduce() {
-    const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
-    if (local) renew(condensation_, ElementCondensation(csr_, element_));
-    if (!dependences_.empty())
-        renew(elimination_, SlaveElimination(condensed(), dependences_, fixed_, node_));
-    if (!nodal_multipliers_.empty())
-        renew(exchange_, ContactCondensation(eliminated(), nodal_multipliers_, fixed_));
 }
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
@@ -144,7 +129,7 @@ void System::prepare_predictor() {
     std::vector<char> apart = fixed_;
     for (const RigidUnknowns& body : blocks_.rigid) {
         for (int k = 3; k < 12; ++k) apart[body.q[k]] = 1;
-        for (int k = 0; solver_->keeps_rigidity() && k < 6; ++k) apart[body.multiplier[k]] = 1;
+        for (int k = 0; rigid_ && k < 6; ++k) apart[body.multiplier[k]] = 1;
     }
     std::vector<int> coordinates, multipliers;
     std::vector<double> weight;
@@ -271,7 +256,7 @@ int System::worst_constraint() const {
 }
 
 bool System::refactor(const Context& c, const Step& step, bool has_first_tangents) {
-    evaluate_tangent(c, solver_->keeps_rigidity(), has_first_tangents);
+    evaluate_tangent(c, rigid_ != nullptr, has_first_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
@@ -398,7 +383,7 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
 Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report = solve(step, signals, options);
     if (report.converged && !finish(step, signals, true))
-        return failed(std::move(report), no_rates, rate_solver_->singular_unknown());
+        return failed(std::move(report), no_rates, rate_solver_->report().singular_unknown);
     return report;
 }
 
@@ -468,13 +453,13 @@ void System::take_stock(const Step& step, const Signals& signals, bool moves) {
 }
 
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {
-    solver_->find_redundant(on);
+    if (rigid_) rigid_->find_redundant(on);
     stale_factor_ = true;
     if (!on) return 0;
     std::vector<double> residual(n_);
     assemble(step, signals, residual.data(), nullptr);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
+    return refactor({step, vectors, signals}, step) ? solver_->report().n_redundant : -1;
 }
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "visviva/linear/linear.hpp"
-#include "visviva/linear/reduce/contact_condensation.hpp"
-#include "visviva/linear/reduce/element_condensation.hpp"
-#include "visviva/linear/reduce/slave_elimination.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 #include "visviva/system/predictor.hpp"
 #include "visviva/term/term.hpp"
 
@@ -49,12 +47,8 @@ class System {
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
-    // element[unknown]: the only element that touches the unknown, or -1; see ElementCondensation.
-    void set_local(std::vector<int> element) { element_ = std::move(element); }
-    // Unknowns that linear constraints give by others; see SlaveElimination.
-    void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
-    // Multipliers that leave the equations by the forces on nodes of their own; see ContactCondensation.
-    void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
+    // What leaves the equations before they are solved, in this order.
+    void add_reduction(std::shared_ptr<Reduction> reduction) { reductions_.push_back(std::move(reduction)); }
     // island[unknown], and of accounts of constraints: what joints hold together, so that an impact goes
     // through all of it.
     void set_islands(std::vector<int> island, std::vector<int> account, std::vector<int> island_of_account) {
@@ -70,7 +64,9 @@ class System {
     // constraints.
     void set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint);
     bool projects_rates() const;
-    void allow_last_resort(bool on) { solver_->allow_last_resort(on); }
+    void allow_last_resort(bool on) {
+        if (auto* sequence = solver_->capabilities().sequence) sequence->allow_last_resort(on);
+    }
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
@@ -129,8 +125,8 @@ class System {
     // Whether terms are on another branch than that tangent, or the pattern is another one, by the residual
     // evaluated last.
     bool outdated() const { return revision_ != factored_revision_ || branched(); }
-    // False if the linear solver failed; its message says why. `enough`: see LinearSolver::aim.
-    bool linear_solve(const Step& step, const double* residual, double* d, double enough = 0);
+    // False if the linear solver failed; its message says why. `tolerance`: see LinearSolver.
+    bool linear_solve(const Step& step, const double* residual, double* d, double tolerance);
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
@@ -145,9 +141,8 @@ class System {
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
-    const Csr& solved() const { return exchange_ ? exchange_->left() : eliminated(); }
-    int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
-    int n_exchanged() const { return exchange_ ? exchange_->n() : 0; }
+    const Csr& solved() const { return reductions_.empty() ? csr_ : reductions_.back()->left(); }
+    const std::vector<std::shared_ptr<Reduction>>& reductions() const { return reductions_; }
     int revision() const { return revision_; }     // of the pattern
     double rewiring() const { return rewiring_; }  // CPU seconds for new ones
     const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
@@ -158,14 +153,11 @@ class System {
     LedgerSums sums;  // of the last accepted step
 
   private:
-    const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
-    const Csr& eliminated() const { return elimination_ ? elimination_->left() : condensed(); }
     void forget() {
         stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
         predictor_.forget();
         mean_.clear();
     }
-    void reduce();
     void hold(const Pattern&);
     void rewire();
     void prepare_predictor();
@@ -233,13 +225,9 @@ class System {
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero
-    std::vector<int> element_;
-    std::shared_ptr<ElementCondensation> condensation_;  // null where no unknown is local
-    std::vector<Dependence> dependences_;
-    std::shared_ptr<SlaveElimination> elimination_;  // null where there are none
-    std::vector<NodalMultiplier> nodal_multipliers_;
-    std::shared_ptr<ContactCondensation> exchange_;       // the same
-    std::unique_ptr<LinearSolver> solver_, rate_solver_;  // null where rates cannot be projected here
+    std::vector<std::shared_ptr<Reduction>> reductions_;
+    std::unique_ptr<LinearSolver> solver_, rate_solver_;    // null where rates cannot be projected here
+    RigidSolver *rigid_ = nullptr, *rate_rigid_ = nullptr;  // of these, if they keep bodies rigid
     std::vector<char> constraint_;
     std::vector<std::int64_t> rate_zero_, rate_one_;
     int rate_revision_ = -1;

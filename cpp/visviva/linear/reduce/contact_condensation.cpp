@@ -3,22 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
-#include "visviva/linear/reduce/reduction.hpp"
-
 namespace visviva {
 
-ContactCondensation::ContactCondensation(const Csr& full, const std::vector<NodalMultiplier>& listed,
-                                         const std::vector<char>& fixed)
-    : full_(&full), owner_(full.n, -1), gone_(full.n, 0) {
-    choose(listed, fixed);
-    kept_ = number_left(full, gone_, left_);
+ContactCondensation::ContactCondensation(std::vector<NodalMultiplier> multipliers)
+    : Reduction(", pressures condensed", "a contact pressure has no force on its own node"),
+      multipliers_(std::move(multipliers)) {}
+
+void ContactCondensation::analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>&) {
+    *this = ContactCondensation(std::move(multipliers_));  // nothing of an earlier pattern stays
+    full_ = &full, owner_.assign(full.n, -1), gone_.assign(full.n, 0);
+    choose(fixed);
+    number_left(full, gone_);
     find_forces();
     find_pattern();
 }
 
-void ContactCondensation::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
+void ContactCondensation::choose(const std::vector<char>& fixed) {
     const Csr& f = *full_;
-    for (const NodalMultiplier& m : listed) {
+    for (const NodalMultiplier& m : multipliers_) {
         Node node{};
         node.multiplier = f.equation[m.multiplier], node.n = m.size;
         bool fits = node.multiplier >= 0;
@@ -141,11 +143,11 @@ void ContactCondensation::replace(Node& node) {
                                        node.along[k]);
 }
 
-bool ContactCondensation::eliminate(const double* values) {
+bool ContactCondensation::reduce(const double* values) {
     const Csr& f = *full_;
-    full_values_ = values, rough_ = false, singular_ = -1;
+    full_values_ = values, rough_ = false, message_.clear();
     for (Node& node : nodes_) {
-        if (!read(node)) return singular_ = f.unknown[node.multiplier], false;
+        if (!read(node)) return fail_at(f.unknown[node.multiplier]);
         replace(node);
     }
     for (int i = 0; i < f.n; ++i) {
@@ -177,7 +179,7 @@ double ContactCondensation::along(const Node& node, const double* r) const {
     return sum;
 }
 
-void ContactCondensation::condense(std::vector<double>& r) const {
+void ContactCondensation::condense(std::vector<double>& r) {
     const Csr& f = *full_;
     for (const Node& node : nodes_) {
         if (node.squared == 0) continue;
@@ -219,57 +221,36 @@ double ContactCondensation::size(const double* d) const {
     return largest;
 }
 
-namespace {
+bool ContactCondensation::solve(const double* r, const Place& place, double* d, LinearSolver& rest,
+                                double tolerance) {
+    message_.clear();
+    return Reduction::solve(r, place, d, rest, tolerance) && (!rough_ || refine(r, place, d, rest));
+}
 
-class Exchanged : public Reduced<ContactCondensation> {
-  public:
-    Exchanged(std::shared_ptr<ContactCondensation> exchange, std::unique_ptr<LinearSolver> solver)
-        : Reduced(exchange, std::move(solver)), exchange_(std::move(exchange)) {}
-
-    bool solve(const double* r, const Place& place, double* d) override {
-        refused_ = false;
-        return Reduced::solve(r, place, d) && (!exchange_->is_rough() || refine(r, place, d));
+// Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
+bool ContactCondensation::refine(const double* r, const Place& place, double* d, LinearSolver& rest) {
+    constexpr int most = 30;
+    constexpr double rounding = 1e-15, good = 1e-9;
+    const double whole = size(d);
+    double before = whole;
+    for (int k = 0; k < most && rest.report().n_iterations == 0; ++k) {
+        residual_.assign(r, r + full_->equation.size());
+        more_.assign(residual_.size(), 0.0);
+        add_product(d, residual_.data());
+        if (!Reduction::solve(residual_.data(), place, more_.data(), rest, 0)) return false;
+        const double now = size(more_.data());
+        if (now < before)
+            for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
+        if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
+        if (!(now < before)) break;
+        before = now;
     }
-    std::string message() const override {
-        return refused_ ? "condensed pressures press too much on each other's nodes; keep them among the "
-                          "equations, "
-                          "Contact(condensed=False)"
-                        : Reduced::message();
-    }
-
-  private:
-    // Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
-    bool refine(const double* r, const Place& place, double* d) {
-        constexpr int most = 30;
-        constexpr double rounding = 1e-15, good = 1e-9;
-        const double whole = exchange_->size(d);
-        double before = whole;
-        for (int k = 0; k < most && n_iterations() == 0; ++k) {
-            rest_.assign(r, r + exchange_->n_unknowns());
-            more_.assign(exchange_->n_unknowns(), 0.0);
-            exchange_->add_product(d, rest_.data());
-            if (!Reduced::solve(rest_.data(), place, more_.data())) return false;
-            const double now = exchange_->size(more_.data());
-            if (now < before)
-                for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
-            if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
-            if (!(now < before)) break;
-            before = now;
-        }
-        refused_ = n_iterations() == 0;
-        return !refused_;
-    }
-
-    std::shared_ptr<ContactCondensation> exchange_;
-    std::vector<double> rest_, more_;
-    bool refused_ = false;
-};
-
-}  // namespace
-
-std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<ContactCondensation> exchange,
-                                             std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Exchanged>(std::move(exchange), std::move(solver));
+    if (rest.report().n_iterations > 0) return true;
+    message_ =
+        "condensed pressures press too much on each other's nodes; keep them among the equations, "
+        "Contact(condensed=False)";
+    singular_unknown_ = -1;
+    return false;
 }
 
 }  // namespace visviva

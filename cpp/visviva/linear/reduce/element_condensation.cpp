@@ -3,8 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "visviva/linear/reduce/reduction.hpp"
-
 namespace visviva {
 
 namespace {
@@ -13,12 +11,18 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 }  // namespace
 
-ElementCondensation::ElementCondensation(const Csr& full, const std::vector<int>& element)
-    : full_(&full), local_(full.n) {
-    for (int i = 0; i < full.n; ++i) local_[i] = element[full.unknown[i]] >= 0;
-    kept_ = number_left(full, local_, left_);
+ElementCondensation::ElementCondensation(std::vector<int> element)
+    : Reduction(", unknowns of elements condensed",
+                "an element does not resist its own enhanced strains or pressures"),
+      element_(std::move(element)) {}
+
+void ElementCondensation::analyze(const Csr& full, const std::vector<char>&, const std::vector<int>&) {
+    *this = ElementCondensation(std::move(element_));  // nothing of an earlier pattern stays
+    local_.resize(full.n);
+    for (int i = 0; i < full.n; ++i) local_[i] = element_[full.unknown[i]] >= 0;
+    number_left(full, local_);
     find_pattern();
-    describe(element);
+    describe_all();
 }
 
 // The pattern without rows and columns of local unknowns: elements couple all they touch, so nothing is
@@ -35,11 +39,11 @@ void ElementCondensation::find_pattern() {
     values_.resize(left_.col.size());
 }
 
-void ElementCondensation::describe(const std::vector<int>& element) {
-    const int n = static_cast<int>(element.size());
+void ElementCondensation::describe_all() {
+    const int n = static_cast<int>(element_.size());
     for (int u = 0, end = 0; u < n; u = end) {
-        for (end = u + 1; end < n && element[end] == element[u];) ++end;
-        if (element[u] < 0) continue;
+        for (end = u + 1; end < n && element_[end] == element_[u];) ++end;
+        if (element_[u] < 0) continue;
         elements_.push_back(
             {u, end - u, 0, 0, outer_.size(), place_.size(), inverse_.size(), follow_.size()});
         describe(elements_.back());
@@ -84,11 +88,11 @@ void ElementCondensation::copy(const double* values) {
             if (!local_[f.col[k]]) *to++ = values[k];
 }
 
-bool ElementCondensation::eliminate(const double* values) {
+bool ElementCondensation::reduce(const double* values) {
     copy(values);
-    singular_ = -1;
+    message_.clear();
     for (const Element& e : elements_) {
-        if (!eliminate(e, values)) return singular_ = e.unknown, false;
+        if (!eliminate(e, values)) return fail_at(e.unknown);
         subtract(e);
     }
     return true;
@@ -131,7 +135,7 @@ void ElementCondensation::subtract(const Element& e) {
     }
 }
 
-void ElementCondensation::condense(std::vector<double>& r) const {
+void ElementCondensation::condense(std::vector<double>& r) {
     std::vector<double> y;
     for (const Element& e : elements_) {
         y.assign(e.n, 0.0);
@@ -153,11 +157,6 @@ void ElementCondensation::recover(const double* r, double* d) const {
             for (int j = 0; j < e.n_outer; ++j) sum += x[j] * d[full_->unknown[outer_[e.outer + j]]];
             d[e.unknown + a] = -sum;
         }
-}
-
-std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<ElementCondensation> condensation,
-                                             std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Reduced<ElementCondensation>>(std::move(condensation), std::move(solver));
 }
 
 }  // namespace visviva

@@ -1,70 +1,61 @@
-// A linear solver around another one: some equations leave before the others are solved.
+// Equations that leave before the others are solved, and whose unknowns come back from those of the others.
 #pragma once
 #include "visviva/linear/linear.hpp"
 
 namespace visviva {
 
-/// Numbers the equations of `full` that are not gone as those of `left`, whose pattern is still to be found.
-/// By equation of `full`: its equation there, or -1.
-std::vector<int> number_left(const Csr& full, const std::vector<char>& gone, Csr& left);
+class Reduction {
+  public:
+    /// name: what it does, for the description of the solver; singular: why it may fail.
+    Reduction(const char* name, const char* singular) : name_(name), singular_(singular) {}
+    virtual ~Reduction() = default;
+    /// Finds out what leaves the equations of a pattern, which stays where it is; anew for every other one.
+    /// By unknown: whether it is fixed, and the first unknown of its node, see Pattern.
+    virtual void analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>& node) = 0;
+    /// Makes the values of what is left from those of the full pattern, which stay where they are until the
+    /// last solution with them. False: it cannot, see `message` and `singular_unknown`.
+    virtual bool reduce(const double* values) = 0;
+    /// r by unknown becomes the residual of what is left; `recover` completes its solution d of K d = -r.
+    virtual void condense(std::vector<double>& r) = 0;
+    virtual void recover(const double* r, double* d) const = 0;
+    /// d of K d = -r, where `rest` solves what is left.
+    virtual bool solve(const double* r, const Place& place, double* d, LinearSolver& rest, double tolerance);
+
+    /// The pattern of what is left, in which unknowns that have left have no equation, and its values.
+    const Csr& left() const { return left_; }
+    const std::vector<double>& values() const { return values_; }
+    /// Equation of the full pattern -> equation of what is left, or -1.
+    const std::vector<int>& kept() const { return kept_; }
+    const char* name() const { return name_; }
+    /// Why it failed; empty if it did not.
+    const std::string& message() const { return message_; }
+    int singular_unknown() const { return singular_unknown_; }
+
+  protected:
+    void number_left(const Csr& full, const std::vector<char>& gone);
+    /// Fails at an unknown.
+    bool fail_at(int unknown) {
+        message_ = singular_, singular_unknown_ = unknown;
+        return false;
+    }
+
+    const Csr* full_ = nullptr;
+    Csr left_;
+    std::vector<int> kept_;
+    std::vector<double> values_;
+    std::string message_;
+    int singular_unknown_ = -1;
+
+  private:
+    const char *name_, *singular_;
+    std::vector<double> right_;
+};
 
 /// Place of an entry among the values of a matrix; -1 where it has none.
 std::int64_t place_of(const Csr& csr, int row, int col);
 
-/// Blocks of what is left, with the numbers of `number_left`.
-Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left);
-
-/// What takes equations out: see ElementCondensation and SlaveElimination.
-template <class Reduction>
-class Reduced : public LinearSolver {
-  public:
-    Reduced(std::shared_ptr<Reduction> reduction, std::unique_ptr<LinearSolver> solver)
-        : reduction_(std::move(reduction)), solver_(std::move(solver)) {}
-
-    void analyze(const Csr&, const Blocks& blocks) override {
-        blocks_ = left_blocks(blocks, reduction_->kept(), reduction_->left().n);
-        solver_->analyze(reduction_->left(), blocks_);
-    }
-    bool factor(const double* values, const Place& place) override {
-        regular_ = reduction_->eliminate(values);
-        return regular_ && solver_->factor(reduction_->values().data(), place);
-    }
-    bool solve(const double* r, const Place& place, double* d) override {
-        right_.assign(r, r + reduction_->n_unknowns());
-        right_.push_back(0.0);  // element slots of nothing may point there
-        reduction_->condense(right_);
-        if (!solver_->solve(right_.data(), place, d)) return false;
-        reduction_->recover(r, d);
-        return true;
-    }
-
-    void project(const double* x0, double* dx) override { solver_->project(x0, dx); }
-    void balance(const double* r, const Place& place, double* dx, double* x1) override {
-        solver_->balance(r, place, dx, x1);
-    }
-    std::string message() const override { return regular_ ? solver_->message() : Reduction::singular; }
-    int n_iterations() const override { return solver_->n_iterations(); }
-    int n_negative() const override { return solver_->n_negative(); }  // of what is left
-    double memory() const override { return solver_->memory(); }
-    void aim(double residual) override { solver_->aim(residual); }
-    void forget() override { solver_->forget(); }
-    void allow_last_resort(bool on) override { solver_->allow_last_resort(on); }
-    std::vector<double> state() const override { return solver_->state(); }
-    void set_state(const std::vector<double>& s) override { solver_->set_state(s); }
-    int singular_unknown() const override {
-        return regular_ ? solver_->singular_unknown() : reduction_->singular_unknown();
-    }
-    void find_redundant(bool on) override { solver_->find_redundant(on); }
-    int n_redundant() const override { return solver_->n_redundant(); }
-    bool keeps_rigidity() const override { return solver_->keeps_rigidity(); }
-    std::string name() const override { return solver_->name() + Reduction::name; }
-
-  private:
-    std::shared_ptr<Reduction> reduction_;
-    std::unique_ptr<LinearSolver> solver_;
-    Blocks blocks_;
-    std::vector<double> right_;
-    bool regular_ = true;
-};
+/// A solver of equations of which some leave before `rest` solves the others. The reduction has to be
+/// analysed before the solver is.
+std::unique_ptr<LinearSolver> make_reduced(std::shared_ptr<Reduction>, std::unique_ptr<LinearSolver> rest);
 
 }  // namespace visviva

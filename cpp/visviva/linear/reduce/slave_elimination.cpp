@@ -2,29 +2,31 @@
 
 #include <algorithm>
 
-#include "visviva/linear/reduce/reduction.hpp"
-
 namespace visviva {
 
-SlaveElimination::SlaveElimination(const Csr& full, const std::vector<Dependence>& dependences,
-                                   const std::vector<char>& fixed, const std::vector<int>& node)
-    : full_(&full), own_(full.n, 0.0) {
-    choose(dependences, fixed, node);
+SlaveElimination::SlaveElimination(std::vector<Dependence> dependences)
+    : Reduction(", tied nodes eliminated", ""), dependences_(std::move(dependences)) {}
+
+void SlaveElimination::analyze(const Csr& full, const std::vector<char>& fixed,
+                               const std::vector<int>& node) {
+    *this = SlaveElimination(std::move(dependences_));  // nothing of an earlier pattern stays
+    full_ = &full, own_.assign(full.n, 0.0);
+    choose(fixed, node);
     std::vector<char> gone(full.n, 0);
     for (const Given& g : given_) gone[g.equation] = gone[g.multiplier] = 1;
-    kept_ = number_left(full, gone, left_);
+    number_left(full, gone);
     expand();
     find_pattern();
 }
 
-void SlaveElimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
-                              const std::vector<int>& node) {
+// Patterns couple nodes, whether their entries vanish or not.
+void SlaveElimination::choose(const std::vector<char>& fixed, const std::vector<int>& node) {
     enum : char { none, depends, supports };
     const Csr& f = *full_;
     std::vector<char> listed(fixed.size(), 0);
-    for (const Dependence& d : dependences) listed[d.unknown] = 1;
+    for (const Dependence& d : dependences_) listed[d.unknown] = 1;
     std::vector<char> role(f.n, none);
-    for (const Dependence& d : dependences) {
+    for (const Dependence& d : dependences_) {
         if (fixed[d.unknown]) continue;
         const int unknown = f.equation[d.unknown], multiplier = f.equation[d.multiplier];
         if (unknown < 0 || role[unknown] != none) continue;
@@ -131,7 +133,7 @@ void SlaveElimination::multiply(Row& row) {
         for (const Part& p : parts_[f.col[e]]) row.value[place_[p.equation]] += moves(p) * full_values_[e];
 }
 
-bool SlaveElimination::eliminate(const double* values) {
+bool SlaveElimination::reduce(const double* values) {
     const Csr& f = *full_;
     full_values_ = values;
     read_factors();
@@ -187,11 +189,6 @@ void SlaveElimination::recover(const double* r, double* d) const {
         lambda[k] = -sum / full_values_[given_[k].col];
     }
     for (std::size_t k = 0; k < given_.size(); ++k) d[f.unknown[given_[k].multiplier]] = lambda[k];
-}
-
-std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<SlaveElimination> elimination,
-                                              std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Reduced<SlaveElimination>>(std::move(elimination), std::move(solver));
 }
 
 }  // namespace visviva
