@@ -53,6 +53,7 @@ void ContactTerm::segments(F f) {
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
     : gaps_(std::move(gaps)), options_(std::move(options)), reach_(reach) {
+    is_lasting = false;
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&active_, &active_at_tangent_, &slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
@@ -90,7 +91,7 @@ int ContactTerm::beyond(const double* X, double margin) const {
 }
 
 // Looks a few steps ahead, so that the tangent's pattern lasts.
-bool ContactTerm::search(const Way& way) {
+bool ContactTerm::find_neighbours(const Way& way) {
     constexpr double steps_ahead = 4;
     const Stopwatch watch(costs_.search);
     changes_ = -1;
@@ -206,11 +207,11 @@ bool ContactTerm::read_memory(const double*& m) {
     return changed;
 }
 
-void ContactTerm::hold() {
+void ContactTerm::keep_evaluation() {
     held_ = {S_, gap1_, area1_, forces_, friction_forces_, active_, slips_, grips_, traction_};
 }
 
-void ContactTerm::release() {
+void ContactTerm::restore_evaluation() {
     S_ = held_.S, gap1_ = held_.gap1, area1_ = held_.area1;
     forces_ = held_.forces, friction_forces_ = held_.friction_forces;
     active_ = held_.active, slips_ = held_.slips, grips_ = held_.grips, traction_ = held_.traction;
@@ -604,7 +605,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
 }
 
 // Where the active set alone has changed in a time step, only rows and columns of multipliers have.
-bool ContactTerm::amend(const Context& c, double* values) {
+bool ContactTerm::update_tangent(const Context& c, double* values) {
     if (!has_multipliers() || has_friction() || c.step.is_static()) return false;
     const Stopwatch watch(costs_.forces);
     active_at_tangent_ = active_;

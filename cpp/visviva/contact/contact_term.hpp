@@ -41,20 +41,18 @@ struct ContactCosts {
     double search = 0, segments = 0, forces = 0;
 };
 
-class ContactTerm : public Term {
+class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
   public:
     ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach);
 
-    void pattern(std::vector<std::pair<int, int>>&) const override {}
-    void set_positions(const std::int64_t*) override {}
-    std::int64_t n_entries() const override { return 0; }
+    TermCapabilities capabilities() override { return {nullptr, this, this}; }
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
-    bool search(const Way&) override;
-    bool outdated() const override {
+    bool find_neighbours(const Way&) override;
+    bool is_outdated() const override {
         return unsettled_ || active_ != active_at_tangent_ || slips_ != slips_at_tangent_;
     }
-    bool amend(const Context&, double* values) override;
+    bool update_tangent(const Context&, double* values) override;
     void begin(const double* x0) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
@@ -63,9 +61,8 @@ class ContactTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
-    void hold() override;
-    void release() override;
-    bool is_lasting() const override { return false; }
+    void keep_evaluation() override;
+    void restore_evaluation() override;
     double resolution() const override { return gaps_->resolution(); }
 
     // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
@@ -118,9 +115,7 @@ class ContactTerm : public Term {
     // Rigid bodies are pushed out of each other in the first step: what impacts leave later is not.
     bool pushes_out() const { return options_.presses_out && !pushed_out_; }
     // Whether gaps close freely, and are held from then on.
-    bool holds(const Context& c) const {
-        return (options_.conserving || rebounds()) && !c.step.is_static();
-    }
+    bool holds(const Context& c) const { return (options_.conserving || rebounds()) && !c.step.is_static(); }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     bool read_search(const double*& memory);

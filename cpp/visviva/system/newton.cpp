@@ -50,7 +50,7 @@ void System::start(const Step& step) {
     if (rigid_) rigid_->project(x.data(), dx.data());
     look(step.theta, step.h);
     if (stale_begin_)
-        for (const auto& term : terms_) term->begin(x.data());
+        for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
 }
 
@@ -76,7 +76,7 @@ Report System::failed(Report report, const std::string& reason, int unknown) {
 }
 
 Report System::succeeded(Report report, const Context& context, bool renewed) {
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (const Refusal no = term->refuse(context); !no.reason.empty())
             return failed(std::move(report), no.reason, no.unknown);
     report.converged = true;
@@ -107,7 +107,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
     double resolution = 0;
-    for (const auto& term : terms_) resolution = std::max(resolution, term->resolution());
+    for (const auto& [term, can] : terms_)
+        if (can.search) resolution = std::max(resolution, can.search->resolution());
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
         evaluate_residual(context, !rigid_, fused);

@@ -53,20 +53,17 @@ Step instant_after(const Step& step) {
 // What acts for a moment, as contact does, has no part in the rates, and keeps its branch.
 void System::evaluate_lasting(const Context& c) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& term : terms_)
-        if (term->is_lasting()) term->residual(c, r_.data());
+    for (const auto& [term, can] : terms_)
+        if (term->is_lasting) term->residual(c, r_.data());
 }
 
 // With entries of unknowns that take no part.
 void System::evaluate_rate_matrix(const Context& c) {
     clear_values();
-    const bool inner = rate_rigid_ != nullptr;
-    for (const bool first : {true, false})
-        for (const auto& term : terms_) {
-            if (!term->is_lasting() || term->is_first() != first) continue;
-            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
-                                       : term->tangent(c, values_.data());
-        }
+    const Context seen{c.step, c.vectors, c.signals, c.backwards, rate_rigid_ != nullptr};
+    for (const bool on_meshes : {true, false})
+        for (const auto& [term, can] : terms_)
+            if (term->is_lasting && (can.mesh != nullptr) == on_meshes) term->tangent(seen, values_.data());
     for (auto k : rate_zero_) values_[k] = 0;
     for (auto k : rate_one_) values_[k] = 1;
 }
@@ -76,8 +73,8 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
     Step moved = c.step;
     moved.t0 += later, moved.t1 += later, moved.te += later;
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& term : terms_)
-        if (term->sees_clock()) term->residual({moved, c.vectors, c.signals}, r_.data());
+    for (const auto& [term, can] : terms_)
+        if (term->sees_clock) term->residual({moved, c.vectors, c.signals}, r_.data());
     for (int u = 0; u < n_; ++u) d[u] += factor * r_[u];
 }
 
@@ -86,7 +83,7 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 void System::drift(const Context& c, double h, std::vector<double>& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
-    if (std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->sees_clock(); })) {
+    if (std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->sees_clock; })) {
         const double apart = part * h;
         for (const double way : {1.0, -1.0}) {
             add_later(c, way * apart, 8 * way / (12 * apart), d);

@@ -12,7 +12,8 @@ std::vector<double> System::memory() const {
     predictor_.write(m);
     m.push_back(static_cast<double>(mean_.size()));
     m.insert(m.end(), mean_.begin(), mean_.end());
-    for (const auto& term : terms_) term->write_memory(m);
+    for (const auto& [term, can] : terms_)
+        if (can.memory) can.memory->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
@@ -37,8 +38,8 @@ void System::remember(const std::vector<double>& memory) {
     const auto n_mean = static_cast<std::size_t>(*m++);
     mean_.assign(m, m + n_mean), m += n_mean;
     bool changed = false;
-    for (const auto& term : terms_)
-        if (term->read_memory(m)) changed = true;
+    for (const auto& [term, can] : terms_)
+        if (can.memory && can.memory->read_memory(m)) changed = true;
     if (changed) rewire();
     if (sequence) sequence->set_state(solver);
     solver_->forget();
@@ -57,7 +58,7 @@ void System::remember(const std::vector<double>& memory) {
             std::copy(m, m + u->size(), u->begin());
             m += u->size();
         }
-        for (const auto& term : terms_) term->begin(x.data());
+        for (const auto& [term, can] : terms_) term->begin(x.data());
         set_base_rates(s);
         update_vectors(s);
         const std::size_t k = n_signals_;

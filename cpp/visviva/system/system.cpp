@@ -36,7 +36,8 @@ void System::set_accounts(int n_accounts, int n_components) {
 }
 
 void System::finalize() {
-    wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
+    needs_rates_ =
+        std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->needs_rates; });
     constraint_weight_.assign(n_, 0.0);
     if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
@@ -45,27 +46,14 @@ void System::finalize() {
         std::iota(node_.begin(), node_.end(), 0);
     }
     Pattern pattern(node_, fixed_);
-    std::vector<std::pair<int, int>> entries;
-    for (const auto& term : terms_) term->pattern(entries), term->couple(pattern);
-    for (const auto& [i, j] : entries) pattern.couple(i, j);
+    for (const auto& [term, can] : terms_) term->couple(pattern);
     pattern.finish(csr_);
     ++revision_;
-    const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
-    assign_with_room(values_, csr_.col.size() + 1, 0.0);
-    std::vector<std::int64_t> position(entries.size());
-    for (std::size_t k = 0; k < entries.size(); ++k) {
-        const auto p = pattern.position(entries[k].first, entries[k].second);
-        position[k] = p < 0 ? waste : p;
-    }
-    std::int64_t at = 0;
-    for (const auto& term : terms_) {
-        term->set_positions(position.data() + at);
-        at += term->n_entries();
-        term->connect(pattern);
-    }
+    assign_with_room(values_, csr_.col.size() + 1, 0.0);  // the last one is for entries of fixed unknowns
+    for (const auto& [term, can] : terms_) term->connect(pattern);
     std::vector<char> cleared(pattern.n_nodes(), 0);
-    for (const auto& term : terms_)
-        if (term->is_first()) term->clear_rows(pattern, cleared);
+    for (const auto& [term, can] : terms_)
+        if (can.mesh) can.mesh->clear_rows(pattern, cleared);
     zeros_.clear();
     for (int u : csr_.unknown)
         if (const auto rows = pattern.rows(u); !cleared[rows.node]) {
@@ -80,7 +68,7 @@ void System::finalize() {
     }
 }
 
-// Rows that the first terms do not set to zero themselves
+// Rows that terms on meshes do not set to zero themselves
 void System::clear_values() {
     for (const auto& [begin, end] : zeros_) std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
     values_.back() = 0;
@@ -115,8 +103,8 @@ bool System::look(double theta, double h) {
     const double* rate = mean_.empty() ? v.data() : mean_.data();
     vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
-    for (const auto& term : terms_)
-        if (term->search({x.data(), x1_.data(), rate, theta, h})) changed = true;
+    for (const auto& [term, can] : terms_)
+        if (can.search && can.search->find_neighbours({x.data(), x1_.data(), rate, theta, h})) changed = true;
     if (changed) rewire(), stale_begin_ = true;
     return changed;
 }
@@ -177,7 +165,7 @@ void System::update_rates(const Step& step) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
         const auto& t = s.order == 2 ? step.motion : step.transport;
-        if (wants_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
+        if (needs_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
         if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
     }
 }
@@ -190,26 +178,24 @@ double System::iterate(const Step& step) {
     return size;
 }
 
-void System::evaluate_residual(const Context& c, bool all, bool with_first_tangents) {
+void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_first_tangents) clear_values();
-    for (const auto& term : terms_)
-        if (with_first_tangents && term->is_first())
-            term->linearise(c, r_.data(), values_.data());
+    if (with_mesh_tangents) clear_values();
+    for (const auto& [term, can] : terms_)
+        if (with_mesh_tangents && can.mesh)
+            can.mesh->linearise(c, r_.data(), values_.data());
         else if (all || !term->is_rigidity)
             term->residual(c, r_.data());
 }
 
-void System::evaluate_tangent(const Context& c, bool inner, bool has_first_tangents) {
-    if (!has_first_tangents) {
+void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
+    if (!has_mesh_tangents) {
         clear_values();
-        for (const auto& term : terms_)
-            if (term->is_first()) term->tangent(c, values_.data());
+        for (const auto& [term, can] : terms_)
+            if (can.mesh) term->tangent(c, values_.data());
     }
-    for (const auto& term : terms_)
-        if (!term->is_first())
-            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
-                                       : term->tangent(c, values_.data());
+    for (const auto& [term, can] : terms_)
+        if (!can.mesh) term->tangent(c, values_.data());
 }
 
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative
@@ -255,8 +241,8 @@ int System::worst_constraint() const {
     return worst;
 }
 
-bool System::refactor(const Context& c, const Step& step, bool has_first_tangents) {
-    evaluate_tangent(c, rigid_ != nullptr, has_first_tangents);
+bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents) {
+    evaluate_tangent({c.step, c.vectors, c.signals, c.backwards, rigid_ != nullptr}, has_mesh_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
@@ -272,13 +258,15 @@ bool System::refactor(const Context& c, const Step& step, bool has_first_tangent
 }
 
 bool System::branched() const {
-    return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->outdated(); });
+    return std::any_of(terms_.begin(), terms_.end(),
+                       [](const Part& p) { return p.can.search && p.can.search->is_outdated(); });
 }
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.
 bool System::amend(const Context& c) {
-    for (const auto& term : terms_)
-        if (term->outdated() && !term->amend(c, values_.data())) return false;
+    for (const auto& [term, can] : terms_)
+        if (can.search && can.search->is_outdated() && !can.search->update_tangent(c, values_.data()))
+            return false;
     for (auto k : held_zero_) values_[k] = 0;
     amended_ = true;
     return solver_->factor(values_.data(), place(c.step));
@@ -326,7 +314,7 @@ void System::book_impacts(const Context& c, const double* v1) {
     for (int u = 0; u < n_; ++u)
         if (order_[u] == 2 && hit[island_[u]]) jump[u] = v1[u] - v[u];
     const Vectors vectors{x.data(), x1_.data(), still_.data(), jump.data(), still_.data()};
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
     double lost = 0;
     for (int u = 0; u < n_; ++u) lost += 0.5 * jump[u] * momentum[u];
@@ -337,7 +325,7 @@ void System::book_impacts(const Context& c, const double* v1) {
 
 void System::book(const Context& c, const double* v1) {
     clear_sums();
-    for (const auto& term : terms_) term->ledger(c, v1, sums);
+    for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
 }
 
 // The same with the work of prescribed motion, which goes along dx or against it.
@@ -365,7 +353,7 @@ void System::book_path(const Context& c) {
     back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
     const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
-    for (const auto& term : terms_) term->begin(c.vectors.x1);
+    for (const auto& [term, can] : terms_) term->begin(c.vectors.x1);
     book_step({back, vectors, signals, true}, still_.data(), -1);
     for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
     // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
@@ -425,7 +413,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
-    for (const auto& term : terms_) term->accept(context);
+    for (const auto& [term, can] : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
@@ -436,7 +424,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
-    for (const auto& term : terms_) term->settle(step, x.data());
+    for (const auto& [term, can] : terms_) term->finish_step(step, x.data());
     discard();
     leave();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
@@ -445,7 +433,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
 
 void System::take_stock(const Step& step, const Signals& signals, bool moves) {
     discard();
-    for (const auto& term : terms_) term->begin(x.data());
+    for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), v.data(), a.data(), v.data()};
@@ -476,13 +464,13 @@ void System::forces(const Step& step, const Signals& signals, double* residual) 
     stale_begin_ = true;
 }
 
-void System::evaluate(const Step& step, const Signals& signals, bool with_first_tangents) {
-    for (const auto& term : terms_) term->begin(x.data());
+void System::evaluate(const Step& step, const Signals& signals, bool with_mesh_tangents) {
+    for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
     set_base_rates(step);
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    evaluate_residual({step, vectors, signals}, true, with_first_tangents);
+    evaluate_residual({step, vectors, signals}, true, with_mesh_tangents);
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
@@ -490,7 +478,7 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    evaluate_tangent({step, vectors, signals}, false, true);
+    evaluate_tangent({step, vectors, signals}, true);
     std::copy(values_.begin(), values_.end() - 1, values);
     stale_factor_ = true;
 }

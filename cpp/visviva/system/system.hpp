@@ -43,7 +43,10 @@ class System {
     // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
     System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
 
-    void add(std::shared_ptr<Term> term) { terms_.push_back(std::move(term)); }
+    void add(std::shared_ptr<Term> term) {
+        const TermCapabilities can = term->capabilities();
+        terms_.push_back({std::move(term), can});
+    }
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
@@ -99,10 +102,12 @@ class System {
     void remember(const std::vector<double>& memory);
     // What terms show of the last evaluation, around others that shall leave no trace.
     void keep_shown() {
-        for (const auto& term : terms_) term->hold();
+        for (const auto& [term, can] : terms_)
+            if (can.memory) can.memory->keep_evaluation();
     }
     void show_again() {
-        for (const auto& term : terms_) term->release();
+        for (const auto& [term, can] : terms_)
+            if (can.memory) can.memory->restore_evaluation();
     }
     // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
     void touch() {
@@ -145,7 +150,6 @@ class System {
     const std::vector<std::shared_ptr<Reduction>>& reductions() const { return reductions_; }
     int revision() const { return revision_; }     // of the pattern
     double rewiring() const { return rewiring_; }  // CPU seconds for new ones
-    const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
     // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
@@ -187,10 +191,10 @@ class System {
     std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
                                          const std::vector<double>& rates);
     void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
-    void evaluate(const Step&, const Signals&, bool with_first_tangents);
-    void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
-    void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
-    bool refactor(const Context&, const Step&, bool has_first_tangents = false);
+    void evaluate(const Step&, const Signals&, bool with_mesh_tangents);
+    void evaluate_residual(const Context&, bool all, bool with_mesh_tangents = false);
+    void evaluate_tangent(const Context&, bool has_mesh_tangents);
+    bool refactor(const Context&, const Step&, bool has_mesh_tangents = false);
     bool branched() const;
     bool amend(const Context&);
     int worst() const;
@@ -212,7 +216,11 @@ class System {
     std::vector<int> order_;
     std::vector<char> fixed_;
     std::vector<double> inverse_scale_;
-    std::vector<std::shared_ptr<Term>> terms_;
+    struct Part {
+        std::shared_ptr<Term> term;
+        TermCapabilities can;
+    };
+    std::vector<Part> terms_;
     Blocks blocks_;
     void describe_nodes();
     std::vector<double> modes_;
@@ -235,7 +243,7 @@ class System {
         int begin, end, order;  // unknowns of equal order in a row
     };
     std::vector<Segment> segments_;
-    bool wants_rates_ = false, driven_ = false;
+    bool needs_rates_ = false, driven_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted

@@ -66,7 +66,7 @@ bool System::linear_solve(const Step& step, const double* residual, double* d, d
 
 std::string System::refuse(const Step& step, const Signals& signals) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (const Refusal no = term->refuse({step, vectors, signals}); !no.reason.empty()) return no.reason;
     return {};
 }
