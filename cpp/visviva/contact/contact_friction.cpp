@@ -66,8 +66,7 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
     if (normal) b.square.bottomLeftCorner(rest, 1) = by_pressure.head(rest) / stiffness;
 }
 
-// --- elastic slip from step to step
-// ----------------------------------------------------------------------
+// --- elastic slip from step to step ------------------------------------------------------------------------
 // The elastic tractions of this configuration: a step may be looked at again, or a kept tangent be made
 // again.
 void ContactTerm::recall() {

@@ -79,8 +79,7 @@ std::vector<int> ContactTerm::multipliers(int A) const {
     return m;
 }
 
-// --- which gaps there are
-// -----------------------------------------------------------------------------------
+// --- which gaps there are ----------------------------------------------------------------------------------
 // A vertex that has left what the search has swept by more than a margin; -1: none.
 int ContactTerm::beyond(const double* X, double margin) const {
     if (from_.empty()) return 0;
@@ -279,8 +278,7 @@ void ContactTerm::connect(const Pattern& pattern) {
     places_.assign(gaps_->n(), {});
 }
 
-// --- pressures
-// ----------------------------------------------------------------------------------------------
+// --- pressures ---------------------------------------------------------------------------------------------
 void ContactTerm::begin(const double* x0) {
     changes_ = -1, known_at_.clear();
     gaps_->skin().positions(x0, X0_);
@@ -489,8 +487,7 @@ void ContactTerm::press_discretely(int A, const Context& c) {
     if (S_[A] <= 0) S_[A] = dS_gap_[A] = 0;
 }
 
-// --- forces
-// -------------------------------------------------------------------------------------------------
+// --- forces ------------------------------------------------------------------------------------------------
 Eigen::VectorXd ContactTerm::stencil_of(int A, const std::vector<double>& X) const {
     const auto& stencil = gaps_->stencil(A);
     Eigen::VectorXd x(3 * stencil.size());
@@ -727,8 +724,7 @@ void ContactTerm::scatter(int A, const Border& b, double* values) {
     });
 }
 
-// --- books
-// --------------------------------------------------------------------------------------------------
+// --- books -------------------------------------------------------------------------------------------------
 void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const {
     const auto& stencil = gaps_->stencil(A);
     for (std::size_t v = 0; v < stencil.size(); ++v)

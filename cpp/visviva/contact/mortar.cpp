@@ -559,8 +559,7 @@ void Mortar::second(const double* X, int A, double S, const double* direction, G
     }
 }
 
-// --- friction
-// ----------------------------------------------------------------------------------------------
+// --- friction ----------------------------------------------------------------------------------------------
 void Mortar::find_weights(const double* X, const std::vector<char>& wanted, bool gradients) {
     find_near(X, &wanted);
     weights_.resize(near_.size());

@@ -102,8 +102,7 @@ NodeToSegment::NodeToSegment(Skin skin, PointOptions options, std::vector<double
     kept_.resize(n_);
 }
 
-// --- which facets there are
-// -----------------------------------------------------------------------------------
+// --- which facets there are --------------------------------------------------------------------------------
 void NodeToSegment::make_topology() {
     struct Edge {
         int a, b, facet, corner;
@@ -210,8 +209,7 @@ void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
     if (facets.empty()) stencil.clear();
 }
 
-// --- the closest point
-// ----------------------------------------------------------------------------------------
+// --- the closest point -------------------------------------------------------------------------------------
 FacetShape NodeToSegment::shape(const double* X, int f) const {
     FacetShape s;
     s.n = skin_.n_corners(f), s.dim = skin_.dim;
