@@ -426,18 +426,18 @@ static void bind_system(nb::module_& m) {
              })
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
-        .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
-        .def("keep_shown", &System::keep_shown)
-        .def("show_again", &System::show_again)
-        .def("touch", &System::touch)
-        .def("leave", &System::leave)
-        .def_prop_ro("is_as_left", &System::is_as_left)
+        .def("restore", [](System& s, const Doubles& m) { s.restore(vector_of<double>(m)); })
+        .def("keep_evaluation", &System::keep_evaluation)
+        .def("restore_evaluation", &System::restore_evaluation)
+        .def("invalidate", &System::invalidate)
+        .def("mark_state", &System::mark_state)
+        .def_prop_ro("is_unchanged", &System::is_unchanged)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
-        .def("take_stock",
+        .def("evaluate_ledger",
              [](System& s, const Step& step, const Doubles& signals, bool moves) {
                  nb::gil_scoped_release release;
-                 s.take_stock(step, signals_of(signals), moves);
+                 s.evaluate_ledger(step, signals_of(signals), moves);
              })
         .def(
             "assemble",
@@ -447,7 +447,7 @@ static void bind_system(nb::module_& m) {
                 s.assemble(step, signals_of(signals), residual.data(), k);
             },
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
-        .def("search", &System::search)
+        .def("find_neighbours", [](System& s) { return s.find_neighbours(); })
         .def_prop_ro("revision", &System::revision)
         .def_prop_ro("rewiring", &System::rewiring)
         .def("linearise",
@@ -455,7 +455,7 @@ static void bind_system(nb::module_& m) {
                  nb::gil_scoped_release release;
                  return s.linearise(step, signals_of(signals), residual.data());
              })
-        .def_prop_ro("outdated", &System::outdated)
+        .def_prop_ro("is_outdated", &System::is_outdated)
         .def(
             "linear_solve",
             [](System& s, const Step& step, const Doubles& residual, Array d, double tolerance) {

@@ -18,7 +18,7 @@ bool same_matrix(const Step& a, const Step& b) {
 
 // Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
 // follow it here by the tangent of the state before.
-bool System::lead(const Context& c) {
+bool System::extend_prescribed_motion(const Context& c) {
     constexpr double little = 1e-6;
     std::vector<double> motion;
     double largest = 0;
@@ -48,7 +48,7 @@ bool System::lead(const Context& c) {
 void System::start(const Step& step) {
     predict(step);
     if (rigid_) rigid_->project(x.data(), dx.data());
-    look(step.theta, step.h);
+    find_neighbours(step.theta, step.h);
     if (stale_begin_)
         for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
@@ -64,7 +64,7 @@ bool System::renew_tangent(const Context& context, bool assembled) {
     solver_->forget();  // a restart makes this factorisation again, without those before it
     if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     if (!refactor(context, context.step, assembled)) return false;
-    stale_factor_ = amended_ = false;
+    stale_factor_ = updated_ = false;
     return true;
 }
 
@@ -82,7 +82,7 @@ Report System::succeeded(Report report, const Context& context, bool renewed) {
     report.converged = true;
     if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     iterations_last_ = renewed ? 0 : report.iterations;
-    stale_factor_ = amended_;  // which a restart could not make again
+    stale_factor_ = updated_;  // which a restart could not make again
     return report;
 }
 
@@ -92,7 +92,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     start(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
-    if (!lead(context)) return failed(std::move(report), singular(), solver_->report().singular_unknown);
+    if (!extend_prescribed_motion(context))
+        return failed(std::move(report), singular(), solver_->report().singular_unknown);
     const bool full = options.keep_factor <= 0;
     bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
@@ -112,9 +113,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
         evaluate_residual(context, !rigid_, fused);
-        const bool outdated = branched();
+        const bool outdated = has_branched();
         if (outdated && !refresh) {
-            refresh = full || !amend(context);
+            refresh = full || !update_tangent(context);
             convergence.forget();
             acceleration.forget();
         }

@@ -25,7 +25,7 @@ std::vector<double> System::memory() const {
     return m;
 }
 
-void System::remember(const std::vector<double>& memory) {
+void System::restore(const std::vector<double>& memory) {
     const double* m = memory.data();
     forget();
     const double contraction = m[0];
@@ -43,7 +43,7 @@ void System::remember(const std::vector<double>& memory) {
     if (changed) rewire();
     if (sequence) sequence->set_state(solver);
     solver_->forget();
-    amended_ = false;
+    updated_ = false;
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -69,7 +69,7 @@ void System::remember(const std::vector<double>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    leave();
+    mark_state();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

@@ -60,7 +60,7 @@ void System::finalize() {
             cleared[rows.node] = 1;
             zeros_.emplace_back(rows.begin, rows.end);
         }
-    hold(pattern);
+    find_held(pattern);
     const Csr* left = &csr_;
     for (const auto& reduction : reductions_) {
         reduction->analyze(*left, fixed_, node_);
@@ -76,7 +76,7 @@ void System::clear_values() {
 
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
 // the identity.
-void System::hold(const Pattern& pattern) {
+void System::find_held(const Pattern& pattern) {
     std::vector<char> is_held(csr_.n, 0);
     held_.clear(), held_zero_.clear(), held_one_.clear();
     for (int i : pattern.held()) is_held[i] = 1, held_.push_back(csr_.unknown[i]);
@@ -99,7 +99,7 @@ void System::rewire() {
     stale_factor_ = true;
 }
 
-bool System::look(double theta, double h) {
+bool System::find_neighbours(double theta, double h) {
     const double* rate = mean_.empty() ? v.data() : mean_.data();
     vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
@@ -257,18 +257,18 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     return solver_->factor(values_.data(), place(step));
 }
 
-bool System::branched() const {
+bool System::has_branched() const {
     return std::any_of(terms_.begin(), terms_.end(),
                        [](const Part& p) { return p.can.search && p.can.search->is_outdated(); });
 }
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.
-bool System::amend(const Context& c) {
+bool System::update_tangent(const Context& c) {
     for (const auto& [term, can] : terms_)
         if (can.search && can.search->is_outdated() && !can.search->update_tangent(c, values_.data()))
             return false;
     for (auto k : held_zero_) values_[k] = 0;
-    amended_ = true;
+    updated_ = true;
     return solver_->factor(values_.data(), place(c.step));
 }
 
@@ -426,12 +426,12 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     std::copy(x1_.begin(), x1_.end(), x.begin());
     for (const auto& [term, can] : terms_) term->finish_step(step, x.data());
     discard();
-    leave();
+    mark_state();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;
 }
 
-void System::take_stock(const Step& step, const Signals& signals, bool moves) {
+void System::evaluate_ledger(const Step& step, const Signals& signals, bool moves) {
     discard();
     for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;

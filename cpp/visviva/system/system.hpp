@@ -95,32 +95,34 @@ class System {
     void discard();
     // The ledger of the present state (no work done).
     // `moves`: the rates are velocities, and not what is left of them in statics.
-    void take_stock(const Step& step, const Signals& signals, bool moves);
+    void evaluate_ledger(const Step& step, const Signals& signals, bool moves);
     // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
-    void remember(const std::vector<double>& memory);
+    void restore(const std::vector<double>& memory);
     // What terms show of the last evaluation, around others that shall leave no trace.
-    void keep_shown() {
+    void keep_evaluation() {
         for (const auto& [term, can] : terms_)
             if (can.memory) can.memory->keep_evaluation();
     }
-    void show_again() {
+    void restore_evaluation() {
         for (const auto& [term, can] : terms_)
             if (can.memory) can.memory->restore_evaluation();
     }
     // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
-    void touch() {
-        if (!is_as_left()) forget();
+    void invalidate() {
+        if (!is_unchanged()) forget();
     }
     // What the state vectors are now is that of the step accepted last.
-    void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
+    void mark_state() { marked_[0] = x, marked_[1] = v, marked_[2] = a, marked_[3] = w; }
     // Whether the state vectors are those with which the last step has ended.
-    bool is_as_left() const { return left_[0] == x && left_[1] == v && left_[2] == a && left_[3] == w; }
+    bool is_unchanged() const {
+        return marked_[0] == x && marked_[1] == v && marked_[2] == a && marked_[3] == w;
+    }
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
     // another one from now on.
-    bool search() { return look(0, 0); }
+    bool find_neighbours() { return find_neighbours(0, 0); }
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -129,7 +131,7 @@ class System {
     bool linearise(const Step& step, const Signals& signals, double* residual);
     // Whether terms are on another branch than that tangent, or the pattern is another one, by the residual
     // evaluated last.
-    bool outdated() const { return revision_ != factored_revision_ || branched(); }
+    bool is_outdated() const { return revision_ != factored_revision_ || has_branched(); }
     // False if the linear solver failed; its message says why. `tolerance`: see LinearSolver.
     bool linear_solve(const Step& step, const double* residual, double* d, double tolerance);
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
@@ -162,12 +164,12 @@ class System {
         predictor_.forget();
         mean_.clear();
     }
-    void hold(const Pattern&);
+    void find_held(const Pattern&);
     void rewire();
     void prepare_predictor();
     void predict(const Step&);
-    bool look(double theta, double h);
-    bool lead(const Context&);
+    bool find_neighbours(double theta, double h);
+    bool extend_prescribed_motion(const Context&);
     void start(const Step&);
     bool renew_tangent(const Context&, bool assembled);
     std::string singular() const;
@@ -195,8 +197,8 @@ class System {
     void evaluate_residual(const Context&, bool all, bool with_mesh_tangents = false);
     void evaluate_tangent(const Context&, bool has_mesh_tangents);
     bool refactor(const Context&, const Step&, bool has_mesh_tangents = false);
-    bool branched() const;
-    bool amend(const Context&);
+    bool has_branched() const;
+    bool update_tangent(const Context&);
     int worst() const;
     double extent() const;
     double iterate(const Step&);
@@ -250,12 +252,12 @@ class System {
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
-    std::vector<double> left_[4];                   // x, v, a, w at its end
+    std::vector<double> marked_[4];                 // x, v, a, w at its end
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     bool stale_begin_ = true, stale_factor_ = true;
-    bool amended_ = false;  // the kept tangent has parts of another configuration
+    bool updated_ = false;  // the kept tangent has parts of another configuration
     Step factored_;
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
     std::vector<double> factored_signals_;  // the prescribed functions of time then

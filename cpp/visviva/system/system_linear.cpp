@@ -46,7 +46,7 @@ void System::describe_nodes() {
 bool System::linearise(const Step& step, const Signals& signals, double* residual) {
     // What is kept from earlier tangents is kept within a load step only: a restart begins one.
     if (std::all_of(dx.begin(), dx.end(), [](double d) { return d == 0; })) solver_->forget();
-    search();
+    find_neighbours();
     evaluate(step, signals, true);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
