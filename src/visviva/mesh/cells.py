@@ -148,7 +148,9 @@ class Cell:
         """
         powers, d, n = np.array(self.powers), self.dimension, self._n_powers
         derived = n * np.eye(d, dtype=np.int64)[:, None, :]
-        return powers + 2 * n * np.arange(d) + np.concatenate([np.zeros((1, 1, d), np.int64), derived])
+        return np.asarray(
+            powers + 2 * n * np.arange(d) + np.concatenate([np.zeros((1, 1, d), np.int64), derived])
+        )
 
     def _products(self, xi: ArrayLike, factors: Ints) -> Array:
         """Products (q, ...) of the factors (..., dimension) at points `xi` (q, dimension)."""
