@@ -88,6 +88,8 @@ class Location:
         _, near = self._tree.query(places)
         self._try(places, np.arange(len(places)), near, cells, xi)
         lost, k = np.flatnonzero(cells < 0), min(NEAREST, self.mesh.n_cells)
+        if len(lost) == 0:
+            return cells, xi
         _, near = self._tree.query(places[lost], k=k)
         near = np.reshape(near, (len(lost), k))
         for j in range(1, k):
