@@ -325,7 +325,7 @@ class Contact(Component):
         if self._started or self.initial == "press" or state.time > 0:
             return
         self._started = True
-        state.core.search()
+        state.core.find_neighbours()
         state.take_stock()
         refuse_overlap(self, self.places)
 

@@ -177,7 +177,7 @@ def _resistance(system: System, motions: Array, step: Any) -> Array:
     """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
     import scipy.sparse as sp
 
-    system.core.search()  # bodies may rest on what they touch
+    system.core.find_neighbours()  # bodies may rest on what they touch
     row, col, unknown = system.pattern
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)
