@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.body.solid import Solid
-from visviva.body.solid_faces import face_points
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import settings
 from visviva.component.point import Attachable
 from visviva.component.values import FaceSet
@@ -32,7 +31,7 @@ class Coupling(Attachable):
     ties them to the nodes of the faces. In the plane it has two directors, and the third is constant.
     """
 
-    solid: Solid
+    solid: MeshBody
     faces: FaceSet
 
     def __post_init__(self) -> None:
@@ -45,7 +44,7 @@ class Coupling(Attachable):
                 f"{self.label}: an axisymmetric solid does not turn with a frame; attach a point"
             )
         area = np.zeros((self.solid.grid.n_nodes, 1))
-        for p in face_points(self.solid, faces):
+        for p in self.solid.face_points(faces):
             area += p.spread(np.ones((*p.size.shape, 1)), len(area))
         self._nodes = faces.nodes
         self._share = area[self._nodes, 0] / area.sum()

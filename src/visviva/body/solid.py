@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, nearest
 from visviva.body import formulation as forms
 from visviva.body.element import masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
+from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.solid_term import own_energy, solid_term
 from visviva.component.component import settings
-from visviva.component.meshed import Meshed
-from visviva.component.point import Attachable
 from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
-from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
-from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
 from visviva.model.callback import callback_of
-from visviva.model.field import Role, Vectors
-from visviva.model.form import Form, Vector
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -42,7 +37,7 @@ Plane = Literal["strain", "stress", "axisymmetric"]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Solid(Attachable, Meshed):
+class Solid(MeshBody):
     """A body of finite elements, in the total Lagrangian description of the paper's section 2.2.
 
     Parameters
@@ -103,7 +98,6 @@ class Solid(Attachable, Meshed):
     stiffness_damping: Number = 0.0
     tangent: Literal["exact", "start"] | None = None
 
-    has_directions = False
     is_carried_thin = False
     """Whether it is immersed and thinner than the cells around."""
 
@@ -149,65 +143,22 @@ class Solid(Attachable, Meshed):
         thin = self.is_carried_thin and self.material.energy is None
         return self.tangent or ("start" if thin else "exact")
 
-    # --- sets ----------------------------------------------------------------------------------------------
-    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
-        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
-
-        Raises
-        ------
-        InputError
-            If there is no such set or node, or none in it.
-        """
-        if isinstance(chosen, str):
-            everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
-            found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
-        else:
-            found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
-        if len(found) == 0:
-            raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
-        if found[0] < 0 or found[-1] >= self.grid.n_nodes:
-            raise InputError(f"{self.label}: there is no node {found[0 if found[0] < 0 else -1]}")
-        return found
-
-    def faces(self, chosen: str | Faces) -> Faces:
-        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given.
-
-        Raises
-        ------
-        InputError
-            If there is no such set, or none in it.
-        """
-        return chosen_faces(self.grid, chosen, self.label)
-
-    # --- geometry ------------------------------------------------------------------------------------------
+    # --- geometry, mass and stiffness ----------------------------------------------------------------------
     @property
     def axisymmetric(self) -> bool:
-        """Whether a plane mesh stands for a revolution."""
         return self.plane == "axisymmetric"
+
+    @property
+    def modulus(self) -> float:
+        lam, mu = self.material.lame
+        return 3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu)
 
     @cached_property
     def nodal_mass(self) -> Array:
-        """Share (n,) of every node in the mass: row sums of the mass matrix."""
         cells = self.grid.cells.items()
         return nodal_masses(
             self.grid.n_nodes, ((nodes, self.cell_masses(cell, nodes)) for cell, nodes in cells)
         )
-
-    def nodal_volume(self, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Share (n,) of every node in the reference volume, positive, of the chosen cells (n_cells,) or all."""
-        first, parts = 0, []
-        for cell, nodes in self.grid.cells.items():
-            volume = masses(self.grid.points, nodes, cell, 1.0, axisymmetric=self.axisymmetric, lumped=True)
-            if cells is not None:
-                volume = volume * cells[first : first + len(nodes), None]
-            parts.append((nodes, volume))
-            first += len(nodes)
-        return nodal_masses(self.grid.n_nodes, parts)
-
-    @property
-    def mass(self) -> float:
-        """Total mass."""
-        return float(self.nodal_mass.sum())
 
     def cell_masses(self, cell: str, nodes: Ints) -> Array:
         """Masses (m, pairs) of cells between pairs of their nodes."""
@@ -220,16 +171,6 @@ class Solid(Attachable, Meshed):
             axisymmetric=self.axisymmetric,
             lumped=self.lumped,
         )
-
-    def initial_velocities(self) -> Array:
-        """Velocities (n, d) of the nodes at the start."""
-        X, v = self.points, self.sampled(self.velocity)
-        if np.any(self.angular_velocity):
-            w = self.nodal_mass if self.density > 0 else np.ones(len(X))
-            v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())
-        if self.dimension == 2 and np.any(v[:, 2] != 0):
-            raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
-        return v[:, : self.dimension]
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
@@ -269,10 +210,6 @@ class Solid(Attachable, Meshed):
             self.volumes.append(volume)
             first += len(nodes)
 
-    def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
-        """First unknown of each node."""
-        return np.asarray(self.motion.start + self.dimension * np.asarray(nodes), dtype=np.int32)
-
     def thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
         N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
@@ -287,72 +224,7 @@ class Solid(Attachable, Meshed):
             )
         return strain.reshape(len(nodes), len(N))
 
-    @property
-    def total_mass(self) -> float:
-        return self.mass
-
-    def mass_moment(self, x: Array) -> Array:
-        moment: Array = self.nodal_mass @ self.positions(x)
-        return moment
-
-    def weigh(self, model: Model, acceleration: Array) -> None:
-        m = self.nodal_mass
-        if np.any(m > 0):
-            force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
-            model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
-
-    # --- attachment ----------------------------------------------------------------------------------------
-    def place(self, X: Array) -> Vector:
-        nodes, N = locate(self.grid, X[: self.dimension], self.label)
-        return self.combination(nodes, N)
-
-    def turn(self, direction: Array) -> Vector:
-        raise InputError(
-            f"{self.label} has no directions of its own: attach points to it, or frames to its faces by "
-            "vv.RigidCoupling or vv.DistributedCoupling"
-        )
-
-    def combination(self, nodes: Any, weights: Any) -> Vector:
-        """Weighted sum of nodal positions as a vector form."""
-        kept = [
-            (int(u), float(w)) for u, w in zip(self.node_unknowns(nodes), weights, strict=True) if w != 0.0
-        ]
-        parts = [Form(tuple((u + c, w) for u, w in kept)) for c in range(self.dimension)]
-        x, y, z = (*parts, Form())[:3]
-        return Vector((x, y, z))
-
-    def local(self, x: Array) -> Array:
-        return x
-
-    def by_node(self, values: Array) -> Array:
-        """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
-        p = values[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
-        return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
-
-    def vectors(self, model: Model) -> Vectors:
-        n = self.grid.n_nodes
-        return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
-
-    def positions(self, x: Array) -> Array:
-        """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
-        return self.by_node(x)
-
     # --- what it shows -------------------------------------------------------------------------------------
-    def displacements(self, x: Array) -> Array:
-        """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
-        return self.positions(x) - self.points
-
-    def velocities(self, v: Array) -> Array:
-        """Velocities (n, 3) of the nodes at the rates `v` of the system."""
-        return self.by_node(v)
-
-    def volume(self, x: Array) -> float:
-        """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
-        return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
-
-    def moving(self, x: Array, v: Array) -> Array:
-        return self.velocities(v)
-
     def widths(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
@@ -400,7 +272,6 @@ class Solid(Attachable, Meshed):
         return at_nodes(self, name, x)
 
     def at_points(self, name: str, x: Array) -> Array:
-        """A field at all quadrature points, (n_points, components), element after element."""
         width, function = quantity(name)
         return np.concatenate([function(part).reshape(-1, width) for *_, part in evaluated(self, x)])
 
@@ -421,10 +292,9 @@ class Solid(Attachable, Meshed):
         return worst
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""
         total = np.zeros((self.grid.n_nodes, 3))
         first = 0
-        for (_, nodes), term in zip(self.each_cell(), self.terms, strict=True):
+        for (_, nodes), term in zip(self.grid.cells.items(), self.terms, strict=True):
             force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))[:, : nodes.shape[1]]
             if cells is not None:
                 force *= cells[first : first + len(nodes), None, None]
@@ -432,7 +302,3 @@ class Solid(Attachable, Meshed):
                 total[:, c] -= np.bincount(nodes.ravel(), force[:, :, c].ravel(), len(total))
             first += len(nodes)
         return total
-
-    def each_cell(self) -> Iterator[tuple[str, Ints]]:
-        """Cell types with the nodes of their cells."""
-        yield from self.grid.cells.items()

@@ -168,7 +168,7 @@ def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array,
     """Cell type, nodes (m, k), numbers, volumes (m, q), fields (m, q, ...): some thousand elements at a time."""
     x = np.ascontiguousarray(x, dtype=float)
     first = 0
-    for (cell, nodes), term, volume in zip(solid.each_cell(), solid.terms, solid.volumes, strict=True):
+    for (cell, nodes), term, volume in zip(solid.grid.cells.items(), solid.terms, solid.volumes, strict=True):
         step = len(nodes) if solid.material.energy is not None else CHUNK  # a user's function is called once
         for start in range(0, len(nodes), step):
             stop = min(start + step, len(nodes))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from visviva.base.errors import InputError
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component
 from visviva.contact.tying import Tie
 from visviva.mesh.faces import Faces
@@ -61,7 +61,7 @@ def _share(one: Side, two: Side) -> bool:
     (body, faces), (other, others) = one, two
     if body is not other:
         return False
-    if isinstance(body, Solid):
+    if isinstance(body, MeshBody):
         return not _nodes(body.faces(faces)).isdisjoint(_nodes(body.faces(others)))
     return "all" in (faces, others) or faces == others
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.coupling import RigidCoupling
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.contact.contact_surface import Surface, positions, vertices_of
 from visviva.load.support import Support
 
@@ -36,7 +36,7 @@ class Side:
     """A surface, and the solid with its nodes that move with it; None for what stays."""
 
     surface: Surface
-    solid: Solid | None
+    solid: MeshBody | None
     nodes: Ints
     weights: sp.csr_array  # of the nodes in the vertices
 
@@ -80,7 +80,7 @@ def sides_of(contact: Contact) -> Iterator[Side]:
         (contact._facing, contact.second, contact.second_faces),
     )
     for surface, body, faces in chosen:
-        solid = body if isinstance(body, Solid) else None
+        solid = body if isinstance(body, MeshBody) else None
         if surface is None:
             continue
         if solid is None:

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.coupling import RigidCoupling
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.contact.tie_integrals import MortarSurfaces
@@ -80,8 +80,8 @@ class Tie(Component):
     1.0
     """
 
-    first: Solid
-    second: Solid
+    first: MeshBody
+    second: MeshBody
     first_faces: str | Faces = "all"
     second_faces: str | Faces = "all"
     multipliers: Literal["dual", "standard"] = "dual"

@@ -18,7 +18,7 @@ from visviva.component.component import Component, settings
 from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
-from visviva.flow.overlap import covered_by_solid, refuse_covering
+from visviva.flow.overlap import covered_by_mesh, refuse_covering
 from visviva.flow.sheet import normals
 from visviva.flow.transfer import Transfer
 from visviva.model.batch import book
@@ -139,7 +139,7 @@ class Immersed(Carried):
         d, motion = self.solid.dimension, self.solid.motion
         places, follows = self._located(self.solid.grid.points), ~motion.fixed
         if not self.over_walls:
-            covered = covered_by_solid(self.fluid, self.solid)
+            covered = covered_by_mesh(self.fluid, self.solid.grid)
             refuse_covering(self.label, self.solid, self.fluid, covered)
         motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)

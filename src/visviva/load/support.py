@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import forward_rate
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
@@ -30,7 +30,7 @@ EVERY: Directions = (True, True, True)
 class Support(Component):
     """Base of supports: `nodes` of a `solid`, by the name of a set of nodes or faces, 'all', or numbers."""
 
-    solid: Solid
+    solid: MeshBody
     nodes: Nodes
 
     def __post_init__(self) -> None:
@@ -42,8 +42,8 @@ class Support(Component):
     def _numbers(self, model: Model, directions: Any) -> Ints:
         """Numbers in the solid's field of these components of the nodes, node by node."""
         model.index(self.solid)
-        d = self.solid.dimension
-        return (d * self._chosen[:, None] + np.flatnonzero(directions[:d])).ravel()
+        first = self.solid.node_unknowns(self._chosen) - self.solid.motion.start
+        return (first[:, None] + np.flatnonzero(directions[: self.solid.dimension])).ravel()
 
     def holds(self) -> NDArray[np.bool_] | None:
         """Components (3,) that stay as they are at each of the nodes; None where that is not so simple."""

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from visviva.base.errors import InputError, nearest
-from visviva.body.solid import Solid
 from visviva.body.solid_fields import QUANTITIES
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable
@@ -87,7 +86,7 @@ class Drawing:
         self._contacts = [c for c in system.components if isinstance(c, Contact)]
         self._starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
         places = zip(self._meshes, self._starts[self._n_bodies :].tolist(), strict=False)
-        starts = {component: start for component, start in places if isinstance(component, Solid)}
+        starts = dict(places)
         self._painting = of_contact.Painting(self._contacts, starts, int(self._starts[-1]))
         shown = [name for name in fields if self._painting.is_blank or name not in of_contact.FIELDS]
         self.fields = self._known(shown)
