@@ -148,6 +148,24 @@ class MeshBody(Attachable, Meshed):
             raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
         return v[:, : self.dimension]
 
+    def move_reference(self, model: Model, nodes: Ints, by: Array) -> None:
+        """Move nodes (k,) by (k, d or 3) in the reference configuration, where they start free of stress.
+
+        For what fits surfaces to each other in `declare`: a body contributes what its reference is then.
+
+        Raises
+        ------
+        InputError
+            If cells are inverted by that.
+        """
+        d, points = self.dimension, self.grid.points.copy()
+        points[nodes] += by[:, :d]
+        self.grid = replace(self.grid, points=points).check()
+        self.__dict__.pop("nodal_mass", None)
+        place = self.node_unknowns(np.arange(len(points)))[:, None] - self.motion.start + np.arange(d)
+        self.motion.values[place], self.motion.rates[place] = points, self.initial_velocities()
+        model.refresh(self.motion)
+
     # --- attachment ----------------------------------------------------------------------------------------
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of each node."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,42 +33,34 @@ ROUNDS = 20
 
 @dataclass(frozen=True)
 class Side:
-    """A surface, and the solid with its nodes that move with it; None for what stays."""
+    """A surface, and the body with its nodes that move with it; None for what stays."""
 
     surface: Surface
-    solid: MeshBody | None
+    body: MeshBody | None
     nodes: Ints
     weights: sp.csr_array  # of the nodes in the vertices
 
     def ease(self, model: Model) -> Array:
         """How easily the nodes, or other vertices, (n, 3) move: the inverse of their mass, nothing for what is held."""
-        if self.solid is None:
+        if self.body is None:
             return np.zeros_like(self.surface.constant)
-        solid, nodes = self.solid, self.nodes
-        weight = solid.nodal_mass if solid.density > 0 else np.ones(solid.grid.n_nodes)
+        body, nodes = self.body, self.nodes
+        weight = body.nodal_mass if body.density > 0 else np.ones(body.grid.n_nodes)
         ease = np.tile(1 / weight[nodes][:, None], (1, 3))
-        ease[:, solid.dimension :] = 0.0
+        ease[:, body.dimension :] = 0.0
         for c in model.components:
-            if isinstance(c, Support) and c.solid is solid:
+            if isinstance(c, Support) and c.solid is body:
                 held = c.holds()
                 directions = np.ones(3, dtype=bool) if held is None else held
                 ease[np.ix_(np.isin(nodes, c._chosen), directions)] = 0.0
-            elif isinstance(c, RigidCoupling) and c.solid is solid:
+            elif isinstance(c, RigidCoupling) and c.solid is body:
                 ease[np.isin(nodes, c._nodes)] = 0.0
         return ease
 
     def move(self, by: Array, model: Model) -> None:
         """Move the nodes in the reference configuration by (n, 3)."""
-        solid = self.solid
-        if solid is None or not np.any(by):
-            return
-        points = solid.grid.points.copy()
-        points[self.nodes] += by[:, : solid.dimension]
-        solid.grid = replace(solid.grid, points=points).check()
-        solid.__dict__.pop("nodal_mass", None)
-        motion = solid.motion
-        motion.values[:], motion.rates[:] = points.ravel(), solid.initial_velocities().ravel()
-        model.refresh(motion)
+        if self.body is not None and np.any(by):
+            self.body.move_reference(model, self.nodes, by)
 
 
 def sides_of(contact: Contact) -> Iterator[Side]:
@@ -80,14 +72,13 @@ def sides_of(contact: Contact) -> Iterator[Side]:
         (contact._facing, contact.second, contact.second_faces),
     )
     for surface, body, faces in chosen:
-        solid = body if isinstance(body, MeshBody) else None
         if surface is None:
             continue
-        if solid is None:
-            yield Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
+        if isinstance(body, MeshBody):
+            chosen_faces = body.faces(faces)
+            yield Side(surface, body, chosen_faces.nodes, vertices_of(chosen_faces))
         else:
-            chosen_faces = solid.faces(faces)
-            yield Side(surface, solid, chosen_faces.nodes, vertices_of(chosen_faces))
+            yield Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
 
 
 def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> float:

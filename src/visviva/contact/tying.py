@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -192,13 +191,7 @@ class Tie(Component):
                 f"{self.moved:.3g} to lie on {self.second.label}, more than the reach {self._reach:.3g}. Refine the "
                 "surfaces, leave faces out that do not touch, or give a larger reach"
             )
-        points = self.first.grid.points.copy()
-        points[self._nodes] += shift
-        self.first.grid = replace(self.first.grid, points=points)
-        self.first.__dict__.pop("nodal_mass", None)
-        motion = self.first.motion
-        motion.values[:], motion.rates[:] = points.ravel(), self.first.initial_velocities().ravel()
-        model.refresh(motion)
+        self.first.move_reference(model, self._nodes, shift)
 
     @property
     def moved(self) -> float:
