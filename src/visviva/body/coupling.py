@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import settings
 from visviva.component.point import Attachable
 from visviva.component.values import FaceSet
@@ -145,6 +146,9 @@ class RigidCoupling(Coupling):
     >>> vv.System([beam, end, ground, hinge]).check().degrees_of_freedom
     49
     """
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, Holding(self, self._nodes, None))
 
     def tie(self, model: Model) -> None:
         d = self.solid.dimension

@@ -17,6 +17,7 @@ from visviva.body.formulation import Formulation
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
 from visviva.body.solid_term import own_energy, solid_term
+from visviva.component.announcements import Wetting
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 from visviva.material.material import Material
@@ -98,7 +99,7 @@ class Solid(MeshBody):
     stiffness_damping: Number = 0.0
     tangent: Literal["exact", "start"] | None = None
 
-    is_carried_thin = False
+    _is_thin = False
     """Whether it is immersed and thinner than the cells around."""
 
     def __post_init__(self) -> None:
@@ -140,7 +141,7 @@ class Solid(MeshBody):
     @property
     def used_tangent(self) -> str:
         """What it was given, or what thin immersed solids have by default."""
-        thin = self.is_carried_thin and self.material.energy is None
+        thin = self._is_thin and self.material.energy is None
         return self.tangent or ("start" if thin else "exact")
 
     # --- geometry, mass and stiffness ----------------------------------------------------------------------
@@ -174,7 +175,6 @@ class Solid(MeshBody):
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
-        self.is_carried_thin = False  # until what immerses it in this system says so
         d = self.dimension
         self.motion = model.field(
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
@@ -196,6 +196,7 @@ class Solid(MeshBody):
             self.inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
+        self._is_thin = any(around.is_thin for around in model.announced(self, Wetting))
         self.terms: list[Any] = []  # of the core, one per cell type
         self.volumes: list[Array] = []  # (m, q) of their quadrature points
         self.own_energy = own_energy(self)

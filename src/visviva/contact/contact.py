@@ -179,6 +179,13 @@ class Contact(Component):
             if value is not None and not value > 0:
                 raise InputError(f"{self.label}: {name} = {value:g} is not positive")
 
+    def announce(self, model: Model) -> None:
+        for body in dict.fromkeys(
+            (self.first, self.second)
+        ):  # so that others of the same surfaces are refused
+            if body is not None:
+                model.announce(body, self)
+
     def declare(self, model: Model) -> None:
         model.index(self.first)
         if self.second is not None:

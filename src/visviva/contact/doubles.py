@@ -22,17 +22,15 @@ Side = tuple[Component, str | Faces]
 
 def refuse_doubles(contact: Contact, model: Model) -> None:
     """Refuse surfaces that are in contact twice, which doubles penalties and makes multipliers redundant, or tied."""
-    before = model.components[: model.index(contact)]
-    for other in before:
-        if isinstance(other, type(contact)) and _meet(_sides(contact), _sides(other)):
+    number = model.index(contact)
+    for other in model.announced(contact.first, type(contact)):
+        if model.index(other) < number and _meet(_sides(contact), _sides(other)):
             raise InputError(
                 f"{contact.label} holds surfaces of {contact.first.label} and {_sides(contact)[1][0].label} apart that "
                 f"{other.label} does as well: leave one of them out, or give them other faces"
             )
-    for tie in model.components:
-        if isinstance(tie, Tie) and _meet(
-            _sides(contact), [(tie.first, _tied(tie)), (tie.second, tie.second_faces)]
-        ):
+    for tie in model.announced(contact.first, Tie):
+        if _meet(_sides(contact), [(tie.first, _tied(tie)), (tie.second, tie.second_faces)]):
             raise InputError(
                 f"{contact.label} holds faces of {tie.first.label} and {tie.second.label} apart that {tie.label} "
                 "ties to each other: give the contact other faces, those that are free"

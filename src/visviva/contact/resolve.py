@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.body.coupling import RigidCoupling
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.contact.contact_surface import Surface, positions, vertices_of
-from visviva.load.support import Support
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -48,13 +47,9 @@ class Side:
         weight = body.nodal_mass if body.density > 0 else np.ones(body.grid.n_nodes)
         ease = np.tile(1 / weight[nodes][:, None], (1, 3))
         ease[:, body.dimension :] = 0.0
-        for c in model.components:
-            if isinstance(c, Support) and c.solid is body:
-                held = c.holds()
-                directions = np.ones(3, dtype=bool) if held is None else held
-                ease[np.ix_(np.isin(nodes, c._chosen), directions)] = 0.0
-            elif isinstance(c, RigidCoupling) and c.solid is body:
-                ease[np.isin(nodes, c._nodes)] = 0.0
+        for holding in model.announced(body, Holding):
+            directions = np.ones(3, dtype=bool) if holding.directions is None else holding.directions
+            ease[np.ix_(np.isin(nodes, holding.nodes), directions)] = 0.0
         return ease
 
     def move(self, by: Array, model: Model) -> None:

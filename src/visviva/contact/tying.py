@@ -10,12 +10,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.body.coupling import RigidCoupling
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.contact.tie_integrals import MortarSurfaces
-from visviva.load.support import Support
 from visviva.mesh.faces import Faces
 from visviva.model.batch import book
 
@@ -124,6 +123,10 @@ class Tie(Component):
         self._rows = solved(rows, self._tied) if self.multipliers == "dual" else rows
 
     # --- part in the system ---------------------------------------------------------------------------------
+    def announce(self, model: Model) -> None:
+        model.announce(self.first, self)
+        model.announce(self.second, self)
+
     def declare(self, model: Model) -> None:
         model.index(self.first), model.index(self.second)
         self._active = self._tied[:, None] & ~self._held(model)
@@ -137,18 +140,16 @@ class Tie(Component):
         """Components (n, d) of the nodes that supports hold; refuses nodes that are not free to follow."""
         d = self.first.dimension
         held = np.zeros((len(self._nodes), d), dtype=bool)
-        for c in model.components:
-            if isinstance(c, Support) and c.solid is self.first:
-                directions = c.holds()
-                mine = np.isin(self._nodes, c._chosen)
-                self._refuse(mine & (directions is None), c)
-                if directions is not None:
-                    held[mine] |= directions[:d]
-                    self._refuse(mine & held.all(axis=1), c)
-            elif isinstance(c, RigidCoupling) and c.solid is self.first:
-                self._refuse(np.isin(self._nodes, c._nodes), c)
-            elif isinstance(c, Tie) and c is not self and c.first is self.first:
-                self._refuse(np.isin(self._nodes, c._nodes[c._tied]), c)
+        for holding in model.announced(self.first, Holding):
+            mine = np.isin(self._nodes, holding.nodes)
+            if holding.directions is None:
+                self._refuse(mine, holding.by)
+            else:
+                held[mine] |= holding.directions[:d]
+                self._refuse(mine & held.all(axis=1), holding.by)
+        for tie in model.announced(self.first, Tie):
+            if tie is not self and tie.first is self.first:
+                self._refuse(np.isin(self._nodes, tie._nodes[tie._tied]), tie)
         return held
 
     def _refuse(self, conflict: Mask, other: Component) -> None:

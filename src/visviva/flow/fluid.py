@@ -306,8 +306,8 @@ class Fluid(Meshed):
 
     def is_loaded(self, model: Model) -> bool:
         """Whether a force may act on its volume."""
-        weighing = any(isinstance(c, Gravity) for c in model.components)
-        return weighing or self._force is not None or bool(np.any(self.body_force))
+        weighed = bool(model.announced(self, Gravity))
+        return weighed or self._force is not None or bool(np.any(self.body_force))
 
     def _loader(self, places: Array) -> Any:
         d = self.dimension

@@ -131,7 +131,6 @@ class Immersed(Carried):
 
     def declare(self, model: Model) -> None:
         super().declare(model)
-        self.solid.is_carried_thin = self.is_thin
         size = self.solid.dimension * self.solid.grid.n_nodes
         self.force = model.multipliers(self, "force", size, instantaneous=False)
 

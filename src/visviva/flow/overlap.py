@@ -12,7 +12,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
-from visviva.component.component import Component
+from visviva.component.announcements import Wetting
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
 from visviva.mesh.cells import CELLS
@@ -31,15 +31,6 @@ TOUCHING = 1e-6
 """In extents of a body: what is no deeper within it touches it only."""
 INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
-
-
-class Wetting(Component):
-    """What lets a body feel the fluid that it lies in."""
-
-    @property
-    def carried(self) -> Component:
-        """The body."""
-        raise NotImplementedError
 
 
 def places_within(body: Owner, dimension: int) -> Array:
@@ -70,9 +61,8 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
     InputError
         With the component, the place, and what to take instead.
     """
-    wet = [c.carried for c in model.components if isinstance(c, Wetting)]
     for body in model.components:
-        if any(body is other for other in wet):
+        if model.announced(body, Wetting):
             continue
         places = places_within(body, fluid.dimension)
         cells = fluid.location.find(places)[0] if len(places) else np.zeros(0, dtype=int)

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import forward_rate
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import Component, settings
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
@@ -45,9 +46,12 @@ class Support(Component):
         first = self.solid.node_unknowns(self._chosen) - self.solid.motion.start
         return (first[:, None] + np.flatnonzero(directions[: self.solid.dimension])).ravel()
 
-    def holds(self) -> NDArray[np.bool_] | None:
-        """Components (3,) that stay as they are at each of the nodes; None where that is not so simple."""
+    def _holds(self) -> NDArray[np.bool_] | None:
+        """See `Holding.directions`."""
         return None
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, Holding(self, self._chosen, self._holds()))
 
     def _refuse_nothing(self, directions: Any) -> None:
         if not any(directions[: self.solid.dimension]):
@@ -80,7 +84,7 @@ class Fixed(Support):
         super().__post_init__()
         self._refuse_nothing(self.directions)
 
-    def holds(self) -> NDArray[np.bool_] | None:
+    def _holds(self) -> NDArray[np.bool_] | None:
         return np.array(self.directions)
 
     def contribute(self, model: Model) -> None:
@@ -120,9 +124,13 @@ class SymmetryPlane(Support):
             raise InputError(f"{self.label}: a plane solid cannot be held along {self.normal.tolist()}")
         self._along = np.array(n)
 
-    def holds(self) -> NDArray[np.bool_] | None:
+    def _holds(self) -> NDArray[np.bool_] | None:
         axis = np.abs(self._along) > 1e-12
         return axis if axis.sum() == 1 else None
+
+    def announce(self, model: Model) -> None:
+        super().announce(model)
+        model.announce(self.solid, self)  # for probes of its reactions
 
     def contribute(self, model: Model) -> None:
         axis = np.abs(self._along) > 1e-12

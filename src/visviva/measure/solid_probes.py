@@ -179,9 +179,8 @@ class SupportForce(Reading):
         held = np.zeros(len(system.x))
         held[solid.motion.start : solid.motion.start + solid.motion.size] = solid.motion.fixed
         force = solid.by_node(held * system.holding_forces())
-        for plane in system.components:
-            if isinstance(plane, SymmetryPlane) and plane.solid is solid:
-                np.add.at(force, *plane.reactions(system))
+        for plane in system.model.announced(solid, SymmetryPlane):
+            np.add.at(force, *plane.reactions(system))
         if self.nodes is not None:
             chosen = np.zeros((solid.grid.n_nodes, 1))
             chosen[solid.nodes(self.nodes)] = 1.0
