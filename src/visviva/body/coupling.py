@@ -61,9 +61,9 @@ class Coupling(Attachable):
 
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
-        return self._origin + self.turn(X)
+        return self._origin + self.turn(X, X)
 
-    def turn(self, direction: Array) -> Vector:
+    def turn(self, direction: Array, X: Array) -> Vector:
         x, y, z = (float(c) * d for c, d in zip(direction, self._directors, strict=True))
         return x + y + z
 

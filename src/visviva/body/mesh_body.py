@@ -55,6 +55,7 @@ class MeshBody(Attachable, Meshed):
     angular_velocity: Vector3
 
     has_directions = False
+    moves_rigidly = False
 
     # --- what derives from it says -------------------------------------------------------------------------
     @property
@@ -175,7 +176,7 @@ class MeshBody(Attachable, Meshed):
         nodes, N = locate(self.grid, X[: self.dimension], self.label)
         return self.combination(nodes, N)
 
-    def turn(self, direction: Array) -> Vector:
+    def turn(self, direction: Array, X: Array) -> Vector:
         raise InputError(
             f"{self.label} has no directions of its own: attach points to it, or frames to its faces by "
             "vv.RigidCoupling or vv.DistributedCoupling"

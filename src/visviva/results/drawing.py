@@ -43,7 +43,7 @@ class Drawing:
     Attributes
     ----------
     surfaces : tuple of Surface
-        Named after the components, points of rigid bodies in their own coordinates.
+        Named after the components, points of bodies in their own coordinates.
 
     Raises
     ------
@@ -79,7 +79,12 @@ class Drawing:
             *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
         self._n_bodies, self._n_lines = len(bodies), len(named)
-        vectors = [v for c, _ in bodies for v in placement(c)]
+        placed = [
+            placement(c) if c.moves_rigidly else [c.place(X) for X in points] for c, (points, _) in bodies
+        ]
+        self._ends = np.cumsum([len(v) for v in placed])
+        self._rigid = [c.moves_rigidly for c, _ in bodies]
+        vectors = [v for part in placed for v in part]
         vectors += [end for _, line in named for end in line] + list(free.values())
         self._map, self._constant = stacked(vectors, len(system.x))
         self._start = self.points(system.model.initial[0])
@@ -140,11 +145,10 @@ class Drawing:
     def _placed(self, mapped: Array, meshes: list[Array]) -> list[Array]:
         """Vectors at the points of every surface, from the mapped ones and those of the meshes."""
         values = mapped.reshape(-1, 3)
-        n, m = 4 * self._n_bodies, 4 * self._n_bodies + 2 * self._n_lines
-        moved = [
-            s.points @ frame[1:] + frame[0]
-            for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
-        ]
+        n = int(self._ends[-1]) if self._n_bodies else 0
+        m = n + 2 * self._n_lines
+        of_bodies = zip(self.surfaces, np.split(values, self._ends)[:-1], self._rigid, strict=False)
+        moved = [s.points @ part[1:] + part[0] if rigid else part for s, part, rigid in of_bodies]
         return [*moved, *meshes, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
 
 
@@ -164,11 +168,11 @@ def named_lines(system: System) -> Iterator[tuple[str, Line]]:
 
 
 def placement(component: Attachable) -> list[Vector]:
-    """Origin and three directions of a component; directions of space where it has none of its own."""
+    """Origin and three directions of what moves rigidly; directions of space where it has none of its own."""
     origin = component.place(np.zeros(3))
     if not component.has_directions:
         return [origin, *(Vector.constant(e) for e in np.eye(3))]
-    return [origin, *(component.turn(e) for e in np.eye(3))]
+    return [origin, *(component.turn(e, np.zeros(3)) for e in np.eye(3))]
 
 
 def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_array, Array]:
