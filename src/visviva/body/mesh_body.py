@@ -212,12 +212,9 @@ class MeshBody(Attachable, Meshed):
         """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
         return self.positions(x) - self.points
 
-    def velocities(self, v: Array) -> Array:
-        """Velocities (n, 3) of the nodes at the rates `v` of the system."""
+    def velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of the nodes at the unknowns `x` and rates `v` of the system."""
         return self.by_node(v)
-
-    def moving(self, x: Array, v: Array) -> Array:
-        return self.velocities(v)
 
     def volume(self, x: Array) -> float:
         """Present volume, area if plane, of the cells at the unknowns `x` of the system."""

@@ -52,8 +52,8 @@ class Meshed(Component):
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
         raise NotImplementedError
 
-    def moving(self, x: Array, v: Array) -> Array:
-        """Velocities (n, 3) of what is at the nodes, at the unknowns and rates of the system."""
+    def velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of what is at the nodes, at the unknowns `x` and rates `v` of the system."""
         raise NotImplementedError
 
     def widths(self) -> Mapping[str, int]:

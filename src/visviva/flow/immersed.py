@@ -93,7 +93,7 @@ class Immersed(Carried):
     >>> soft = vv.Solid(mesh=patch, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
     >>> around = vv.VelocityBoundary(fluid=flow, faces="all", velocity=lambda t, X: [1, -1, 0] * (X - [0.5, 0.5, 0]))
     >>> system = vv.System([flow, around, soft, vv.Immersed(solid=soft, fluid=flow)])
-    >>> soft.velocities(system.v)[0].round(9).tolist()
+    >>> soft.velocities(system.x, system.v)[0].round(9).tolist()
     [-0.1, 0.1, 0.0]
     """
 

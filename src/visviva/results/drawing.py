@@ -117,7 +117,7 @@ class Drawing:
 
     def velocities(self, x: Array, v: Array) -> list[Array]:
         """Velocities of the points of every surface at the unknowns `x` and rates `v`."""
-        return self._placed(self._map @ v, [c.moving(x, v) for c in self._meshes])
+        return self._placed(self._map @ v, [c.velocities(x, v) for c in self._meshes])
 
     def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
         """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
