@@ -326,7 +326,7 @@ class Fluid(Meshed):
         return np.pad(v, ((0, 0), (0, 3 - d)))
 
     def velocities(self, x: Array, v: Array) -> Array:
-        """Velocities (n, 3) at the nodes at the unknowns `x` and rates `v` of the system; they are among the unknowns."""
+        """Velocities (n, 3) at the nodes at the unknowns `x`, which they are among, and rates `v`."""
         return self.by_node(x)
 
     def pressures(self, x: Array) -> Array:
