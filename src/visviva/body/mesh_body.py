@@ -38,6 +38,8 @@ class MeshBody(Attachable, Meshed):
     ----------
     motion : Field
         Unknowns, once it is part of a system; `node_unknowns` tells those of the nodes' positions.
+    volumes : list of array, (m, q)
+        Of the quadrature points in the reference configuration, one for each type of cells.
     density : float
         Mass per reference volume.
     thickness : float
@@ -49,6 +51,7 @@ class MeshBody(Attachable, Meshed):
     """
 
     motion: Field
+    volumes: list[Array]
     density: Number
     thickness: Number
     velocity: VectorOrFunction
@@ -68,9 +71,8 @@ class MeshBody(Attachable, Meshed):
         """Young's modulus at small strains, by which contact is stiff unless it is told."""
         raise NotImplementedError
 
-    @cached_property
-    def nodal_mass(self) -> Array:
-        """Share (n,) of every node in the mass."""
+    def _masses_of_nodes(self) -> Array:
+        """Row sums (n,) of the mass matrix."""
         raise NotImplementedError
 
     def at_points(self, name: str, x: Array) -> Array:
@@ -120,6 +122,11 @@ class MeshBody(Attachable, Meshed):
         return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
 
     # --- masses and the start ------------------------------------------------------------------------------
+    @cached_property
+    def nodal_mass(self) -> Array:
+        """Share (n,) of every node in the mass."""
+        return self._masses_of_nodes()
+
     @property
     def mass(self) -> float:
         """Total mass."""
@@ -198,7 +205,7 @@ class MeshBody(Attachable, Meshed):
         n = self.grid.n_nodes
         return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
 
-    # --- motion --------------------------------------------------------------------------------------------
+    # --- what it shows -------------------------------------------------------------------------------------
     def by_node(self, values: Array) -> Array:
         """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
         first = self.node_unknowns(np.arange(self.grid.n_nodes))
@@ -219,3 +226,13 @@ class MeshBody(Attachable, Meshed):
     def volume(self, x: Array) -> float:
         """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
         return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
+
+    def mean(self, name: str, x: Array) -> Array:
+        """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
+        values, means = self.at_points(name, x), []
+        for volume in self.volumes:
+            part, values = np.split(values, [volume.size])
+            part = part.reshape(*volume.shape, -1)
+            means.append(np.einsum("mq,mqc->mc", volume, part) / volume.sum(axis=1)[:, None])
+        mean = np.concatenate(means)
+        return mean[:, 0] if mean.shape[1] == 1 else mean

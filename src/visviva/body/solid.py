@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva import _core
 from visviva.base.errors import InputError, nearest
 from visviva.body import formulation as forms
-from visviva.body.element import masses, nodal_masses, solid_rule
+from visviva.body.element import geometry, masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
 from visviva.body.mesh_body import MeshBody
-from visviva.body.solid_fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
-from visviva.body.solid_term import own_energy, solid_term
+from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
+from visviva.body.solid_term import Elements, own_energy, rayleigh
 from visviva.component.announcements import Wetting
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
@@ -99,9 +99,6 @@ class Solid(MeshBody):
     stiffness_damping: Number = 0.0
     tangent: Literal["exact", "start"] | None = None
 
-    _is_thin = False
-    """Whether it is immersed and thinner than the cells around."""
-
     def __post_init__(self) -> None:
         for name in ("density", "mass_damping", "stiffness_damping"):
             if getattr(self, name) < 0:
@@ -117,7 +114,14 @@ class Solid(MeshBody):
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
             )
-        forms.check(self)
+        forms.check(
+            self.label,
+            self.formulation,
+            self.grid,
+            self.material,
+            stress_free_across=self.plane == "stress",
+            heated=self._is_heated,
+        )
         if not callable(self.thermal_strain) and not self.thermal_strain > -1:
             raise InputError(
                 f"{self.label}: thermal_strain = {self.thermal_strain:g} leaves no volume; it must exceed -1"
@@ -139,10 +143,8 @@ class Solid(MeshBody):
         return grid
 
     @property
-    def used_tangent(self) -> str:
-        """What it was given, or what thin immersed solids have by default."""
-        thin = self._is_thin and self.material.energy is None
-        return self.tangent or ("start" if thin else "exact")
+    def _is_heated(self) -> bool:
+        return callable(self.thermal_strain) or bool(self.thermal_strain)
 
     # --- geometry, mass and stiffness ----------------------------------------------------------------------
     @property
@@ -154,14 +156,13 @@ class Solid(MeshBody):
         lam, mu = self.material.lame
         return 3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu)
 
-    @cached_property
-    def nodal_mass(self) -> Array:
+    def _masses_of_nodes(self) -> Array:
         cells = self.grid.cells.items()
         return nodal_masses(
-            self.grid.n_nodes, ((nodes, self.cell_masses(cell, nodes)) for cell, nodes in cells)
+            self.grid.n_nodes, ((nodes, self._cell_masses(cell, nodes)) for cell, nodes in cells)
         )
 
-    def cell_masses(self, cell: str, nodes: Ints) -> Array:
+    def _cell_masses(self, cell: str, nodes: Ints) -> Array:
         """Masses (m, pairs) of cells between pairs of their nodes."""
         return masses(
             self.grid.points,
@@ -183,35 +184,117 @@ class Solid(MeshBody):
             role = Role.MOTION if self.stiffness_damping > 0 else Role.STATE
             zero = np.zeros((self.grid.n_cells, d, d))
             own = np.repeat(np.arange(len(zero)), d * d)
-            self.inner = model.field(
+            self._inner = model.field(
                 self, "enhanced", zero, role=role, scale=model.length, stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
-            self.pressure_numbers, own = forms.pressure_numbers(self.grid)
+            self._pressure_numbers, own = forms.pressure_numbers(self.grid)
             bulk = self.material.split().bulk
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
             if bulk > forms.STIFFEST * self.material.lame[1]:
                 own[:] = -1
             role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
-            self.inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
+            self._inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
-        self._is_thin = any(around.is_thin for around in model.announced(self, Wetting))
-        self.terms: list[Any] = []  # of the core, one per cell type
-        self.volumes: list[Array] = []  # (m, q) of their quadrature points
-        self.own_energy = own_energy(self)
-        self.callback = (
-            callback_of(self.own_energy) if self.own_energy else None
-        )  # the core does not keep it alive
+        thin = (
+            any(around.is_thin for around in model.announced(self, Wetting)) and self.material.energy is None
+        )
+        self._starts_stress = (self.tangent or ("start" if thin else "exact")) == "start"
+        self._energy = own_energy(
+            self.label,
+            self.material,
+            self.formulation,
+            in_plane=self.dimension == 2 and not self.axisymmetric,
+            across_free=self.plane == "stress",
+        )
+        # the core does not keep it alive
+        self._callback = callback_of(self._energy) if self._energy else None
+        self._elements: list[Elements] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
-            term, volume = solid_term(self, model, cell, nodes, first)
-            model.batch(term)
-            self.terms.append(term)
-            self.volumes.append(volume)
+            self._elements.append(self._made(model, cell, nodes, first))
+            model.batch(self._elements[-1].term)
             first += len(nodes)
+        self.volumes = [elements.volume for elements in self._elements]
 
-    def thermal(self, cell: str, nodes: Ints) -> Array:
+    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
+        """Elements with their nodes (m, k), numbered from `first`, and their term."""
+        points, d = self.grid.points, self.dimension
+        g = geometry(points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
+        index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
+        kind = self.material.kind
+        mass = self._cell_masses(cell, nodes) if self.density > 0 else None
+        if self.formulation == "enhanced":
+            modes = self._inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
+            index = np.hstack([index, modes.reshape(len(nodes), d)])
+            g = forms.enhanced(points, nodes, cell, g)
+            mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
+        elif self.formulation == "mixed":
+            split = self.material.split()
+            kind, parameters = split.kind, np.tile(split.constants, (len(nodes), 1))
+            index = np.hstack([index, self._inner.start + self._pressure_numbers[cell]])
+        index = np.ascontiguousarray(index, dtype=np.int32)
+        arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
+        term = _core.SolidTerm(int(kind), self.material.small, index, *arrays)
+        term.name = self.label
+        thermal = self._thermal(cell, nodes) if self._is_heated else None
+        self._complete(term, cell, nodes, thermal)
+        self._book(model, term, first)
+        return Elements(cell=cell, nodes=nodes, first=first, thermal=thermal, term=term, volume=g.volume)
+
+    @property
+    def _is_damped(self) -> bool:
+        return self.mass_damping > 0 or self.stiffness_damping > 0
+
+    def _damping(self, n: int) -> Array | None:
+        """Constants (n, 3) of damping."""
+        if not self._is_damped:
+            return None
+        constants = rayleigh(
+            self.material,
+            self.formulation,
+            self.mass_damping,
+            self.stiffness_damping,
+            across_free=self.plane == "stress",
+        )
+        return np.tile(constants, (n, 1))
+
+    def _complete(self, term: Any, cell: str, nodes: Ints, thermal: Array | None) -> None:
+        """Tell the term what it has beside the strains of its cells."""
+        term.set_plane_stress(self.plane == "stress" and self._callback is None)
+        term.start_stress = self._starts_stress
+        if thermal is not None:
+            term.set_thermal(thermal)
+        if self.formulation == "F-bar":
+            middle = forms.centre(self.grid.points, nodes, cell, axisymmetric=self.axisymmetric)
+            hoop = None if middle.hoop is None else middle.hoop[:, 0]
+            term.set_centre(middle.gradients[:, 0], hoop)
+        elif self.formulation == "mixed":
+            split = self.material.split()
+            rule = solid_rule(self.grid.points, nodes, cell)
+            shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
+            compliance = forms.pressure_compliance(
+                self.grid,
+                cell,
+                nodes,
+                bulk=split.bulk,
+                shear=self.material.lame[1],
+                thickness=self.thickness,
+                axisymmetric=self.axisymmetric,
+            )
+            term.set_pressure(shapes, compliance, split.measure, self._inner.multiplier)
+        if self._callback is not None:
+            term.set_callback(self._callback)
+
+    def _book(self, model: Model, term: Any, first: int) -> None:
+        """Tell the term its places in the ledger."""
+        kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
+        dissipated = model.account(self, "damping", "dissipation") if self._is_damped else -1
+        strain = model.account(self, "strain", "potential")
+        term.book_solid(strain, kinetic, dissipated, model.index(self), first)
+
+    def _thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
         N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
         if not callable(self.thermal_strain):
@@ -226,11 +309,14 @@ class Solid(MeshBody):
         return strain.reshape(len(nodes), len(N))
 
     # --- what it shows -------------------------------------------------------------------------------------
+    def _evaluated(self, x: Array) -> Iterator[Evaluated]:
+        return evaluated(self._elements, x, self.material, self.formulation, self._energy)
+
     def widths(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return smoothed(self, tuple(names), x)
+        return smoothed(self.grid, tuple(names), self._evaluated(x))
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.
@@ -244,7 +330,7 @@ class Solid(MeshBody):
         """
         if cell is None and len(self.grid.cells) > 1:
             raise InputError(f"{self.label} has the cells {', '.join(self.grid.cells)}; say of which")
-        parts = [part for name, _, _, _, part in evaluated(self, x) if cell in (None, name)]
+        parts = [part for name, _, _, _, part in self._evaluated(x) if cell in (None, name)]
         if not parts:
             raise InputError(f"{self.label} has no cells {cell!r}{nearest(str(cell), self.grid.cells)}")
         F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
@@ -270,19 +356,15 @@ class Solid(MeshBody):
         >>> float(bar.nodal("von_mises", stretched).round(12).max())
         0.2
         """
-        return at_nodes(self, name, x)
+        return self.smoothed([name], x)[name]
 
     def at_points(self, name: str, x: Array) -> Array:
         width, function = quantity(name)
-        return np.concatenate([function(part).reshape(-1, width) for *_, part in evaluated(self, x)])
-
-    def mean(self, name: str, x: Array) -> Array:
-        """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
-        return of_cells(self, name, x)
+        return np.concatenate([function(part).reshape(-1, width) for *_, part in self._evaluated(x)])
 
     def trouble(self, x: Array) -> str:
         J, worst = SQUEEZED, ""
-        for _, nodes, cells, _, part in evaluated(self, x):
+        for _, nodes, cells, _, part in self._evaluated(x):
             least = part.J.min(axis=1)
             e = int(np.argmin(least))
             if least[e] < J:
@@ -294,12 +376,11 @@ class Solid(MeshBody):
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         total = np.zeros((self.grid.n_nodes, 3))
-        first = 0
-        for (_, nodes), term in zip(self.grid.cells.items(), self.terms, strict=True):
-            force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))[:, : nodes.shape[1]]
+        for part in self._elements:
+            n, k = part.nodes.shape
+            force = part.term.forces(np.ascontiguousarray(x, dtype=float), 0, n)[:, :k]
             if cells is not None:
-                force *= cells[first : first + len(nodes), None, None]
+                force *= cells[part.first : part.first + n, None, None]
             for c in range(self.dimension):
-                total[:, c] -= np.bincount(nodes.ravel(), force[:, :, c].ravel(), len(total))
-            first += len(nodes)
+                total[:, c] -= np.bincount(part.nodes.ravel(), force[:, :, c].ravel(), len(total))
         return total
