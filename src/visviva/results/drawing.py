@@ -98,7 +98,7 @@ class Drawing:
 
     def _known(self, fields: Sequence[str]) -> dict[str, int]:
         """Those of the fields that some component has, with their numbers of components."""
-        everything = {*QUANTITIES, *FIELDS}
+        everything = {*QUANTITIES, *FIELDS, *(name for c in self._meshes for name in c.widths())}
         for name in fields:
             if name not in everything:
                 raise InputError(f"there is no field {name!r}{nearest(name, everything)}")
