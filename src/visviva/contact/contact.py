@@ -26,7 +26,7 @@ from visviva.contact.contact_fields import record
 from visviva.contact.contact_surface import Surface, mesh_bodies, points_of, positions, skin, surface_of
 from visviva.contact.doubles import refuse_doubles
 from visviva.contact.obstacle import frame_surface
-from visviva.contact.resolve import resolve
+from visviva.contact.resolve import resolve, side_of
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
@@ -197,7 +197,11 @@ class Contact(Component):
         self._see()
         self.moved = 0.0  # how far a node was moved at most so that nothing overlaps
         if self.initial == "resolve":
-            self.moved = resolve(self, model, *self._gaps(model.length)[:2])
+            gaps, size, _ = self._gaps(model.length)
+            sides = [side_of(self._surface, self.first, self.first_faces)]
+            if self._facing is not None:
+                sides.append(side_of(self._facing, self.second, self.second_faces))
+            self.moved = resolve(self.label, sides, model, gaps, size)
             self._see()
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":

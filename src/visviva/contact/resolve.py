@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,8 @@ from visviva.contact.contact_surface import Surface, positions, vertices_of
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.contact.contact import Contact
+    from visviva.component.component import Component
+    from visviva.mesh.faces import Faces
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
@@ -58,25 +59,17 @@ class Side:
             self.body.move_reference(model, self.nodes, by)
 
 
-def sides_of(contact: Contact) -> Iterator[Side]:
-    """Both surfaces, or the only one."""
+def side_of(surface: Surface, body: Component | None, faces: str | Faces) -> Side:
+    """A surface of a body, on these of its faces if it is one on a mesh."""
     import scipy.sparse as sp
 
-    chosen = (
-        (contact._surface, contact.first, contact.first_faces),
-        (contact._facing, contact.second, contact.second_faces),
-    )
-    for surface, body, faces in chosen:
-        if surface is None:
-            continue
-        if isinstance(body, MeshBody):
-            chosen_faces = body.faces(faces)
-            yield Side(surface, body, chosen_faces.nodes, vertices_of(chosen_faces))
-        else:
-            yield Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
+    if isinstance(body, MeshBody):
+        chosen = body.faces(faces)
+        return Side(surface, body, chosen.nodes, vertices_of(chosen))
+    return Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
 
 
-def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> float:
+def resolve(label: str, sides: Sequence[Side], model: Model, gaps: _core.Gaps, size: float) -> float:
     """Move nodes of solids until no gap is negative; returns the longest way of a node.
 
     It is the smallest move in the mean square, weighted by mass (without mass all nodes count the same), that opens
@@ -90,7 +83,7 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     """
     import scipy.sparse as sp
 
-    (x, _), sides = model.initial, list(sides_of(contact))
+    x, _ = model.initial
     X = np.concatenate([positions(side.surface, x) for side in sides])
     ease = np.concatenate([side.ease(model) for side in sides]).ravel()
     to_vertices = sp.block_diag([side.weights for side in sides], format="csr")
@@ -109,7 +102,7 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     if depth.max(initial=0.0) > RESOLVED * size or moved > size:
         place = ", ".join(f"{c:.4g}" for c in X[int(np.argmax(depth))])
         raise InputError(
-            f"{contact.label}: the overlap near ({place}) cannot be resolved by moving nodes by less than a facet's "
+            f"{label}: the overlap near ({place}) cannot be resolved by moving nodes by less than a facet's "
             f"size, {size:.3g}; move one of the bodies, or free the nodes that supports hold there"
         )
     starts = np.cumsum([0, *(len(side.surface.forms) for side in sides)])
