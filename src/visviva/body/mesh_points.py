@@ -72,7 +72,7 @@ def cell_points(grid: Mesh, *, thickness: float = 1.0, axisymmetric: bool = Fals
         xi, w = mass_rule(kind)
         N = CELLS[kind].N(xi)
         size = w * measure(jacobians(grid.points, nodes, CELLS[kind].dN(xi)))
-        if grid.dimension == 2:
+        if grid.points.shape[1] == 2:
             size = size * depth(points, nodes, N, thickness, axisymmetric)
         yield Points(nodes=nodes, N=N, X=np.einsum("mkc,qk->mqc", points[nodes], N), size=size)
 
@@ -89,7 +89,7 @@ def face_points(
     >>> round(sum(float(p.size.sum()) for p in face_points(block, block.faces("x1"))), 12)
     6.0
     """
-    points, plane = in_space(grid), grid.dimension == 2
+    points, plane = in_space(grid), grid.points.shape[1] == 2
     for kind, nodes in faces.cells.items():
         xi, w = mass_rule(kind)
         N, dN = CELLS[kind].N(xi), CELLS[kind].dN(xi)
@@ -107,4 +107,4 @@ def face_points(
 
 def in_space(grid: Mesh) -> Array:
     """Positions (n, 3) of the nodes."""
-    return np.pad(grid.points, ((0, 0), (0, 3 - grid.dimension)))
+    return np.pad(grid.points, ((0, 0), (0, 3 - grid.points.shape[1])))

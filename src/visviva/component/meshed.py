@@ -22,8 +22,8 @@ class Meshed(Component):
 
     @property
     def dimension(self) -> int:
-        """Of the mesh: 2 or 3."""
-        return self.grid.dimension
+        """Components of its nodes' positions: 2 or 3."""
+        return self.grid.points.shape[1]
 
     @property
     def points(self) -> Array:

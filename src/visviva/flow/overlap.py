@@ -35,7 +35,7 @@ INTERIOR = 1e-4
 
 def places_within(body: Owner, dimension: int) -> Array:
     """Places (n, d) that lie inside of a body at the start; none of what has no volume."""
-    if isinstance(body, MeshBody) and body.dimension == dimension == body.grid.points.shape[1]:
+    if isinstance(body, MeshBody) and body.dimension == dimension == body.grid.dimension:
         return np.asarray(body.grid.centres)
     if isinstance(body, RigidBody) and body.shape is not None:
         X = below(*body.shape.surface())
