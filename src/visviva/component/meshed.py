@@ -23,7 +23,7 @@ class Meshed(Component):
     @property
     def dimension(self) -> int:
         """Components of its nodes' positions: 2 or 3."""
-        return self.grid.points.shape[1]
+        return int(self.grid.points.shape[1])
 
     @property
     def points(self) -> Array:
