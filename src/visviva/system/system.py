@@ -97,6 +97,8 @@ class System(metaclass=Named):
                     f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
                 )
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
+        for c in self.components:
+            c.announce(self.model)
         for c in sorted(
             self.components, key=lambda c: not isinstance(c, Attachable)
         ):  # joints attach to bodies
