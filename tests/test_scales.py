@@ -135,7 +135,9 @@ def test_units_do_not_count(model: Callable[[Units], list[float]], units: str) -
     np.testing.assert_allclose(model(OTHERS[units]), reference, rtol=0, atol=1e-8 * np.abs(reference).max())
 
 
-@pytest.mark.parametrize("mass, length, rate", [(2e3, 10.0, 3.0), (2e3, 10.0, 0.3), (1e6, 1.0, 3.0), (1e-3, 1e3, 3.0)])
+@pytest.mark.parametrize(
+    ("mass", "length", "rate"), [(2e3, 10.0, 3.0), (2e3, 10.0, 0.3), (1e6, 1.0, 3.0), (1e-3, 1e3, 3.0)]
+)
 def test_motors_start_arms_of_any_size(mass: float, length: float, rate: float) -> None:
     ground = vv.Ground()
     arm = vv.RigidBody(
@@ -148,7 +150,7 @@ def test_motors_start_arms_of_any_size(mass: float, length: float, rate: float) 
     np.testing.assert_allclose(system.value(arm.point().position), place, rtol=0, atol=1e-9 * length)
 
 
-@pytest.mark.parametrize("mass, size", [(1e3, 1.0), (1e3, 10.0), (1e6, 1e2), (1e9, 1e2)])
+@pytest.mark.parametrize(("mass", "size"), [(1e3, 1.0), (1e3, 10.0), (1e6, 1e2), (1e9, 1e2)])
 def test_small_parts_accelerate_beside_heavy_ones(mass: float, size: float) -> None:
     """A spring turns an arm by a massless angle; the moment over its inertia about the hinge is what it gets."""
     ground, parts = vv.Ground(), []

@@ -106,10 +106,10 @@ void ScaledMatrix::scale_by_diagonal() {
     apply(left_, right_);
 }
 
-// Three sweeps of Ruiz' scaling (2001), rows and columns to unit largest entry, from where neither the units nor
-// the step size count: else the sweeps would end where the condition number grows with them (Bottasso, Bauchau &
-// Cardona 2007). Directors without stiffness, for instance, would shrink, and the multipliers of their
-// orthonormality grow, until the nodes that they are tied to do not feel them.
+// Three sweeps of Ruiz' scaling (2001), rows and columns to unit largest entry, from where neither the units
+// nor the step size count: else the sweeps would end where the condition number grows with them (Bottasso,
+// Bauchau & Cardona 2007). Directors without stiffness, for instance, would shrink, and the multipliers of
+// their orthonormality grow, until the nodes that they are tied to do not feel them.
 void ScaledMatrix::scale_by_largest() {
     scale_by_units();
     std::vector<double> r(n_), c(n_);
@@ -127,7 +127,8 @@ void ScaledMatrix::scale_by_largest() {
     apply(left_, right_);
 }
 
-// What moves is measured by its scale, a force by what it and a scale do: all entries become parts of one energy.
+// What moves is measured by its scale, a force by what it and a scale do: all entries become parts of one
+// energy.
 void ScaledMatrix::scale_by_units() {
     left_.assign(n_, 0.0), right_.assign(n_, 0.0);
     for_each([&](int i, int j, int k) {

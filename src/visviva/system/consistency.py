@@ -161,13 +161,15 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
     v = system.v[at.coordinates].copy()
     drift = at.drift()
     defect = at.G @ v + drift
-    before = float(np.abs(defect / rate_reach(system, at, drift)).max(initial=0.0))
+    reach = rate_reach(system, at, drift)
+    before = float(np.abs(defect / reach).max(initial=0.0))
     if before <= ROUND_OFF:
         return Correction(before, before, {})
     change, _ = at.solve(np.zeros(len(v)), -defect)
     system.v[at.coordinates] = v + change
     rest = at.G @ (v + change) + drift
-    relative = np.abs(rest / rate_reach(system, at, drift))  # what was at rest may have become fast
+    reach = np.maximum(reach, rate_reach(system, at, drift))  # things may start here, or stop
+    relative = np.abs(rest) / reach
     after = float(relative.max(initial=0.0))
     if after > 1e-9:
         k = int(np.argmax(relative))

@@ -271,7 +271,8 @@ class Instant:
             self._s = np.zeros(0)
             return
         K = sp.block_array([[self.metric, self.G.T], [self.G, None]], format="csr")
-        self._s = equilibration(K, np.concatenate([by_weight(self.metric.diagonal(), self.scale), np.zeros(m)]))
+        unit = by_weight(self.metric.diagonal(), self.scale)
+        self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
         S = sp.diags_array(self._s)
         weightless = abs(self.metric).sum(axis=1) == 0
         little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(m, -compliance)])

@@ -65,5 +65,7 @@ def by_units(K: sp.csr_array, scale: Array) -> Array:
     reach, own = (K @ sp.diags_array(scale)).max(axis=1).toarray().ravel(), K.diagonal()
     effect = reach * scale
     unit = np.sqrt(typical(effect[effect > 1e-8 * effect.max(initial=0.0)]))
-    alone = 1 / np.sqrt(np.where(own > 0, own, 1.0))
-    return np.where(scale > 0, scale / unit, np.where(reach > 0, unit / np.where(reach > 0, reach, 1.0), alone))
+    of_forces = np.where(
+        reach > 0, unit / np.where(reach > 0, reach, 1.0), 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    )
+    return np.where(scale > 0, scale / unit, of_forces)
