@@ -183,6 +183,13 @@ def test_modes_of_small_things(size: float) -> None:
     np.testing.assert_allclose(vibrating(small), vibrating(Units()), rtol=1e-8)
 
 
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_differences_confirm_tangents_of_any_size(size: float) -> None:
+    error = vv.System(beam(Units(L=size, M=size**3))[0]).check().tangent
+    assert error is not None
+    assert "agree" in str(error)
+
+
 @pytest.mark.parametrize("speed", [1e-5, 1e5])
 def test_flows_start_at_any_speed(speed: float) -> None:
     reference = np.array(channel(Units()))

@@ -392,7 +392,7 @@ def exact_stress(system: System) -> Iterator[None]:
 def column_by_differences(system: System, step: Any, unknown: int, part: float) -> Array:
     """Central differences of the residual by one unknown, over a part of it or of one."""
     dx = system.core.dx
-    d = part * max(1.0, abs(float(system.x[unknown])))
+    d = part * max(float(system.scale[unknown]) or 1.0, abs(float(system.x[unknown])))
     here = float(dx[unknown])
     ends = []
     for sign in (1.0, -1.0):
