@@ -183,6 +183,15 @@ def test_modes_of_small_things(size: float) -> None:
     np.testing.assert_allclose(vibrating(small), vibrating(Units()), rtol=1e-8)
 
 
+@pytest.mark.parametrize(("size", "told"), [(1e-3, "0.003"), (1.0, "3"), (1e3, "3e+03")])
+def test_moves_are_told_in_units_of_length(
+    size: float, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three radians per second move the centre of an arm, one unit from its hinge, by so much."""
+    motor(Units(L=size))
+    assert f"velocity of RigidBody 'rigidbody-1' by {told}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
 def test_differences_confirm_tangents_of_any_size(size: float) -> None:
     error = vv.System(beam(Units(L=size, M=size**3))[0]).check().tangent
