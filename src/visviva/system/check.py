@@ -27,6 +27,7 @@ from visviva.system.consistency import (
 from visviva.system.instant import COMPLIANCE, Instant, instant
 
 if TYPE_CHECKING:
+    from visviva.model.field import Field
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -241,10 +242,23 @@ def told_moves(system: System, x0: Array, v0: Array, edited: bool) -> tuple[list
         for what, change, size, counts in (("position", dx, 1.0, True), ("velocity", dv, fastest, given)):
             part = float((change[of] * inverse[of]).max(initial=0.0)) / (size or 1.0)
             if part > 1e-9:
-                moves.append(f"{what} of {f.component.label} by {change[of].max():.3g}")
+                moves.append(largest_move(system, f, what, change))
                 if counts and part > FAR:
                     far.append(moves[-1])
     return moves, far
+
+
+def largest_move(system: System, f: Field, what: str, change: Array) -> str:
+    """How far a field has moved, in words: lengths, unless it hardly does but turn."""
+    vectors = f.component.vectors(system.model)
+    assert vectors is not None
+    starts, is_position, width = vectors
+    places = (starts[is_position][:, None] + np.arange(width)).ravel()
+    places = np.intersect1d(places, f.unknowns)
+    turns = np.setdiff1d(f.unknowns, places)
+    parts = [float((change[u] * system.inverse_scale[u]).max(initial=0.0)) for u in (places, turns)]
+    shown, of = (places, "") if 10 * parts[0] >= parts[1] else (turns, "directors' ")
+    return f"{of}{what} of {f.component.label} by {change[shown].max():.3g}"
 
 
 def told(violation: float) -> Correction:
@@ -392,7 +406,7 @@ def exact_stress(system: System) -> Iterator[None]:
 def column_by_differences(system: System, step: Any, unknown: int, part: float) -> Array:
     """Central differences of the residual by one unknown, over a part of it or of one."""
     dx = system.core.dx
-    d = part * max(1.0, abs(float(system.x[unknown])))
+    d = part * max(float(system.scale[unknown]) or 1.0, abs(float(system.x[unknown])))
     here = float(dx[unknown])
     ends = []
     for sign in (1.0, -1.0):

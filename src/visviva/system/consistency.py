@@ -160,17 +160,19 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
         return Correction(0.0, 0.0, {})
     v = system.v[at.coordinates].copy()
     drift = at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
     defect = at.G @ v + drift
+    reach = rate_reach(system, at, drift)
     before = float(np.abs(defect / reach).max(initial=0.0))
     if before <= ROUND_OFF:
         return Correction(before, before, {})
     change, _ = at.solve(np.zeros(len(v)), -defect)
     system.v[at.coordinates] = v + change
     rest = at.G @ (v + change) + drift
-    after = float(np.abs(rest / reach).max(initial=0.0))
+    reach = np.maximum(reach, rate_reach(system, at, drift))  # things may start here, or stop
+    relative = np.abs(rest) / reach
+    after = float(relative.max(initial=0.0))
     if after > 1e-9:
-        k = int(np.argmax(np.abs(rest / reach)))
+        k = int(np.argmax(relative))
         component, unknown = system.describe(int(at.multipliers[k]))
         system.v[at.coordinates] = v
         raise InputError(
@@ -186,8 +188,23 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
 def rate_violation(system: System, at: Instant) -> float:
     """Largest relative violation of the constraints' rates."""
     v, drift = system.v[at.coordinates], at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
-    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+    return float(np.abs((at.G @ v + drift) / rate_reach(system, at, drift)).max(initial=0.0))
+
+
+def rate_reach(system: System, at: Instant, drift: Array) -> Array:
+    """What rates (m,) of constraints are measured by: their gradients times the speeds of the fastest unknowns.
+
+    Unknowns of one role compare by their scales; so no unit of time counts, and what rests beside what moves may have
+    the round-off of that.
+    """
+    relative, fastest = np.abs(system.v) * system.inverse_scale, np.zeros(len(system.x))
+    fields = [f for f in system.model.fields if f.order > 0]
+    for role in {f.role for f in fields}:
+        unknowns = np.concatenate([f.unknowns for f in fields if f.role is role])
+        fastest[unknowns] = relative[unknowns].max(initial=0.0)
+    speed = (fastest * system.scale)[at.coordinates]
+    reach: Array = abs(at.G) @ speed + np.abs(drift) + 1e-300
+    return reach
 
 
 def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.system.scaling import by_weight, equilibration
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -34,6 +35,8 @@ NO_STEP = 1e-3
 """What stands for the length of steps before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
+LIGHT = 1e-6
+"""Mass of what has none, beside the scaled others: refinement takes off its effect."""
 REDUNDANT = 1e-9
 """A combination of scaled constraints whose gradient is shorter than this is redundant."""
 
@@ -267,13 +270,13 @@ class Instant:
         if n + m == 0:  # all that moves is prescribed
             self._s = np.zeros(0)
             return
-        mass = self.metric
-        light = np.where(abs(mass).sum(axis=1) == 0, 1e-3 * typical(mass.diagonal()), 0.0)
-        K = sp.block_array([[mass + sp.diags_array(light), self.G.T], [self.G, None]], format="csr")
-        self._s = equilibration(K)
+        K = sp.block_array([[self.metric, self.G.T], [self.G, None]], format="csr")
+        unit = by_weight(self.metric.diagonal(), self.scale)
+        self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
         S = sp.diags_array(self._s)
-        soft = sp.diags_array(np.r_[np.zeros(n), np.full(m, -compliance)])
-        K = (S @ K @ S + soft).tocsc()
+        weightless = abs(self.metric).sum(axis=1) == 0
+        little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(m, -compliance)])
+        K = (S @ K @ S + little).tocsc()
         if self.metric is not self.M and K[:n, :n].nnz == n:  # meshes alone
             with suppress(
                 RuntimeError
@@ -290,18 +293,22 @@ class Instant:
     def refined(
         self, mass: sp.csr_array, f: Array, g: Array, improve: Callable[[Array], Array]
     ) -> tuple[Array, Array]:
-        """The exact solution by corrections that `improve` finds from what is left of the right-hand side."""
-        n, best = len(f), np.inf
+        """The exact solution by corrections that `improve` finds from what is left of the right-hand side.
+
+        What is left after the first need not be less than before, where the right-hand side holds rates of
+        constraints alone: the corrections tell.
+        """
+        n, last = len(f), (np.inf, np.inf)
         z = np.zeros(n + len(g))
         if not len(z):
             return f, g
-        for _ in range(6):
-            rest = np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]])
-            size = float(np.abs(self._s * rest).max(initial=0.0))
-            if not size < 0.5 * best:
+        for _ in range(8):
+            change = improve(np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]]))
+            relative = np.abs(change / self._s)
+            sizes = float(relative[:n].max(initial=0.0)), float(relative[n:].max(initial=0.0))
+            if not any(size < 0.5 * before for size, before in zip(sizes, last, strict=True)):
                 break
-            best = size
-            z = z + improve(rest)
+            z, last = z + change, sizes
         return z[:n], z[n:]
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
@@ -377,27 +384,6 @@ def by_complement(K: sp.csc_array, n: int) -> Callable[[Array], Array]:
         return np.concatenate([weight * (r[:n] - G.T @ mu), mu])
 
     return solve
-
-
-def typical(values: Array) -> float:
-    """Median of the positive values, 1 without any."""
-    positive = values[values > 0]
-    return float(np.median(positive)) if len(positive) else 1.0
-
-
-def equilibration(K: sp.csr_array) -> Array:
-    """Factors that scale rows and columns of a symmetric matrix to largest entries near one."""
-
-    import scipy.sparse as sp
-
-    s = np.ones(K.shape[0])
-    K = abs(K).tocsr()
-    for _ in range(3):
-        largest = K.max(axis=1).toarray().ravel()
-        d = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
-        s *= d
-        K = (sp.diags_array(d) @ K @ sp.diags_array(d)).tocsr()
-    return s
 
 
 def difference(f: Callable[[float], Array], d: float) -> Array:
