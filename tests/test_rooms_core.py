@@ -15,6 +15,7 @@ ROOMS = [
     "term",
     "strain",
     "material",
+    "point",
     "solid",
     "contact",
     "flow",

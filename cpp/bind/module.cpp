@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "callback.hpp"
 #include "linear.hpp"
 #include "visviva/base/instructions.hpp"
 #include "visviva/linear/linear_choice.hpp"
@@ -90,7 +91,7 @@ static nb::object alive(const nb::weakref& f) {
     return g;
 }
 
-static LawCallback law_callback(nb::object function) {
+LawCallback law_callback(nb::object function) {
     return [f = nb::weakref(function)](const LawArguments& a) {
         nb::gil_scoped_acquire gil;
         alive(f)(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
@@ -215,6 +216,7 @@ static void bind_terms(nb::module_& m) {
                                 mass.data(), index.data(), flags_of(is_position));
         });
     bind_solid(m);
+    bind_point(m);
     bind_contact(m);
     bind_flow(m);
     bind_immersed(m);

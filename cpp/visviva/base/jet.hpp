@@ -87,6 +87,20 @@ VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, const Jet<n, se
     return u + broadcast(-1.0) * w;
 }
 
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u) {
+    return -1.0 * u;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, double c) {
+    return u + -c;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator/(const Jet<n, second>& u, const Jet<n, second>& w) {
+    const V i = 1.0 / w.v;
+    return u * chain(w, i, -i * i, 2.0 * i * i * i);
+}
+
 VISVIVA_INLINE V log1p(V u) { return vlog1p(u); }
 template <int n, bool second>
 VISVIVA_INLINE Jet<n, second> log1p(const Jet<n, second>& u) {

@@ -1,0 +1,78 @@
+// Binding of physics at points.
+#include "visviva/point/point_term.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "callback.hpp"
+#include "linear.hpp"
+
+namespace nb = nanobind;
+using namespace visviva;
+
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
+using Values = nb::ndarray<nb::numpy, double, nb::ndim<3>>;
+
+static const double* optional(const nb::object& a) {
+    return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
+}
+
+// Of (weights (n, points, nodes, columns), mass (n, pairs) or None, whether they are positions).
+static PointGroupData group_of(const nb::tuple& g) {
+    const auto weights = nb::cast<Doubles>(g[0]);
+    return {static_cast<int>(weights.shape(2)), nb::cast<bool>(g[2]), weights.data(), optional(g[1])};
+}
+
+static PointData data_of(PhysicsKind kind, const Ints& index, const nb::list& groups, const Doubles& volume,
+                         const Doubles& par, const nb::object& reference) {
+    PointData d{};
+    const PointShape& shape = point_kernels(kind).shape;
+    d.kind = kind, d.n = static_cast<int>(index.shape(0)), d.n_slots = static_cast<int>(index.shape(1)),
+    d.n_points = static_cast<int>(volume.shape(1)), d.index = index.data();
+    for (std::size_t g = 0; g < nb::len(groups); ++g) {
+        const auto weights = nb::cast<Doubles>(nb::cast<nb::tuple>(groups[g])[0]);
+        if (g < static_cast<std::size_t>(shape.n_groups) &&
+            static_cast<int>(weights.shape(3)) != shape.group[g].columns)
+            throw std::invalid_argument("the weights of a group need the columns of its physics");
+        d.groups.push_back(group_of(nb::cast<nb::tuple>(groups[g])));
+    }
+    if (static_cast<int>(par.shape(2)) != shape.n_par)
+        throw std::invalid_argument("the parameters are not those of the physics");
+    d.volume = volume.data(), d.par = par.data(), d.reference = optional(reference);
+    return d;
+}
+
+// [point of the batch][variable]
+static Values history(nb::handle self) {
+    const auto& t = nb::cast<PointTerm&>(self);
+    const auto& h = t.history();
+    const std::size_t n = t.n_history(),
+                      shape[3] = {n == 0 ? 0 : h.size() / n / point_lanes, n, point_lanes};
+    return Values(const_cast<double*>(h.data()), 3, shape, self);
+}
+
+void bind_point(nb::module_& m) {
+    nb::enum_<PhysicsKind>(m, "PhysicsKind")
+        .value("VISCOELASTIC", PhysicsKind::viscoelastic)
+        .value("THERMOELASTIC", PhysicsKind::thermoelastic)
+        .value("DAMAGE", PhysicsKind::damage)
+        .value("CAHN_HILLIARD", PhysicsKind::cahn_hilliard)
+        .value("BEAM", PhysicsKind::beam)
+        .value("SHELL", PhysicsKind::shell);
+    nb::class_<PointTerm, Term>(m, "PointTerm")
+        .def(
+            "__init__",
+            [](PointTerm* t, PhysicsKind kind, const Ints& index, const nb::list& groups,
+               const Doubles& volume, const Doubles& par, nb::object reference) {
+                new (t) PointTerm(data_of(kind, index, groups, volume, par, reference));
+            },
+            nb::arg("kind"), nb::arg("index"), nb::arg("groups"), nb::arg("volume"), nb::arg("par"),
+            nb::arg("reference").none())
+        .def("set_callback", [](PointTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
+        .def_prop_ro("history", &history)
+        .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {
+            t.energy_account = energy, t.kinetic_account = kinetic, t.dissipation_account = dissipation;
+            t.owner = owner;
+        });
+}
