@@ -53,7 +53,8 @@ def reducible() -> list[Entry]:
     return [
         e
         for e in CATALOGUE
-        if vv.System(e.build()).core.solver == vv.System([vv.PointMass(mass=1)]).core.solver
+        if (system := vv.System(e.build())).core.solver == vv.System([vv.PointMass(mass=1)]).core.solver
+        and np.any(system.order == 2)
     ]
 
 

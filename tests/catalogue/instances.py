@@ -4,15 +4,30 @@ from __future__ import annotations
 
 from instances.heat import Bar
 from instances.immersed import ImmersedSolid
+from instances.points import (
+    Damaged,
+    DirectorBeam,
+    DirectorShell,
+    Separating,
+    Thermoelastic,
+    Viscoelastic,
+)
 from instances.solid import Brick
 from instances.stokes import StokesCell
 
-from catalogue.entry import ALL, ENERGY, NOTHING, Entry
+from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Entry
 
 INSTANCES = [
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),
     Entry("heat bar", lambda: [Bar()], NOTHING, analytic=False),
     Entry("stokes cell", lambda: [StokesCell()], NOTHING),
+    Entry("viscoelastic points", lambda: [Viscoelastic()], MOMENTA, steps=60),
+    Entry("thermoelastic points", lambda: [Thermoelastic()], ALL, steps=60),
+    Entry("damage points", lambda: [Damaged()], MOMENTA, steps=60),
+    Entry("separating points", lambda: [Separating()], NOTHING, steps=60),
+    Entry("director beam", lambda: [DirectorBeam()], ALL, steps=100),
+    Entry("director beam, clamped", lambda: [DirectorBeam(clamped=True)], ENERGY, steps=100),
+    Entry("director shell", lambda: [DirectorShell()], ALL, steps=60),
     Entry("immersed solid", lambda: [ImmersedSolid()], ENERGY, steps=50, analytic=False),
 ]
