@@ -1,11 +1,10 @@
 // Binding of physics at points.
-#include "visviva/point/point_term.hpp"
-
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
 #include "callback.hpp"
 #include "linear.hpp"
+#include "visviva/point/point_term.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;
@@ -47,8 +46,7 @@ static PointData data_of(PhysicsKind kind, const Ints& index, const nb::list& gr
 static Values history(nb::handle self) {
     const auto& t = nb::cast<PointTerm&>(self);
     const auto& h = t.history();
-    const std::size_t n = t.n_history(),
-                      shape[3] = {n == 0 ? 0 : h.size() / n / point_lanes, n, point_lanes};
+    const std::size_t n = t.n_history(), shape[3] = {n == 0 ? 0 : h.size() / n / point_lanes, n, point_lanes};
     return Values(const_cast<double*>(h.data()), 3, shape, self);
 }
 

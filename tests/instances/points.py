@@ -110,8 +110,8 @@ class Thermoelastic(Block):
         self.build(
             model,
             PhysicsKind.THERMOELASTIC,
-            [(self.motion, "g"), (self.entropy, "v"), (self.temperature, "vg")],
-            [20.0, 10.0, 4.0, self.capacity, self.reference, self.conductivity],
+            [(self.motion, "g"), (self.entropy, "vg"), (self.temperature, "vg")],
+            [20.0, 10.0, 0.4, self.capacity, self.reference, self.conductivity],
         )
 
 
@@ -145,7 +145,22 @@ class Separating(Block):
     def declare(self, model: Model) -> None:
         c = 0.5 + 0.1 * self.rng.standard_normal(len(self.X))
         self.concentration = self.scalars(model, "concentration", c, Role.CONTENT)
-        self.potential = self.scalars(model, "potential", 0.0, Role.MULTIPLIER)
+        self.potential = self.scalars(model, "potential", self.potential_of(c), Role.MULTIPLIER)
+
+    def potential_of(self, c: Array) -> Array:
+        """``2 b c (1 - c) (1 - 2 c) - kappa laplace(c)`` by projection."""
+        g = geometry(self.X, self.cells, self.cell)
+        N = CELLS[self.cell].N(solid_rule(self.X, self.cells, self.cell).points)
+        local = c[self.cells]
+        at, slope = local @ N.T, np.einsum("eqad,ea->eqd", g.gradients, local)
+        chemical = 2 * self.barrier * at * (1 - at) * (1 - 2 * at)
+        rows = np.einsum("eq,eq,qa->ea", g.volume, chemical, N)
+        rows += self.gradient * np.einsum("eq,eqad,eqd->ea", g.volume, g.gradients, slope)
+        blocks = np.einsum("eq,qa,qb->eab", g.volume, N, N)
+        M, r = np.zeros((len(c), len(c))), np.zeros(len(c))
+        np.add.at(r, self.cells, rows)
+        np.add.at(M, (self.cells[:, :, None], self.cells[:, None, :]), blocks)
+        return np.asarray(np.linalg.solve(M, r))
 
     def contribute(self, model: Model) -> None:
         self.build(
@@ -201,9 +216,7 @@ class DirectorBeam(Component):
         director = np.stack([value, slope], axis=1)[None]
         groups = [Group(start + 12 * pairs, slope[None, :, None], self.line(self.line_density), True)]
         densities = (*self.inertia, 0.0)
-        groups += [
-            Group(start + 12 * pairs + 3 * i + 3, director, self.line(densities[i])) for i in range(3)
-        ]
+        groups += [Group(start + 12 * pairs + 3 * i + 3, director, self.line(densities[i])) for i in range(3)]
         reference = np.tile([0.0, 0, 1, 0, 0, 0], (self.n, 1, 1))
         volume = np.full((self.n, 1), h)
         parameters = upper(np.diag(self.stiffness))
@@ -275,10 +288,10 @@ class DirectorShell(Component):
         ]
         reference = np.zeros((*volume.shape, 8))
         reference[..., :2] = 0.5
-        add_points(
-            model, self, PhysicsKind.SHELL, groups, volume, upper(self.stiffness()), reference
-        )
+        add_points(model, self, PhysicsKind.SHELL, groups, volume, upper(self.stiffness()), reference)
         multipliers = model.multipliers(self, "length", len(self.X), stage=0, block=self)
-        for k in range(len(self.X)):
+        fixed = self.nodes.fixed.reshape(-1, 6)[:, 3:].all(axis=1)
+        model.hold(multipliers, np.flatnonzero(fixed))
+        for k in np.flatnonzero(~fixed):
             d = Vector.of(start + 6 * k + 3)
             model.constrain(self, multipliers, [0.5 * dot(d, d) - 0.5], first=k)

@@ -1,5 +1,5 @@
-// The discrete gradient of an energy of any number of strains, and its tangent (Gonzalez 1996; partitioned as by
-// Gross & Betsch 2011).
+// The discrete gradient of an energy of any number of strains, and its tangent (Gonzalez 1996; partitioned as
+// by Gross & Betsch 2011).
 #pragma once
 #include "visviva/base/jet.hpp"
 
@@ -25,13 +25,13 @@ VISVIVA_INLINE void differentiate(const V* e, Energy&& energy, Potential<n>& p) 
 }
 
 /// One block of strains goes from e0 to e1 while the others rest: share * D adds up in s and T = ds/de1, with
-/// s . (e1 - e0) = W(e1) - W(e0). `moves` and `ends` mark the strains of the block, and those of the others that rest
-/// at their ends.
+/// s . (e1 - e0) = W(e1) - W(e0). `moves` and `ends` mark the strains of the block, and those of the others
+/// that rest at their ends.
 ///
-/// s = W'(em) + f w d, d = e1 - e0, with f d.wd = b = W1 - W0 - W'(em).d, weights w. Where that difference would
-/// drown in rounding it is Simpson's rule in the gradients, and nothing where it is below the rounding of the energy
-/// or where the strains hardly change: what is left out is of third order, what rounding leaves of f d and its
-/// gradient is not.
+/// s = W'(em) + f w d, d = e1 - e0, with f d.wd = b = W1 - W0 - W'(em).d, weights w. Where that difference
+/// would drown in rounding it is Simpson's rule in the gradients, and nothing where it is below the rounding
+/// of the energy or where the strains hardly change: what is left out is of third order, what rounding leaves
+/// of f d and its gradient is not.
 template <bool tangent, class Energy, int n = Energy::n>
 void add_discrete_gradient(const Energy& energy, double share, const bool* moves, const bool* ends,
                            const V* e0, const V* e1, V* s, V* T) {
@@ -78,13 +78,12 @@ void add_discrete_gradient(const Energy& energy, double share, const bool* moves
             df = inverse * (df - (moves[j] ? 2.0 * Energy::weight(j) : 0.0) * f * d[j]);
             if (energy.is_quadratic()) df = V{};
             for (int k = 0; k < n; ++k)
-                if (moves[k])
-                    T[n * k + j] += share * (half * m.d[n * k + j] + Energy::weight(k) * d[k] * df);
+                if (moves[k]) T[n * k + j] += share * (half * m.d[n * k + j] + Energy::weight(k) * d[k] * df);
         }
 }
 
-/// s with s . (e1 - e0) = W(e1) - W(e0), and T = ds/de1. Several blocks of strains (Energy::block) go one after the
-/// other, in both orders, so that each keeps its own units: the mean is of second order.
+/// s with s . (e1 - e0) = W(e1) - W(e0), and T = ds/de1. Several blocks of strains (Energy::block) go one
+/// after the other, in both orders, so that each keeps its own units: the mean is of second order.
 template <bool tangent, class Energy, int n = Energy::n>
 void discrete_gradient(const Energy& energy, const V* e0, const V* e1, V* s, V* T) {
     for (int k = 0; k < n; ++k) s[k] = V{};

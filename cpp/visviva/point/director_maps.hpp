@@ -1,5 +1,5 @@
-// Beams and shells: strains of positions and directors, which are interpolated alike; see theory of beams, Betsch &
-// Steinmann (2002), and of shells, Betsch & Saenger (2009).
+// Beams and shells: strains of positions and directors, which are interpolated alike; see theory of beams,
+// Betsch & Steinmann (2002), and of shells, Betsch & Saenger (2009).
 #pragma once
 #include "visviva/point/maps.hpp"
 
@@ -11,8 +11,8 @@ constexpr T dot(const T* a, int i, const T* b, int j) {
     return a[0] * b[0] + a[i] * b[j] + a[2 * i] * b[2 * j];
 }
 
-/// Gamma_i = d_i . phi', K_i = (d_k . d_j' - d_j . d_k') / 2 with (i, j, k) cyclic. Columns: of phi the derivative,
-/// of directors the value and the derivative.
+/// Gamma_i = d_i . phi', K_i = (d_k . d_j' - d_j . d_k') / 2 with (i, j, k) cyclic. Columns: of phi the
+/// derivative, of directors the value and the derivative.
 struct BeamMap : Layout<BeamMap> {
     static constexpr int n_groups = 4, n_components = 12, n_local = 21, n_strains = 6;
     static constexpr Group groups[] = {{3, 1, 2}, {3, 2, 2}, {3, 2, 2}, {3, 2, 2}};
@@ -27,10 +27,10 @@ struct BeamMap : Layout<BeamMap> {
     }
 };
 
-/// Membrane (phi,a . phi,b) / 2, bending (phi,a . d,b + phi,b . d,a) / 2, shear phi,a . d assumed from tying points
-/// A, C (along 1) and B, D (along 2) after Dvorkin & Bathe (1984). Columns of phi: derivatives along 1 and 2, then those
-/// along 1 at A and C and along 2 at B and D times their shares in the point's shear; of d: its derivatives along 1 and
-/// 2, its values at A, C, B, D.
+/// Membrane (phi,a . phi,b) / 2, bending (phi,a . d,b + phi,b . d,a) / 2, shear phi,a . d assumed from tying
+/// points A, C (along 1) and B, D (along 2) after Dvorkin & Bathe (1984). Columns of phi: derivatives along 1
+/// and 2, then those along 1 at A and C and along 2 at B and D times their shares in the point's shear; of d:
+/// its derivatives along 1 and 2, its values at A, C, B, D.
 struct ShellMap : Layout<ShellMap> {
     static constexpr int n_groups = 2, n_components = 6, n_local = 36, n_strains = 8;
     static constexpr Group groups[] = {{3, 6, 2}, {3, 6, 2}};

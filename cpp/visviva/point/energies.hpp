@@ -23,8 +23,8 @@ VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
     return (0.5 * mu) * (c[0] + c[1] + c[2] - 2.0 * log_j) + (0.5 * lambda) * (log_j * log_j);
 }
 
-/// e(C, s) of psi(C, theta) = W(C) - beta (theta - theta0) ln J + c (theta - theta0 - theta ln(theta / theta0)).
-/// Parameters: lambda, mu, beta, capacity c, theta0, conductivity.
+/// e(C, s) of psi(C, theta) = W(C) - beta (theta - theta0) ln J + c (theta - theta0 - theta ln(theta /
+/// theta0)). Parameters: lambda, mu, beta, capacity c, theta0, conductivity.
 struct ThermoelasticEnergy : PlainEnergy {
     static constexpr int n = 7, max_par = 6, n_blocks = 2;
     static constexpr int block(int k) { return k / 6; }
@@ -33,28 +33,32 @@ struct ThermoelasticEnergy : PlainEnergy {
     explicit ThermoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(e, [this](const auto* x) {
-            auto log_j = x[6];
-            const auto w = neo_hookean(x, p[0], p[1], log_j);
-            const auto heat = expm1((1.0 / p[3]) * (x[6] - p[2] * log_j));
-            return w + (p[4] * p[2]) * log_j + (p[3] * p[4]) * heat;
-        }, to);
+        differentiate<n, second>(
+            e,
+            [this](const auto* x) {
+                auto log_j = x[6];
+                const auto w = neo_hookean(x, p[0], p[1], log_j);
+                const auto heat = expm1((1.0 / p[3]) * (x[6] - p[2] * log_j));
+                return w + (p[4] * p[2]) * log_j + (p[3] * p[4]) * heat;
+            },
+            to);
     }
 };
 
-/// The entropy balance tests the temperature, that the temperature is D_s e tests the entropy: with both, heat flows
-/// and nothing of the energy is lost. Fourier's flux -k grad theta in the reference.
+/// The entropy balance s' = div(k grad theta / theta) + k |grad theta|^2 / theta^2 tests the entropy, and
+/// that the temperature is D_s e the temperature. Both have the same shape functions, so that heat flows and
+/// nothing of the energy is lost. Fourier's flux in the reference.
 struct HeatPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        const auto &theta = z.e[7], *slope = z.e + 8;
+        const auto &theta = z.e[10], *slope = z.e + 11;
         const V k = z.par[5];
         for (int a = 0; a < 6; ++a) f[a] = z.s[a];
-        f[6] = z.s[6] - theta;
         const auto square = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
-        f[7] = k * square / (theta * theta) - z.rate[6];
-        for (int a = 0; a < 3; ++a) f[8 + a] = -(k * slope[a] / theta);
+        f[6] = z.rate[6] - k * square / (theta * theta);
+        for (int a = 0; a < 3; ++a) f[7 + a] = k * slope[a] / theta, f[11 + a] = 0.0 * theta;
+        f[10] = theta - z.s[6];
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -62,8 +66,9 @@ struct HeatPairing {
     }
 };
 
-/// W(C) + mu_v / 2 (A : C - 3 - ln det A - ln det C), A the inverse of the viscous Cauchy-Green tensor; both less I.
-/// Parameters: lambda, mu, mu_v, viscosity eta. A' = A Y A / eta with Y = -dW/dA, so that Y : A' >= 0.
+/// W(C) + mu_v / 2 (A : C - 3 - ln det A - ln det C), A the inverse of the viscous Cauchy-Green tensor; both
+/// less I. Parameters: lambda, mu, mu_v, viscosity eta. A' = A Y A / eta with Y = -dW/dA, so that Y : A' >=
+/// 0.
 struct ViscoelasticEnergy : PlainEnergy {
     static constexpr int n = 12, max_par = 4, n_internal = 6;
     static constexpr double weight(int k) { return tensor_weight(k % 6); }
@@ -71,16 +76,19 @@ struct ViscoelasticEnergy : PlainEnergy {
     explicit ViscoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(e, [this](const auto* c) {
-            auto log_j = c[0];
-            const auto w = neo_hookean(c, p[0], p[1], log_j), *a = c + 6;
-            auto inner = c[0] * a[0];
-            for (int k = 0; k < 6; ++k) {
-                if (k < 3) inner = inner + c[k] + a[k];
-                if (k > 0) inner = inner + tensor_weight(k) * (c[k] * a[k]);
-            }
-            return w + (0.5 * p[2]) * (inner - log1p(determinant_less_one(a)) - 2.0 * log_j);
-        }, to);
+        differentiate<n, second>(
+            e,
+            [this](const auto* c) {
+                auto log_j = c[0];
+                const auto w = neo_hookean(c, p[0], p[1], log_j), *a = c + 6;
+                auto inner = c[0] * a[0];
+                for (int k = 0; k < 6; ++k) {
+                    if (k < 3) inner = inner + c[k] + a[k];
+                    if (k > 0) inner = inner + tensor_weight(k) * (c[k] * a[k]);
+                }
+                return w + (0.5 * p[2]) * (inner - log1p(determinant_less_one(a)) - 2.0 * log_j);
+            },
+            to);
     }
     /// The rate of A; the six derivatives by components count an entry off the diagonal twice.
     template <class T>
@@ -101,8 +109,8 @@ struct ViscoelasticEnergy : PlainEnergy {
     }
 };
 
-/// ((1 - d)^2 + rest) W(C) + toughness / (2 length) (d^2 + length^2 |grad d|^2) (AT2). Parameters: lambda, mu, toughness,
-/// length, rest, penalty per volume of healing.
+/// ((1 - d)^2 + rest) W(C) + toughness / (2 length) (d^2 + length^2 |grad d|^2) (AT2). Parameters: lambda,
+/// mu, toughness, length, rest, penalty per volume of healing.
 struct DamageEnergy : PlainEnergy {
     static constexpr int n = 10, max_par = 6, n_blocks = 2;
     static constexpr int block(int k) { return k < 6 ? 0 : 1; }
@@ -111,13 +119,16 @@ struct DamageEnergy : PlainEnergy {
     explicit DamageEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(e, [this](const auto* x) {
-            auto log_j = x[6];
-            const auto w = neo_hookean(x, p[0], p[1], log_j), sound = x[6] - 1.0;
-            const auto square = x[7] * x[7] + x[8] * x[8] + x[9] * x[9];
-            return (sound * sound + p[4]) * w +
-                   (0.5 * p[2] / p[3]) * (x[6] * x[6] + (p[3] * p[3]) * square);
-        }, to);
+        differentiate<n, second>(
+            e,
+            [this](const auto* x) {
+                auto log_j = x[6];
+                const auto w = neo_hookean(x, p[0], p[1], log_j), sound = x[6] - 1.0;
+                const auto square = x[7] * x[7] + x[8] * x[8] + x[9] * x[9];
+                return (sound * sound + p[4]) * w +
+                       (0.5 * p[2] / p[3]) * (x[6] * x[6] + (p[3] * p[3]) * square);
+            },
+            to);
     }
 };
 
@@ -144,22 +155,25 @@ struct SeparationEnergy : PlainEnergy {
     explicit SeparationEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(e, [this](const auto* x) {
-            const auto product = x[0] * (x[0] - 1.0);
-            return p[0] * (product * product) + (0.5 * p[1]) * (x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
-        }, to);
+        differentiate<n, second>(
+            e,
+            [this](const auto* x) {
+                const auto product = x[0] * (x[0] - 1.0);
+                return p[0] * (product * product) + (0.5 * p[1]) * (x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
+            },
+            to);
     }
 };
 
-/// Cahn & Hilliard: that the potential is D_c W tests the concentration, its balance c' = div(M grad mu) the potential.
+/// Cahn & Hilliard: the balance c' = div(M grad mu) tests the concentration, that the potential is D_c W
+/// tests the potential, whose shape functions are the same.
 struct DiffusionPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = z.s[0] - z.e[4];
-        for (int k = 1; k < 4; ++k) f[k] = z.s[k];
-        f[4] = -z.rate[0];
-        for (int k = 5; k < 8; ++k) f[k] = -(z.par[2] * z.e[k]);
+        f[0] = z.rate[0];
+        f[4] = z.e[4] - z.s[0];
+        for (int k = 1; k < 4; ++k) f[k] = z.par[2] * z.e[4 + k], f[4 + k] = -z.s[k];
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {

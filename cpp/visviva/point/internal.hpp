@@ -5,7 +5,8 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// What energies have if they do not say otherwise: one block of strains of equal units, no internal variables.
+/// What energies have if they do not say otherwise: one block of strains of equal units, no internal
+/// variables.
 struct PlainEnergy {
     static constexpr int n_blocks = 1, n_internal = 0;
     static constexpr int block(int) { return 0; }
@@ -13,7 +14,8 @@ struct PlainEnergy {
     bool is_quadratic() const { return false; }
 };
 
-/// Stresses s of the strains and moduli T: by the strains e1 at the end for discrete gradients, else by those at theta.
+/// Stresses s of the strains and moduli T: by the strains e1 at the end for discrete gradients, else by those
+/// at theta.
 template <bool tangent, class Energy, int n = Energy::n>
 VISVIVA_INLINE void stress_of(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et,
                               V* s, V* T) {
@@ -42,9 +44,9 @@ void solve_at_point(V* A, V* b, int m) {
         }
 }
 
-/// Internal variables h, the last strains of an energy, follow dh/dt = flow(-dW/dh, h): the same discrete gradient
-/// decides dW/dh, so that what is lost is exactly -dW/dh . dh. Solved at the point by Newton's method from the start
-/// of the step; T is then that of the other strains with h following them.
+/// Internal variables h, the last strains of an energy, follow dh/dt = flow(-dW/dh, h): the same discrete
+/// gradient decides dW/dh, so that what is lost is exactly -dW/dh . dh. Solved at the point by Newton's
+/// method from the start of the step; T is then that of the other strains with h following them.
 template <bool tangent, class Energy, int n = Energy::n>
 void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V* s, V* T) {
     constexpr int n_h = Energy::n_internal, n_s = n - n_h, most = 25;

@@ -49,15 +49,15 @@ struct SolidScalarMap : Layout<SolidScalarMap> {
     }
 };
 
-/// (C, s, theta, grad theta): the entropy is transported, the temperature acts as a multiplier does.
+/// (C, s, grad s, theta, grad theta): the entropy is transported, the temperature acts as a multiplier does.
 struct SolidEntropyMap : Layout<SolidEntropyMap> {
-    static constexpr int n_groups = 3, n_components = 5, n_local = 14, n_strains = 11;
-    static constexpr Group groups[] = {{3, 3, 2}, {1, 1, 1}, {1, 4, 0, true}};
+    static constexpr int n_groups = 3, n_components = 5, n_local = 17, n_strains = 14;
+    static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 1}, {1, 4, 0, true}};
     static constexpr double origin(int j) { return identity_entry(j); }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
         right_cauchy_green(y, e);
-        for (int k = 0; k < 5; ++k) e[6 + k] = y[9 + k];
+        for (int k = 0; k < 8; ++k) e[6 + k] = y[9 + k];
     }
 };
 

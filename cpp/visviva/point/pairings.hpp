@@ -1,5 +1,5 @@
-// Pairings: what tests the variation of every strain. The residual is the sum over points of f . de, so that a pairing
-// gives one number f for every strain of the map, from stresses, strains where they act, and rates.
+// Pairings: what tests the variation of every strain. The residual is the sum over points of f . de, so that
+// a pairing gives one number f for every strain of the map, from stresses, strains where they act, and rates.
 #pragma once
 #include "visviva/base/jet.hpp"
 
@@ -21,8 +21,8 @@ struct Number<n, false> {
     static VISVIVA_INLINE V of(V value, const V*) { return value; }
 };
 
-/// What a pairing may look at, values alone or with derivatives: stresses (of the strains of the energy, the first ones
-/// of the map), strains at theta (at the end of what acts there), their change in the step, rates.
+/// What a pairing may look at, values alone or with derivatives: stresses (of the strains of the energy, the
+/// first ones of the map), strains at theta (at the end of what acts there), their change in the step, rates.
 template <class Number, int n_e, int n_s>
 struct PointState {
     using T = typename Number::type;

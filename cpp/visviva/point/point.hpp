@@ -1,5 +1,5 @@
-// Plain data of a batch of equal elements whose physics is written at a point: fields of any kind, strains of them,
-// an energy. Elements come in blocks of eight, one per lane; arrays are [block][...][8].
+// Plain data of a batch of equal elements whose physics is written at a point: fields of any kind, strains of
+// them, an energy. Elements come in blocks of eight, one per lane; arrays are [block][...][8].
 #pragma once
 #include <cstdint>
 
@@ -11,8 +11,9 @@ inline constexpr int point_lanes = 8;
 inline constexpr int point_max_groups = 5;
 inline constexpr int point_max_nodes = 27;
 
-/// What is known at compile time of the unknowns of an element that are interpolated alike. Its part of the local
-/// unknowns at a point is y[component][column] = sum over nodes of u[node][component] weight[node][column].
+/// What is known at compile time of the unknowns of an element that are interpolated alike. Its part of the
+/// local unknowns at a point is y[component][column] = sum over nodes of u[node][component]
+/// weight[node][column].
 struct Group {
     int components, columns;
     int order;            // in time
@@ -32,17 +33,18 @@ struct PointView {
     int n = 0, n_blocks = 0;  // elements, blocks
     int n_points = 0, n_slots = 0, n_unknowns = 0, n_par = 0, n_history = 0;
     PointGroup group[point_max_groups];
-    const int* index = nullptr;         // [slot] first unknown of the slot: a node of a group
-    const double* w = nullptr;          // [point] reference volume
-    const double* par = nullptr;        // [point][parameter]
-    const double* reference = nullptr;  // [point][strain] of the reference, which the energy does not see; or null
-    const double* history0 = nullptr;   // [point][variable] at the start of the step
-    double* history1 = nullptr;         // and at its end, as last evaluated
+    const int* index = nullptr;   // [slot] first unknown of the slot: a node of a group
+    const double* w = nullptr;    // [point] reference volume
+    const double* par = nullptr;  // [point][parameter]
+    const double* reference =
+        nullptr;  // [point][strain] of the reference, which the energy does not see; or null
+    const double* history0 = nullptr;  // [point][variable] at the start of the step
+    double* history1 = nullptr;        // and at its end, as last evaluated
     // Places in the matrix, see Slots
     const std::int64_t *row = nullptr, *length = nullptr;
     const std::uint16_t* offset = nullptr;
-    // Of an energy evaluated outside the core: W, its stresses s and moduli ds/de1 (or ds/de at theta), arrays over
-    // [strain] (and [strain][strain]) [block][point][8]
+    // Of an energy evaluated outside the core: W, its stresses s and moduli ds/de1 (or ds/de at theta),
+    // arrays over [strain] (and [strain][strain]) [block][point][8]
     const double *called_W = nullptr, *called_s = nullptr, *called_T = nullptr;
 };
 

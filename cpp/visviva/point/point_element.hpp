@@ -30,7 +30,7 @@ struct PointElement {
 
     const PointView& v;
     const Step& step;
-    const int block, lane;  // lane: first of the W lanes
+    const int block, lane;              // lane: first of the W lanes
     int first[Map::n_groups + 1] = {};  // unknowns of groups within the element
     V u0[max_unknowns], u1[max_unknowns], rate[max_unknowns], second_rate[max_unknowns];
 
@@ -95,7 +95,7 @@ struct PointElement {
 
     struct Point {
         V y0[n_y], y1[n_y], yt[n_y], rate[n_y];
-        V z0[n_z], z1[n_z], zt[n_z];                            // strains of the energy, internal ones last
+        V z0[n_z], z1[n_z], zt[n_z];  // strains of the energy, internal ones last
         V e0[n_e], e1[n_e], et[n_e], B1[n_e * n_y], Bt[n_e * n_y];  // of the map
         V s[n_z], T[n_z * n_z], par[Energy::max_par > 0 ? Energy::max_par : 1];
     };
@@ -302,8 +302,7 @@ struct PointElement {
                 row[0] += w * end.W;
             }
             for (int k = n_s; !v.called_W && k < n_z; ++k) row[2] -= w * p.s[k] * (p.z1[k] - p.z0[k]);
-            if constexpr (!Pairing::is_gradient)
-                row[2] += w * Pairing::dissipated(state_of<false>(p, p.s));
+            if constexpr (!Pairing::is_gradient) row[2] += w * Pairing::dissipated(state_of<false>(p, p.s));
         }
     }
 

@@ -94,7 +94,8 @@ struct PointKernel {
         });
     }
 
-    // Strains of the energy at the start, theta and end for energies outside the core: [strain][block][point][8].
+    // Strains of the energy at the start, theta and end for energies outside the core:
+    // [strain][block][point][8].
     static void strains(const PointView& v, const Step& step, const Vectors& x, double* e0, double* et,
                         double* e1) {
         const std::int64_t stride = static_cast<std::int64_t>(v.n_blocks) * v.n_points * P8;
@@ -103,7 +104,8 @@ struct PointKernel {
                 typename Element::Point p;
                 e.strains(q, p);
                 for (int k = 0; k < Element::n_s; ++k) {
-                    vstore(e0 + k * stride + e.point(q), p.z0[k]), vstore(et + k * stride + e.point(q), p.zt[k]);
+                    vstore(e0 + k * stride + e.point(q), p.z0[k]),
+                        vstore(et + k * stride + e.point(q), p.zt[k]);
                     vstore(e1 + k * stride + e.point(q), p.z1[k]);
                 }
             }

@@ -1,4 +1,5 @@
-// What physics there are: which strain map goes with which energy and pairing. Compiled once per instruction set.
+// What physics there are: which strain map goes with which energy and pairing. Compiled once per instruction
+// set.
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
 #include "visviva/point/point_kernel.hpp"

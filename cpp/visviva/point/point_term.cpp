@@ -69,8 +69,7 @@ void PointTerm::call_back(const Context& c, bool want_tangent) {
 
 void PointTerm::residual(const Context& c, double* r) {
     call_back(c, false);
-    slots_.for_tasks(
-        [&](int begin, int end) { kernels_.residual(view_, c.step, c.vectors, begin, end, r); });
+    slots_.for_tasks([&](int begin, int end) { kernels_.residual(view_, c.step, c.vectors, begin, end, r); });
 }
 
 void PointTerm::linearise(const Context& c, double* r, double* values) {
@@ -82,9 +81,8 @@ void PointTerm::linearise(const Context& c, double* r, double* values) {
 
 void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     call_back(c, false);
-    slots_.for_tasks([&](int begin, int end) {
-        kernels_.ledger(view_, c.step, c.vectors, v1, begin, end, out_.data());
-    });
+    slots_.for_tasks(
+        [&](int begin, int end) { kernels_.ledger(view_, c.step, c.vectors, v1, begin, end, out_.data()); });
     const std::size_t stride = static_cast<std::size_t>(view_.n_blocks) * L8;
     double total[point_ledger_rows] = {};
     for (int k = 0; k < point_ledger_rows; ++k)
@@ -95,7 +93,8 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
 }
 
-// The internal variables at the end are those of the accepted step: whatever was looked at since its last residual.
+// The internal variables at the end are those of the accepted step: whatever was looked at since its last
+// residual.
 void PointTerm::accept(const Context& c) {
     if (view_.n_history == 0) return;
     slots_.for_tasks([&](int begin, int end) {

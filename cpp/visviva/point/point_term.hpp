@@ -1,4 +1,5 @@
-// A batch of equal elements of one physics: fields, strains and an energy at quadrature points, inertia, history.
+// A batch of equal elements of one physics: fields, strains and an energy at quadrature points, inertia,
+// history.
 #pragma once
 #include <string>
 #include <vector>

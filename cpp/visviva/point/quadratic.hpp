@@ -1,11 +1,12 @@
-// Strain maps: strains that are polynomials of second order in local unknowns, written once; their values, rows and
-// second derivatives follow at compile time.
+// Strain maps: strains that are polynomials of second order in local unknowns, written once; their values,
+// rows and second derivatives follow at compile time.
 #pragma once
 #include "visviva/base/simd.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
-/// constant + linear . y + 1/2 y . square y of n local unknowns: a number type for strain maps at compile time.
+/// constant + linear . y + 1/2 y . square y of n local unknowns: a number type for strain maps at compile
+/// time.
 template <int n>
 struct Quadratic {
     double constant = 0, linear[n] = {}, square[n][n] = {};
@@ -53,13 +54,13 @@ constexpr Quadratic<n> operator*(const Quadratic<n>& p, const Quadratic<n>& q) {
     r.constant = p.constant * q.constant;
     for (int j = 0; j < n; ++j) {
         r.linear[j] = p.constant * q.linear[j] + q.constant * p.linear[j];
-        for (int l = 0; l < n; ++l)
-            r.square[j][l] = p.linear[j] * q.linear[l] + p.linear[l] * q.linear[j];
+        for (int l = 0; l < n; ++l) r.square[j][l] = p.linear[j] * q.linear[l] + p.linear[l] * q.linear[j];
     }
     return r;
 }
 
-/// What is not zero in the strains of a map: Map::strains(y, e) fills n_strains of them from n_local unknowns.
+/// What is not zero in the strains of a map: Map::strains(y, e) fills n_strains of them from n_local
+/// unknowns.
 template <class Map>
 struct Strains {
     static constexpr int n_e = Map::n_strains, n_y = Map::n_local;
