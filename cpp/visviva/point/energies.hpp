@@ -5,8 +5,8 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// Weights of tensors and behind them scalars: an entry off the diagonal stands for two.
-constexpr double tensor_weight(int k) { return k < 6 ? (k < 3 ? 1.0 : 2.0) : 1.0; }
+/// Weights of a tensor and of scalars behind it.
+constexpr double behind_tensor(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
 
 /// det C - 1 of c = C - I
 template <class T>
@@ -28,12 +28,12 @@ VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
 struct ThermoelasticEnergy : PlainEnergy {
     static constexpr int n = 7, max_par = 6, n_blocks = 2;
     static constexpr int block(int k) { return k / 6; }
-    static constexpr double weight(int k) { return tensor_weight(k); }
+    static constexpr double weight(int k) { return behind_tensor(k); }
     const V* p;
     explicit ThermoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(
+        differentiate<second>(*this, 
             e,
             [this](const auto* x) {
                 auto log_j = x[6];
@@ -69,14 +69,13 @@ struct HeatPairing {
 /// W(C) + mu_v / 2 (A : C - 3 - ln det A - ln det C), A the inverse of the viscous Cauchy-Green tensor; both
 /// less I. Parameters: lambda, mu, mu_v, viscosity eta. A' = A Y A / eta with Y = -dW/dA, so that Y : A' >=
 /// 0.
-struct ViscoelasticEnergy : PlainEnergy {
+struct ViscoelasticEnergy : TensorEnergy {
     static constexpr int n = 12, max_par = 4, n_internal = 6;
-    static constexpr double weight(int k) { return tensor_weight(k % 6); }
     const V* p;
     explicit ViscoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(
+        differentiate<second>(*this, 
             e,
             [this](const auto* c) {
                 auto log_j = c[0];
@@ -114,12 +113,12 @@ struct ViscoelasticEnergy : PlainEnergy {
 struct DamageEnergy : PlainEnergy {
     static constexpr int n = 10, max_par = 6, n_blocks = 2;
     static constexpr int block(int k) { return k < 6 ? 0 : 1; }
-    static constexpr double weight(int k) { return tensor_weight(k); }
+    static constexpr double weight(int k) { return behind_tensor(k); }
     const V* p;
     explicit DamageEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(
+        differentiate<second>(*this, 
             e,
             [this](const auto* x) {
                 auto log_j = x[6];
@@ -149,13 +148,13 @@ struct IrreversiblePairing {
 
 /// barrier c^2 (1 - c)^2 + kappa / 2 |grad c|^2. Parameters: barrier, kappa, mobility.
 struct SeparationEnergy : PlainEnergy {
-    static constexpr int n = 4, max_par = 3;
-    static constexpr double weight(int k) { return k == 0 ? 1.0 : 0.0; }  // the gradient's part is quadratic
+    static constexpr int n = 4, max_par = 3, n_blocks = 2;
+    static constexpr int block(int k) { return k == 0 ? 0 : 1; }
     const V* p;
     explicit SeparationEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<n, second>(
+        differentiate<second>(*this, 
             e,
             [this](const auto* x) {
                 const auto product = x[0] * (x[0] - 1.0);
@@ -198,7 +197,7 @@ struct SectionEnergy : PlainEnergy {
             for (int b = 0; b < n; ++b) {
                 const V c = p[a < b ? packed(n, a, b) : packed(n, b, a)];
                 to.s[a] += c * e[b];
-                if constexpr (second) to.d[n * a + b] = c;
+                if (second && a <= b) to.d[packed(n, a, b)] = c;
             }
             to.W += 0.5 * to.s[a] * e[a];
         }

@@ -1,29 +1,18 @@
 // Stresses of energies at a point, and the internal variables that evolve there.
 #pragma once
 #include "visviva/material/discrete_gradient.hpp"
-#include "visviva/term/step.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
-/// What energies have if they do not say otherwise: one block of strains of equal units, no internal
-/// variables.
-struct PlainEnergy {
-    static constexpr int n_blocks = 1, n_internal = 0;
-    static constexpr int block(int) { return 0; }
-    static constexpr double weight(int) { return 1.0; }
-    bool is_quadratic() const { return false; }
-};
-
-/// Stresses s of the strains and moduli T: by the strains e1 at the end for discrete gradients, else by those
-/// at theta.
+/// Stresses and moduli conjugate to strains as they stand, s_k = dW/de_k: no metric.
 template <bool tangent, class Energy, int n = Energy::n>
-VISVIVA_INLINE void stress_of(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et,
-                              V* s, V* T) {
-    if (step.stress == Stress::discrete_gradient) return discrete_gradient<tangent>(energy, e0, e1, s, T);
-    Potential<n> p;
-    energy.template evaluate<tangent>(et, p);
-    for (int k = 0; k < n; ++k) s[k] = p.s[k];
-    for (int k = 0; tangent && k < n * n; ++k) T[k] = p.d[k];
+void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et, V* s,
+                      V* T) {
+    stress_of<tangent>(energy, step, e0, e1, et, s, T);
+    for (int k = 0; k < n; ++k) {
+        s[k] *= Energy::weight(k);
+        for (int l = 0; tangent && l < n; ++l) T[n * k + l] *= Energy::weight(k) * Energy::weight(l);
+    }
 }
 
 /// Solves A x = b in place for m right sides b [n][m], without pivots: A is near the identity.
@@ -56,7 +45,7 @@ void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V
     for (int k = n_s; k < n; ++k) e1[k] = e0[k];
     for (int iteration = 0; iteration <= most; ++iteration) {
         for (int k = n_s; k < n; ++k) et[k] = e0[k] + theta * (e1[k] - e0[k]);
-        stress_of<true>(energy, step, e0, e1, et, s, T);
+        conjugate_stress<true>(energy, step, e0, e1, et, s, T);
         // R = h1 - h0 - dt flow(-s, h at theta or in the middle)
         using J = Jet<2 * n_h, false>;
         J force[n_h], h[n_h], rate[n_h];

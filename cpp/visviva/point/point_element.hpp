@@ -127,7 +127,7 @@ struct PointElement {
             for (int k = 0; k < n_h; ++k)
                 vstore(v.history1 + (at_point(v.history0, q, n_h) - v.history0) + k * P8, p.z1[n_s + k]);
         } else {
-            stress_of<tangent>(energy, step, p.z0, p.z1, p.zt, p.s, p.T);
+            conjugate_stress<tangent>(energy, step, p.z0, p.z1, p.zt, p.s, p.T);
         }
     }
 

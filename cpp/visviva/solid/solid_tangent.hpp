@@ -71,7 +71,7 @@ struct SolidTangent {
     }
 
     VISVIVA_INLINE void moduli(const SolidPoint& p, V factor, V* to) const {
-        const V* F1 = e.step.stress == Stress::at_theta || e.v.symmetric ? p.Ft : p.F1;
+        const V* F1 = e.step.stress == Stress::at_theta ? p.Ft : p.F1;
         VISVIVA_FLATTEN
         for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
         for (int l = 0; l < 3; ++l) {
@@ -105,7 +105,7 @@ struct SolidTangent {
         V X[9];  // derivative of the strain rate: sym(X^T dF)
         for (int k = 0; k < 9; ++k)
             X[k] =
-                e.step.motion[0][0] * p.Ft[k] + (e.v.small || e.v.symmetric ? V{} : e.step.theta * p.rate[k]);
+                e.step.motion[0][0] * p.Ft[k] + (e.v.small ? V{} : e.step.theta * p.rate[k]);
         for (int i = 0; i < 3; ++i)
             for (int l = 0; l < 3; ++l)
                 for (int j = 0; j < 3; ++j)
