@@ -13,6 +13,7 @@ from instances.points import (
     DirectorShell,
     Separating,
     Thermoelastic,
+    UserViscoelastic,
     Viscoelastic,
 )
 from numpy.typing import NDArray
@@ -131,6 +132,24 @@ def test_order(kind: type[Block], scheme: vv.Scheme) -> None:
     coarse, finer = (np.abs(state(n) - fine).max() for n in (16, 32))
     least = 0.85 if kind is Viscoelastic and isinstance(scheme, vv.BDF2 | vv.GeneralizedAlpha) else 1.8
     assert np.log2(coarse / finer) >= least
+
+
+def test_history_of_the_user() -> None:
+    """A material of Python with internal variables moves like the core's, but for their other rule in time."""
+
+    def end(kind: type[Block], n: int) -> tuple[Array, float]:
+        block = kind(counts=(1, 1, 1))
+        system, result = run(block, 0.4, 0.4 / n)
+        assert np.all(np.diff(result.ledger["work_dissipated"]) <= 0)
+        assert result.conservation()["energy"] <= 1e-10
+        return at_nodes(system, block.motion), result.ledger["total"][-1]
+
+    apart = []
+    for n in (40, 80):
+        (x, energy), (y, other) = end(Viscoelastic, n), end(UserViscoelastic, n)
+        apart.append(max(np.abs(x - y).max(), abs(energy - other)))
+    assert apart[1] <= 1e-4
+    assert np.log2(apart[0] / apart[1]) == pytest.approx(2.0, abs=0.3)
 
 
 def test_memory_decides_every_bit_of_histories() -> None:

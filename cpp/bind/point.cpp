@@ -1,6 +1,7 @@
 // Binding of physics at points.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/vector.h>
 
 #include "callback.hpp"
 #include "linear.hpp"
@@ -11,7 +12,6 @@ using namespace visviva;
 
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
-using Values = nb::ndarray<nb::numpy, double, nb::ndim<3>>;
 
 static const double* optional(const nb::object& a) {
     return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
@@ -42,12 +42,19 @@ static PointData data_of(PhysicsKind kind, const Ints& index, const nb::list& gr
     return d;
 }
 
-// [point of the batch][variable]
-static Values history(nb::handle self) {
-    const auto& t = nb::cast<PointTerm&>(self);
+// [variable][point], with the fillers of the last block.
+static nb::ndarray<nb::numpy, double, nb::ndim<2>> history(const PointTerm& t) {
     const auto& h = t.history();
-    const std::size_t n = t.n_history(), shape[3] = {n == 0 ? 0 : h.size() / n / point_lanes, n, point_lanes};
-    return Values(const_cast<double*>(h.data()), 3, shape, self);
+    const std::size_t n = t.n_history(), m = n == 0 ? 0 : h.size() / n;
+    auto* out = new std::vector<double>(h.begin(), h.end());
+    for (std::size_t i = 0; !t.is_called() && i < h.size(); ++i) {
+        const std::size_t lane = i % point_lanes, variable = i / point_lanes % n,
+                          point = i / point_lanes / n * point_lanes + lane;
+        (*out)[variable * m + point] = h[i];
+    }
+    nb::capsule owner(out, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    const std::size_t shape[2] = {n, m};
+    return nb::ndarray<nb::numpy, double, nb::ndim<2>>(out->data(), 2, shape, owner);
 }
 
 void bind_point(nb::module_& m) {
@@ -67,7 +74,10 @@ void bind_point(nb::module_& m) {
             },
             nb::arg("kind"), nb::arg("index"), nb::arg("groups"), nb::arg("volume"), nb::arg("par"),
             nb::arg("reference").none())
-        .def("set_callback", [](PointTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
+        .def("set_callback",
+             [](PointTerm& t, nb::object f, const std::vector<double>& start) {
+                 t.set_callback(law_callback(f), start);
+             })
         .def_prop_ro("history", &history)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {
             t.energy_account = energy, t.kinetic_account = kinetic, t.dissipation_account = dissipation;

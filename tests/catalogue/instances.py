@@ -10,6 +10,7 @@ from instances.points import (
     DirectorShell,
     Separating,
     Thermoelastic,
+    UserViscoelastic,
     Viscoelastic,
 )
 from instances.solid import Brick
@@ -23,6 +24,7 @@ INSTANCES = [
     Entry("heat bar", lambda: [Bar()], NOTHING, analytic=False),
     Entry("stokes cell", lambda: [StokesCell()], NOTHING),
     Entry("viscoelastic points", lambda: [Viscoelastic()], MOMENTA, steps=60),
+    Entry("viscoelastic points of the user", lambda: [UserViscoelastic()], MOMENTA, steps=30, analytic=False),
     Entry("thermoelastic points", lambda: [Thermoelastic()], ALL, steps=60),
     Entry("damage points", lambda: [Damaged()], MOMENTA, steps=60),
     Entry("separating points", lambda: [Separating()], NOTHING, steps=60),

@@ -16,6 +16,7 @@ from visviva.component.values import Number
 from visviva.mesh.cells import CELLS
 from visviva.model.field import Field, Role
 from visviva.model.form import Vector, dot
+from visviva.model.history import Evolving
 from visviva.model.model import Model
 from visviva.model.points import Group, PhysicsKind, add_points
 
@@ -51,7 +52,7 @@ class Block(Component):
         return model.field(self, "position", self.X, v, node=3)
 
     def build(
-        self, model: Model, kind: PhysicsKind, fields: list[tuple[Field, str]], parameters: list[float]
+        self, model: Model, kind: PhysicsKind, fields: list[tuple[Field, str]], parameters: list[float], **law: Any
     ) -> None:
         """The term; each field with its columns: "g" gradient, "v" value."""
         g = geometry(self.X, self.cells, self.cell)
@@ -63,7 +64,7 @@ class Block(Component):
             mass = masses(self.X, self.cells, self.cell, self.density) if moves else None
             weights = np.concatenate([parts[c] for c in columns], axis=3)
             groups.append(Group(f.start + f.node * self.cells, weights, mass, moves))
-        self.term = add_points(model, self, kind, groups, g.volume, parameters)
+        self.term = add_points(model, self, kind, groups, g.volume, parameters, **law)
         self.volume, self.N = g.volume, N
 
     def integral(self, values: Array) -> float:
@@ -87,6 +88,54 @@ class Viscoelastic(Block):
             PhysicsKind.VISCOELASTIC,
             [(self.motion, "g")],
             [20.0, 10.0, 8.0, self.viscosity],
+        )
+
+
+def maxwell_energy(e: Array, a: Array) -> Array:
+    """The same as the core's, of C - I (6, n) and A - I."""
+
+    def less_one(c: Array) -> Array:
+        x, y, z, p, q, r = c
+        first, second = x + y + z, x * y + y * z + z * x - p * p - q * q - r * r
+        return first + second + x * (y * z - q * q) + p * (2 * q * r - p * z) - r * r * y
+
+    log_j = 0.5 * np.log1p(less_one(e))
+    weights = np.array([1.0, 1, 1, 2, 2, 2])[:, None]
+    inner = (weights * e * a).sum(axis=0) + (e + a)[:3].sum(axis=0)
+    branch = inner - np.log1p(less_one(a)) - 2 * log_j
+    return 5.0 * (e[:3].sum(axis=0) - 2 * log_j) + 10.0 * log_j**2 + 4.0 * branch
+
+
+def tensor(a: Array) -> Array:
+    """(n, 3, 3) of (6, n)."""
+    return np.moveaxis(a[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]], -1, 0)
+
+
+def maxwell_update(e0: Array, e1: Array, a0: Array, h: float, viscosity: float = 2.0) -> Array:
+    """``A' = -mu_v / (2 eta) (A C A - A)`` with C of the middle, by exact steps of the inverse: it is linear there."""
+    C = np.eye(3) + tensor(0.5 * (e0 + e1))
+    share = np.exp(-4.0 * h / viscosity)
+    inverse = C + share * (np.linalg.inv(np.eye(3) + tensor(a0)) - C)
+    A = np.linalg.inv(inverse) - np.eye(3)
+    return np.moveaxis(A, 0, -1)[[0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class UserViscoelastic(Block):
+    """The Maxwell branch as functions of Python, with internal variables of their own."""
+
+    def declare(self, model: Model) -> None:
+        self.motion = self.move(model)
+
+    def contribute(self, model: Model) -> None:
+        law = Evolving(maxwell_energy, maxwell_update, 6, 6, f"{self.label}: its material")
+        self.build(
+            model,
+            PhysicsKind.VISCOELASTIC,
+            [(self.motion, "g")],
+            [0.0, 0.0, 0.0, 1.0],
+            energy=law,
+            start=[0.0] * 6,
         )
 
 

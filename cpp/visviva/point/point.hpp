@@ -31,7 +31,7 @@ struct PointGroup {
 
 struct PointView {
     int n = 0, n_blocks = 0;  // elements, blocks
-    int n_points = 0, n_slots = 0, n_unknowns = 0, n_par = 0, n_history = 0;
+    int n_points = 0, n_slots = 0, n_unknowns = 0, n_par = 0;
     PointGroup group[point_max_groups];
     const int* index = nullptr;   // [slot] first unknown of the slot: a node of a group
     const double* w = nullptr;    // [point] reference volume
@@ -46,6 +46,7 @@ struct PointView {
     // Of an energy evaluated outside the core: W, its stresses s and moduli ds/de1 (or ds/de at theta),
     // arrays over [strain] (and [strain][strain]) [block][point][8]
     const double *called_W = nullptr, *called_s = nullptr, *called_T = nullptr;
+    const double* called_lost = nullptr;  // by internal variables, or null
 };
 
 /// Per element: energy, kinetic energy, dissipated work, momenta (6).

@@ -16,7 +16,7 @@ PointTerm::PointTerm(const PointData& d)
         throw std::invalid_argument("a physics needs its groups of unknowns");
     PointView& v = view_;
     v.n = d.n, v.n_blocks = slots_.n_blocks(), v.n_points = d.n_points, v.n_slots = d.n_slots;
-    v.n_par = shape.n_par, v.n_history = shape.n_history;
+    v.n_par = shape.n_par, n_history_ = shape.n_history;
     int slot = 0;
     for (int g = 0; g < shape.n_groups; ++g) {
         const PointGroupData& from = d.groups[g];
@@ -37,7 +37,7 @@ PointTerm::PointTerm(const PointData& d)
     v.reference = d.reference ? reference_.data() : nullptr;
     const std::size_t lanes = static_cast<std::size_t>(v.n_blocks) * L8;
     out_.assign(point_ledger_rows * lanes, 0.0);
-    for (auto* h : {&history0_, &history1_}) h->assign(lanes * d.n_points * v.n_history, 0.0);
+    for (auto* h : {&history0_, &history1_}) h->assign(lanes * d.n_points * n_history_, 0.0);
     v.history0 = history0_.data(), v.history1 = history1_.data();
 }
 
@@ -46,13 +46,20 @@ void PointTerm::connect(const Pattern& pattern) {
     view_.row = slots_.row(), view_.length = slots_.length(), view_.offset = slots_.offset();
 }
 
-void PointTerm::set_callback(LawCallback f) {
+void PointTerm::set_callback(LawCallback f, const std::vector<double>& start) {
     callback_ = std::move(f);
     const std::size_t n = static_cast<std::size_t>(view_.n_blocks) * view_.n_points * L8,
                       k = kernels_.shape.n_energy;
     for (auto* a : {&e0_, &et_, &e1_, &called_s_}) a->assign(k * n, 0.0);
     called_W_.assign(n, 0.0), called_T_.assign(k * k * n, 0.0);
     view_.called_W = called_W_.data(), view_.called_s = called_s_.data(), view_.called_T = called_T_.data();
+    n_history_ = static_cast<int>(start.size());
+    history0_.resize(start.size() * n);
+    for (std::size_t i = 0; i < history0_.size(); ++i) history0_[i] = start[i / n];
+    history1_ = history0_;
+    view_.history0 = history0_.data(), view_.history1 = history1_.data();
+    called_lost_.assign(start.empty() ? 0 : n, 0.0);
+    view_.called_lost = start.empty() ? nullptr : called_lost_.data();
 }
 
 void PointTerm::call_back(const Context& c, bool want_tangent) {
@@ -63,6 +70,7 @@ void PointTerm::call_back(const Context& c, bool want_tangent) {
     a.n = a.stride = n, a.n_e = kernels_.shape.n_energy, a.want_tangent = want_tangent;
     a.t = c.step.te, a.h = c.step.h, a.stress = c.step.stress;
     a.e0 = e0_.data(), a.e1 = e1_.data(), a.e_eval = et_.data();
+    a.n_h = n_history_, a.h0 = history0_.data(), a.h1 = history1_.data(), a.lost = called_lost_.data();
     a.S = called_s_.data(), a.D = called_T_.data(), a.W = called_W_.data();
     callback_(a);
 }
@@ -96,7 +104,8 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
 // The internal variables at the end are those of the accepted step: whatever was looked at since its last
 // residual.
 void PointTerm::accept(const Context& c) {
-    if (view_.n_history == 0) return;
+    if (n_history_ == 0) return;
+    call_back(c, false);
     slots_.for_tasks([&](int begin, int end) {
         kernels_.ledger(view_, c.step, c.vectors, c.vectors.rate, begin, end, out_.data());
     });

@@ -33,8 +33,8 @@ class PointTerm : public Term {
     /// Throws std::invalid_argument if groups or parameters are not those of the physics.
     explicit PointTerm(const PointData& data);
 
-    /// The energy is evaluated outside the core.
-    void set_callback(LawCallback f);
+    /// The energy is evaluated outside the core, with internal variables of its own that begin at `start` [variable].
+    void set_callback(LawCallback f, const std::vector<double>& start);
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
     void set_positions(const std::int64_t*) override {}
@@ -54,21 +54,24 @@ class PointTerm : public Term {
     void write_memory(std::vector<double>&) const override;
     bool read_memory(const double*& memory) override;
 
-    /// Internal variables at the points [block][point][variable][8] after the last accepted step.
+    /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside the core
+    /// [variable][block][point][8].
     const Aligned<double>& history() const { return history0_; }
-    int n_history() const { return view_.n_history; }
+    int n_history() const { return n_history_; }
+    bool is_called() const { return static_cast<bool>(callback_); }
 
     int energy_account = -1, kinetic_account = -1, dissipation_account = -1, owner = 0;
 
   private:
     void call_back(const Context&, bool want_tangent);
 
+    int n_history_ = 0;
     Slots slots_;
     PointView view_;
     const PointKernels& kernels_;
     LawCallback callback_;
     Aligned<double> weights_[point_max_groups], mass_[point_max_groups], w_, par_, reference_, out_;
-    Aligned<double> history0_, history1_, e0_, et_, e1_, called_W_, called_s_, called_T_;
+    Aligned<double> history0_, history1_, e0_, et_, e1_, called_W_, called_s_, called_T_, called_lost_;
 };
 
 }  // namespace visviva

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.model.callback import Function, callback_of
 from visviva.model.field import Owner
+from visviva.model.history import Evolving, evolving_callback
 from visviva.model.model import Model
 
 Array = NDArray[np.float64]
@@ -52,6 +54,8 @@ def add_points(
     volume: Array,
     parameters: ArrayLike,
     reference: ArrayLike | None = None,
+    energy: Function | None = None,
+    start: Sequence[float] = (),
 ) -> _core.PointTerm:
     """Add elements of one physics to the model.
 
@@ -66,6 +70,10 @@ def add_points(
         Of the energy and of the pairing.
     reference : array_like, (m, q, n), optional
         Strains of the reference, which the energy does not see.
+    energy : Function or Evolving, optional
+        The user's, in place of the physics' own: of the same strains.
+    start : sequence of float
+        Where the internal variables of an `Evolving` energy begin.
 
     Returns
     -------
@@ -99,6 +107,10 @@ def add_points(
     except ValueError as error:
         raise InputError(f"{component.label}: {error}") from error
     term.name = component.label
+    if energy is not None:
+        callback = evolving_callback(energy) if isinstance(energy, Evolving) else callback_of(energy)
+        model.keep(callback)
+        term.set_callback(callback, list(start))
     has_mass = any(g.mass is not None for g in groups)
     kinetic = model.account(component, "kinetic", "kinetic") if has_mass else -1
     stored = model.account(component, "stored", "potential")
