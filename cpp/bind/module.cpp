@@ -79,8 +79,8 @@ static nb::tuple arrays_of(const LawArguments& a) {
                n = static_cast<std::size_t>(a.stride), h = static_cast<std::size_t>(a.n_h);
     return nb::make_tuple(own(a.e0, e, n), own(a.e_eval, e, n), own(a.e1, e, n), own(a.e_rate, e, n),
                           own(a.lambda, m, n), own(a.S, e, n), own(a.D, e * e, n), own(a.R, e * e, n),
-                          own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n), own(a.h0, h, n), own(a.h1, h, n),
-                          own(a.lost, h > 0 ? 1 : 0, n));
+                          own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n),
+                          own(a.h0, h, n), own(a.h1, h, n), own(a.lost, h > 0 ? 1 : 0, n));
 }
 
 // Functions of the user often know the system that calls them. The Python side owns them, and only weak

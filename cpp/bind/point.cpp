@@ -74,11 +74,9 @@ void bind_point(nb::module_& m) {
             },
             nb::arg("kind"), nb::arg("index"), nb::arg("groups"), nb::arg("volume"), nb::arg("par"),
             nb::arg("reference").none())
-        .def("set_callback",
-             [](PointTerm& t, nb::object f, const std::vector<double>& start) {
-                 t.set_callback(law_callback(f), start);
-             })
-        .def_prop_ro("history", &history)
+        .def("set_callback", [](PointTerm& t, nb::object f,
+                                const std::vector<double>& start) { t.set_callback(law_callback(f), start); })
+        .def("history", &history)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {
             t.energy_account = energy, t.kinetic_account = kinetic, t.dissipation_account = dissipation;
             t.owner = owner;

@@ -52,7 +52,12 @@ class Block(Component):
         return model.field(self, "position", self.X, v, node=3)
 
     def build(
-        self, model: Model, kind: PhysicsKind, fields: list[tuple[Field, str]], parameters: list[float], **law: Any
+        self,
+        model: Model,
+        kind: PhysicsKind,
+        fields: list[tuple[Field, str]],
+        parameters: list[float],
+        **law: Any,
     ) -> None:
         """The term; each field with its columns: "g" gradient, "v" value."""
         g = geometry(self.X, self.cells, self.cell)

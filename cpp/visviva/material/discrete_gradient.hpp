@@ -1,5 +1,6 @@
-// The discrete gradient of an energy of any number of strains, and its tangent (Gonzalez 1996; partitioned as by Gross
-// & Betsch 2011). Energies say n, weight(k), n_blocks, block(k), is_quadratic(), evaluate<second>(e, potential).
+// The discrete gradient of an energy of any number of strains, and its tangent (Gonzalez 1996; partitioned as
+// by Gross & Betsch 2011). Energies say n, weight(k), n_blocks, block(k), is_quadratic(), evaluate<second>(e,
+// potential).
 #pragma once
 #include "visviva/material/potential.hpp"
 #include "visviva/term/step.hpp"
@@ -12,8 +13,8 @@ struct Whole {
     static constexpr bool ends(int) { return false; }
 };
 
-/// One block of strains does, while the others rest: those before it at their ends and those behind it at their
-/// starts, or the other way round.
+/// One block of strains does, while the others rest: those before it at their ends and those behind it at
+/// their starts, or the other way round.
 template <class Energy>
 struct Part {
     int block;
@@ -24,10 +25,10 @@ struct Part {
     }
 };
 
-/// The factor f of the correction f d to the gradient m in the middle, and its derivatives df by strains at their
-/// ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule in the
-/// gradients, and nothing where it is below the rounding of the energy or where the strains hardly change: what is left
-/// out is of third order, what rounding leaves of f d and its gradient is not.
+/// The factor f of the correction f d to the gradient m in the middle, and its derivatives df by strains at
+/// their ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule
+/// in the gradients, and nothing where it is below the rounding of the energy or where the strains hardly
+/// change: what is left out is of third order, what rounding leaves of f d and its gradient is not.
 template <bool tangent, class Energy, class Path, int n = Energy::n>
 VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* from, const V* to, const V* d,
                             const Potential<n>& m, V* df) {
@@ -43,7 +44,8 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
         work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
     }
     const V b = select(second <= 1e-8 * first, simpson / 6.0, p1.W - p0.W - work);
-    const VI idle = (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
+    const VI idle =
+        (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;
     for (int l = 0; tangent && l < n; ++l) {
         const double half = path.moves(l) ? 0.5 : 1.0;
@@ -55,8 +57,8 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
     return f;
 }
 
-/// Adds a share of s along a path, with s . (e1 - e0) = W(e1) - W(e0) for what moves, and of T = ds/de1, both per
-/// component of the metric.
+/// Adds a share of s along a path, with s . (e1 - e0) = W(e1) - W(e0) for what moves, and of T = ds/de1, both
+/// per component of the metric.
 template <bool tangent, class Energy, class Path, int n = Energy::n>
 VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, double share, const V* e0, const V* e1,
                               V* s, V* T) {
@@ -80,8 +82,8 @@ VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, double sha
     }
 }
 
-/// s with s . (e1 - e0) = W(e1) - W(e0), and T = ds/de1. Several blocks of strains go one after the other, in both
-/// orders, so that each keeps its own units: the mean is of second order.
+/// s with s . (e1 - e0) = W(e1) - W(e0), and T = ds/de1. Several blocks of strains go one after the other, in
+/// both orders, so that each keeps its own units: the mean is of second order.
 template <bool tangent, class Energy, int n = Energy::n>
 VISVIVA_INLINE void discrete_gradient(const Energy& energy, const V* e0, const V* e1, V* s, V* T) {
     for (int k = 0; k < n; ++k) s[k] = V{};

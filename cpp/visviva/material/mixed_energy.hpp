@@ -60,8 +60,7 @@ struct FbarEnergy : TensorEnergy {
                 for (int l = 0; l < 6; ++l) {
                     row[l] = V{};
                     for (int k = 0; k < 6; ++k)
-                        row[l] += (weight(k) * weight(l)) *
-                                  r.second(k, l) * bar[k].g[a];
+                        row[l] += (weight(k) * weight(l)) * r.second(k, l) * bar[k].g[a];
                 }
                 for (int b = a; b < 12; ++b) {
                     V h{};

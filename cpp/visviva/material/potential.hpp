@@ -4,9 +4,10 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// An energy of n strains, its gradient s and second gradient d (upper triangle by rows), per component of the metric
-/// in which strains are measured: dW = sum_k weight(k) s_k de_k, ds_k = sum_l weight(l) d_kl de_l. Symmetric tensors
-/// are six numbers (11, 22, 33, 12, 23, 31), and an entry off the diagonal stands for two: its weight is 2.
+/// An energy of n strains, its gradient s and second gradient d (upper triangle by rows), per component of
+/// the metric in which strains are measured: dW = sum_k weight(k) s_k de_k, ds_k = sum_l weight(l) d_kl de_l.
+/// Symmetric tensors are six numbers (11, 22, 33, 12, 23, 31), and an entry off the diagonal stands for two:
+/// its weight is 2.
 template <int n>
 struct Potential {
     V W, s[n], d[n * (n + 1) / 2];
@@ -16,12 +17,14 @@ struct Potential {
 /// Weights of tensors one after the other.
 constexpr double tensor_weight(int k) { return k % 6 < 3 ? 1.0 : 2.0; }
 
-/// What energies have if they do not say otherwise: one block of strains of equal units, no internal variables.
+/// What energies have if they do not say otherwise: one block of strains of equal units, no internal
+/// variables.
 struct PlainEnergy {
     static constexpr int n_blocks = 1, n_internal = 0;
     static constexpr int block(int) { return 0; }
     static constexpr double weight(int) { return 1.0; }
-    static constexpr double natural = 0;  // size of strains that counts as large, whatever they are; 0: unknown
+    static constexpr double natural =
+        0;  // size of strains that counts as large, whatever they are; 0: unknown
     bool is_quadratic() const { return false; }
 };
 

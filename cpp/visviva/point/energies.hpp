@@ -33,8 +33,8 @@ struct ThermoelasticEnergy : PlainEnergy {
     explicit ThermoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<second>(*this, 
-            e,
+        differentiate<second>(
+            *this, e,
             [this](const auto* x) {
                 auto log_j = x[6];
                 const auto w = neo_hookean(x, p[0], p[1], log_j);
@@ -75,8 +75,8 @@ struct ViscoelasticEnergy : TensorEnergy {
     explicit ViscoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<second>(*this, 
-            e,
+        differentiate<second>(
+            *this, e,
             [this](const auto* c) {
                 auto log_j = c[0];
                 const auto w = neo_hookean(c, p[0], p[1], log_j), *a = c + 6;
@@ -118,8 +118,8 @@ struct DamageEnergy : PlainEnergy {
     explicit DamageEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<second>(*this, 
-            e,
+        differentiate<second>(
+            *this, e,
             [this](const auto* x) {
                 auto log_j = x[6];
                 const auto w = neo_hookean(x, p[0], p[1], log_j), sound = x[6] - 1.0;
@@ -154,8 +154,8 @@ struct SeparationEnergy : PlainEnergy {
     explicit SeparationEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<second>(*this, 
-            e,
+        differentiate<second>(
+            *this, e,
             [this](const auto* x) {
                 const auto product = x[0] * (x[0] - 1.0);
                 return p[0] * (product * product) + (0.5 * p[1]) * (x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);

@@ -114,7 +114,8 @@ struct PointElement {
         }
         for (int k = 0; k < v.n_par; ++k) p.par[k] = vload(at_point(v.par, q, v.n_par) + k * P8);
         for (int k = 0; k < n_s; ++k) p.z0[k] = p.e0[k], p.z1[k] = p.e1[k], p.zt[k] = p.et[k];
-        for (int k = 0; !v.called_s && k < n_h; ++k) p.z0[n_s + k] = vload(at_point(v.history0, q, n_h) + k * P8);
+        for (int k = 0; !v.called_s && k < n_h; ++k)
+            p.z0[n_s + k] = vload(at_point(v.history0, q, n_h) + k * P8);
     }
 
     /// Stresses and their moduli: by the strains at the end for discrete gradients, else by those at theta.

@@ -33,7 +33,8 @@ class PointTerm : public Term {
     /// Throws std::invalid_argument if groups or parameters are not those of the physics.
     explicit PointTerm(const PointData& data);
 
-    /// The energy is evaluated outside the core, with internal variables of its own that begin at `start` [variable].
+    /// The energy is evaluated outside the core, with internal variables of its own that begin at `start`
+    /// [variable].
     void set_callback(LawCallback f, const std::vector<double>& start);
 
     void pattern(std::vector<std::pair<int, int>>&) const override {}
@@ -54,8 +55,8 @@ class PointTerm : public Term {
     void write_memory(std::vector<double>&) const override;
     bool read_memory(const double*& memory) override;
 
-    /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside the core
-    /// [variable][block][point][8].
+    /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside
+    /// the core [variable][block][point][8].
     const Aligned<double>& history() const { return history0_; }
     int n_history() const { return n_history_; }
     bool is_called() const { return static_cast<bool>(callback_); }

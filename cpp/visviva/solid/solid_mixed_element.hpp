@@ -58,7 +58,9 @@ struct MixedElement {
         const auto measure = static_cast<VolumeMeasure>(v.measure);
         return {{}, measure, measure == VolumeMeasure::blatz_ko ? par[3] : V{}};
     }
-    VISVIVA_INLINE FbarEnergy fbar_energy() const { return {{}, v.kind, v.small, D == 2 && !v.H ? 2 : 3, par}; }
+    VISVIVA_INLINE FbarEnergy fbar_energy() const {
+        return {{}, v.kind, v.small, D == 2 && !v.H ? 2 : 3, par};
+    }
     VISVIVA_INLINE V acting_pressure(int q) const {
         V p{};
         for (int k = 0; k < v.n_pressures; ++k) p += shape(q, k) * pressure[k];
