@@ -119,7 +119,7 @@ def test_internal_variables_dissipate_at_every_step() -> None:
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.GeneralizedAlpha(0.8), vv.BDF2()])
 @pytest.mark.parametrize("kind", [Viscoelastic, Thermoelastic, Separating])
 def test_order(kind: type[Block], scheme: vv.Scheme) -> None:
-    """Second order in time with histories and several fields; first of internal variables where a step has no middle."""
+    """Second in time with histories and several fields; first of internal variables where steps have no middle."""
 
     def state(n: int) -> Array:
         block = kind(counts=(1, 1, 1), speed=0.1)

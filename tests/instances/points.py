@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 import visviva as vv
-from visviva.body.rigid import RIGIDITY
 from visviva.body.element import geometry, masses, solid_rule
+from visviva.body.rigid import RIGIDITY
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.mesh.cells import CELLS
@@ -291,7 +291,7 @@ class DirectorBeam(Component):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class DirectorShell(Component):
-    """A flat rectangle of four-node elements with a director of length one at each node; shear after Dvorkin & Bathe."""
+    """A flat rectangle of four-node elements with unit directors at the nodes; shear after Dvorkin & Bathe."""
 
     size: tuple[float, float] = (1.0, 0.8)
     counts: tuple[int, int] = (2, 2)

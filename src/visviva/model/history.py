@@ -1,7 +1,7 @@
 """Energies of the user with internal variables: what remembers, and loses energy.
 
-An energy ``W(e, h)`` sees strains (n_e, n) and internal variables (n_h, n), a column per point; an update says where the
-variables end up in a step. The discrete gradient is that of W in both, so that the energy lost in a step is exactly
+An energy ``W(e, h)`` sees strains (n_e, n) and internal variables (n_h, n), a column per point; an update says where
+the variables end up in a step. The discrete gradient is that of W in both, so that the energy lost in a step is exactly
 ``-D_h W . (h1 - h0)``, which the ledger books.
 """
 
@@ -29,7 +29,8 @@ class Evolving(Function):
         Maps strains (n_e, n) and internal variables (n_h, n) to energies (n,).
     update : callable
         Maps strains at the start and the end of a step (where schemes without discrete gradients evaluate stresses),
-        variables at its start, and its length to variables (n_h, n) at its end. It may be called with any strains, and its results must follow from its arguments alone.
+        variables at its start, and its length to variables (n_h, n) at its end. It may be called with any strains,
+        and its results must follow from its arguments alone.
     n_e, n_h : int
         Numbers of strains and of internal variables per point.
     """

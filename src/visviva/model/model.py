@@ -352,7 +352,7 @@ class Model:
         self.terms.append((term, self.index(component)))
 
     def keep(self, function: Callable[..., Any]) -> None:
-        """Keep a function alive that the core calls: it refers to it weakly, for such functions often know the system."""
+        """Keep a function alive that the core calls, which refers to it weakly: it may know the system."""
         self.functions.append(function)
 
     def batch(self, term: _core.Term) -> None:
