@@ -15,6 +15,7 @@ from instances.points import (
 )
 from instances.solid import Brick
 from instances.stokes import StokesCell
+from instances.twisted import TwistedBeam
 
 from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Entry
 
@@ -22,6 +23,7 @@ INSTANCES = [
     Entry("solid brick", lambda: [Brick()], ALL, steps=100, analytic=False),
     Entry("solid brick, held", lambda: [Brick(fixed=True)], ENERGY, steps=50, analytic=False),
     Entry("heat bar", lambda: [Bar()], NOTHING, analytic=False),
+    Entry("twisted beam", lambda: [TwistedBeam()], ALL, steps=100),
     Entry("stokes cell", lambda: [StokesCell()], NOTHING),
     Entry("viscoelastic points", lambda: [Viscoelastic()], MOMENTA, steps=60),
     Entry("viscoelastic points of the user", lambda: [UserViscoelastic()], MOMENTA, steps=30, analytic=False),
