@@ -11,6 +11,7 @@ constexpr int L8 = point_lanes;
 
 PointTerm::PointTerm(const PointData& d)
     : slots_(d.index, d.n, d.n_slots, d.n_slots), kernels_(point_kernels(d.kind)) {
+    needs_rates = true;
     const PointShape& shape = kernels_.shape;
     if (static_cast<int>(d.groups.size()) != shape.n_groups)
         throw std::invalid_argument("a physics needs its groups of unknowns");

@@ -28,7 +28,7 @@ struct PointData {
     const double *volume, *par, *reference;  // [element][point], [..][parameter], [..][strain] or null
 };
 
-class PointTerm : public Term {
+class PointTerm : public Term, public MeshAssembly, public TermMemory {
   public:
     /// Throws std::invalid_argument if groups or parameters are not those of the physics.
     explicit PointTerm(const PointData& data);
@@ -37,15 +37,11 @@ class PointTerm : public Term {
     /// [variable].
     void set_callback(LawCallback f, const std::vector<double>& start);
 
-    void pattern(std::vector<std::pair<int, int>>&) const override {}
-    void set_positions(const std::int64_t*) override {}
-    std::int64_t n_entries() const override { return 0; }
+    TermCapabilities capabilities() override { return {this, nullptr, this}; }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
-    bool wants_rates() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context& c, double* values) override { linearise(c, nullptr, values); }
-    bool is_first() const override { return true; }
     void clear_rows(const Pattern& pattern, std::vector<char>& cleared) override {
         slots_.clear_rows(pattern, cleared);
     }
