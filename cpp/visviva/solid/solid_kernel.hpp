@@ -32,9 +32,8 @@ void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int 
 // Adds the residual as well unless r is null.
 void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                    double* values) {
-    const bool symmetric = v.symmetric || (step.stress == Stress::at_theta && !v.damped);
-    const bool spatial =
-        symmetric && step.stress == Stress::at_theta && isotropic(v.kind) && !v.damped && !v.thermal;
+    const bool symmetric = step.stress == Stress::at_theta && !v.damped;
+    const bool spatial = symmetric && isotropic(v.kind) && !v.thermal;
     each_element(v, step, x, begin, end, [=, &v]<int D, int N>(const SolidElement<D, N>& e) {
         if constexpr (D == 3)
             if (spatial) {

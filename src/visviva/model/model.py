@@ -59,6 +59,7 @@ class Model:
     masses: list[tuple[Any, ...]] = field(default_factory=list)
     terms: list[tuple[Term, int]] = field(default_factory=list)
     batches: list[_core.Term] = field(default_factory=list)
+    functions: list[Callable[..., Any]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
@@ -360,6 +361,10 @@ class Model:
     def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
+
+    def keep(self, function: Callable[..., Any]) -> None:
+        """Keep a function alive that the core calls, which refers to it weakly: it may know the system."""
+        self.functions.append(function)
 
     def batch(self, term: _core.Term) -> None:
         """A term of the core that stands for many elements."""
