@@ -298,6 +298,7 @@ static Blocks blocks_of(const Ints& block, const Ints& stage, const Ints& multip
     })
 
 static void bind_system(nb::module_& m) {
+    nb::class_<Snapshot>(m, "Snapshot");
     nb::class_<System>(m, "System")
         .def("__init__",
              [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
@@ -410,8 +411,8 @@ static void bind_system(nb::module_& m) {
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
-        .def("keep_shown", &System::keep_shown)
-        .def("show_again", &System::show_again)
+        .def("snapshot", &System::snapshot)
+        .def("restore", &System::restore)
         .def("touch", &System::touch)
         .def("leave", &System::leave)
         .def_prop_ro("is_as_left", &System::is_as_left)

@@ -63,8 +63,8 @@ class ContactTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
-    void hold() override;
-    void release() override;
+    std::any evaluation() const override;
+    void restore_evaluation(const std::any&) override;
     bool is_lasting() const override { return false; }
     double resolution() const override { return gaps_->resolution(); }
 
@@ -95,7 +95,7 @@ class ContactTerm : public Term {
         std::vector<double> X, traction;
     };
     // What an evaluation has left.
-    struct Held {
+    struct Evaluation {
         std::vector<double> S, gap1, area1, forces, friction_forces;
         std::vector<char> active, slips;
         std::vector<Grip> grips;
@@ -192,7 +192,6 @@ class ContactTerm : public Term {
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
     std::vector<double> mean_way_;  // increments by the mean of the velocities before and after a step
-    Held held_;
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet

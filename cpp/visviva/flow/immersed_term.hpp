@@ -56,21 +56,33 @@ class ImmersedTerm : public Term {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
+    std::any evaluation() const override { return now_; }
+    void restore_evaluation(const std::any&) override;
     void pattern(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::int64_t* positions) override;
     std::int64_t n_entries() const override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
+    // Which points the fluid holds in the step evaluated last; none before it was asked.
+    std::vector<char> within() const;
     double location() const { return location_; }  // CPU seconds that it has taken
 
   private:
+    // [point][width] first unknowns of velocities, and their weights, at places [point][dim], of a step that
+    // starts at others
+    struct Weights {
+        std::vector<int> unknown;
+        std::vector<double> weight, places, start;
+    };
     /// f(point, component, multiplier, first velocity)
     template <class F>
     void each(F f) const;
     template <class F>
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
+    bool is_coupled() const;
+    void follow(const Weights&);
     void couple(const Way&);
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
@@ -86,14 +98,8 @@ class ImmersedTerm : public Term {
     Admission admit_;
     Coupling couple_;
     Reach reach_;  // or none
-    // [point][width] first unknowns of velocities, and their weights, at places [point][dim]
-    struct Weights {
-        std::vector<int> unknown;
-        std::vector<double> weight, places;
-    };
     Weights now_, at_tangent_;
     std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
-    std::vector<double> start_;              // of the step that `now_` belongs to
     double location_ = 0;
     std::vector<std::int64_t> position_;
 };

@@ -46,6 +46,7 @@ bool System::lead(const Context& c) {
 }
 
 void System::start(const Step& step) {
+    if (accepted_.empty()) accepted_ = evaluations();
     predict(step);
     solver_->project(x.data(), dx.data());
     look(step.theta, step.h);

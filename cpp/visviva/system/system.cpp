@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "visviva/base/aligned.hpp"
+#include "visviva/base/at_exit.hpp"
 #include "visviva/base/parallel.hpp"
 #include "visviva/base/stopwatch.hpp"
 #include "visviva/base/vector_dispatch.hpp"
@@ -134,7 +135,10 @@ bool System::look(double theta, double h) {
     return changed;
 }
 
-void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
+void System::discard() {
+    std::fill(dx.begin(), dx.end(), 0.0);
+    restore_evaluations(accepted_);
+}
 
 // Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
 // multipliers for that.
@@ -205,7 +209,7 @@ double System::iterate(const Step& step) {
 
 void System::evaluate_residual(const Context& c, bool all, bool with_first_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_first_tangents) clear_values();
+    if (with_first_tangents) clear_values(), stale_factor_ = true;
     for (const auto& term : terms_)
         if (with_first_tangents && term->is_first())
             term->linearise(c, r_.data(), values_.data());
@@ -214,6 +218,7 @@ void System::evaluate_residual(const Context& c, bool all, bool with_first_tange
 }
 
 void System::evaluate_tangent(const Context& c, bool inner, bool has_first_tangents) {
+    stale_factor_ = true;  // until it is factorised
     if (!has_first_tangents) {
         clear_values();
         for (const auto& term : terms_)
@@ -290,6 +295,7 @@ bool System::branched() const {
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.
 bool System::amend(const Context& c) {
+    stale_factor_ = true;
     for (const auto& term : terms_)
         if (term->outdated() && !term->amend(c, values_.data())) return false;
     for (auto k : held_zero_) values_[k] = 0;
@@ -442,7 +448,9 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
-    for (const auto& term : terms_) term->accept(context);
+    for (const bool from_outside : {true, false})  // no term accepts what another one refuses
+        for (const auto& term : terms_)
+            if (term->sees_clock() == from_outside) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
@@ -454,14 +462,15 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
     for (const auto& term : terms_) term->settle(step, x.data());
-    discard();
+    std::fill(dx.begin(), dx.end(), 0.0);
+    accepted_ = evaluations();
     leave();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;
 }
 
 void System::take_stock(const Step& step, const Signals& signals, bool moves) {
-    discard();
+    std::fill(dx.begin(), dx.end(), 0.0);
     for (const auto& term : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);
@@ -480,17 +489,19 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
 }
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {
-    auto exchange = [&] {
+    const std::vector<std::any> evaluated = evaluations();
+    restore_evaluations(accepted_);  // those of the step, and not of looks or failed steps since then
+    const auto exchange = [&] {
         x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]);
         if (!last_[3].empty()) a.swap(last_[3]);
         if (!last_[4].empty()) w.swap(last_[4]);
     };
     exchange();
-    const bool stale = stale_factor_;
-    assemble(step, signals, residual, nullptr);
-    stale_factor_ = stale;
-    exchange();
-    stale_begin_ = true;
+    {
+        const AtExit back([&] { exchange(), stale_begin_ = true; });
+        assemble(step, signals, residual, nullptr);
+    }
+    restore_evaluations(evaluated);
 }
 
 void System::evaluate(const Step& step, const Signals& signals, bool with_first_tangents) {
@@ -509,7 +520,6 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     evaluate_tangent({step, vectors, signals}, false, true);
     std::copy(values_.begin(), values_.end() - 1, values);
-    stale_factor_ = true;
 }
 
 }  // namespace visviva

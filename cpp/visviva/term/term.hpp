@@ -1,6 +1,7 @@
 // A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the
 // ledger.
 #pragma once
+#include <any>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -67,9 +68,10 @@ class Term {
     // changed.
     virtual void write_memory(std::vector<double>&) const {}
     virtual bool read_memory(const double*& /*memory*/) { return false; }
-    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
-    virtual void hold() {}
-    virtual void release() {}
+    // What the last evaluation has left, which may be shown and decides the forces of its step; and brings
+    // it back after others.
+    virtual std::any evaluation() const { return {}; }
+    virtual void restore_evaluation(const std::any&) {}
     // Relative increments below which its residual may jump, so that they do not shrink any further.
     virtual double resolution() const { return 0; }
     // Asked after convergence, about the last residual.
