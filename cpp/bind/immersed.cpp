@@ -117,6 +117,6 @@ void bind_immersed(nb::module_& m) {
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
             nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"),
             nb::arg("admit"), nb::arg("couple"), nb::arg("reach").none())
-        .def_prop_ro("within", &within)
+        .def_prop_ro("within", &within, nb::rv_policy::automatic)
         .def_prop_ro("location", &ImmersedTerm::location);
 }
