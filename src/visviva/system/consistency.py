@@ -104,23 +104,24 @@ def worst(at: Instant) -> float:
 def descend(system: System, damped: bool) -> float:
     """Take Gauss-Newton steps until the violation no longer shrinks; returns what is left."""
     best, kept, stalled = np.inf, system.x.copy(), 0
-    for _ in range(60 if damped else 25):
-        at = Instant(system)
-        size = worst(at)
-        if size < 0.5 * best:
-            stalled = 0
-        elif stalled >= (12 if damped else 4) or best < 1e-13:
-            break
-        stalled += 1
-        if size < best:
-            best, kept = size, system.x.copy()
-        if size <= ROUND_OFF / 4 or not np.isfinite(size):
-            break
-        at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
-        phi, zero = at.violation(), np.zeros(len(at.coordinates))
-        step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
-        longest = float(np.abs(step / at.scale).max(initial=0.0))
-        system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
+    with returning(system):
+        for _ in range(60 if damped else 25):
+            at = Instant(system)
+            size = worst(at)
+            if size < 0.5 * best:
+                stalled = 0
+            elif stalled >= (12 if damped else 4) or best < 1e-13:
+                break
+            stalled += 1
+            if size < best:
+                best, kept = size, system.x.copy()
+            if size <= ROUND_OFF / 4 or not np.isfinite(size):
+                break
+            at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
+            phi, zero = at.violation(), np.zeros(len(at.coordinates))
+            step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
+            longest = float(np.abs(step / at.scale).max(initial=0.0))
+            system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
     system.x[:] = kept
     return best
 

@@ -66,11 +66,14 @@ class Trial:
     What users' functions raise, or the keyboard, leaves the state accepted last like steps that fail.
     """
 
+    __slots__ = "histories", "system"
+
     def __init__(self, system: System) -> None:
         self.system = system
+        self.histories = [_copies(t.history) for t, _ in system.model.terms] if system.model.terms else []
 
     def __enter__(self) -> None:
-        self.histories = [_copies(term.history) for term, _ in self.system.model.terms]
+        pass
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is None:
