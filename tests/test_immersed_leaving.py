@@ -127,9 +127,9 @@ def test_resumed_outside_bit_by_bit(kind: str, tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(outflow(kind, velocity=fan)[0], until, 0.05)
 
-    run(study(0.8), tmp_path / "whole", progress=False)
+    run(study(0.8), tmp_path / "whole", progress=False, pictures=False)
     for until in (0.25, 0.55, 0.8):  # while it leaves, and after that
-        run(study(until), tmp_path / "split", resume=until > 0.25, progress=False)
+        run(study(until), tmp_path / "split", resume=until > 0.25, progress=False, pictures=False)
     ledgers = [(tmp_path / name / "ledger.csv").read_text() for name in ("whole", "split")]
     assert ledgers[0] == ledgers[1]
 
