@@ -1,4 +1,4 @@
-"""The state accepted last is kept by steps that fail, by functions that raise, and by looks at any moment."""
+"""What is remembered beside the state: steps that fail, functions that raise, and looks at any moment keep the last one."""
 
 from __future__ import annotations
 
