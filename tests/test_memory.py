@@ -1,4 +1,4 @@
-"""What is remembered beside the state: steps that fail, functions that raise, and looks at any moment keep the last one."""
+"""What is remembered beside the state: failures, functions that raise, and looks at any moment keep the last one."""
 
 from __future__ import annotations
 
