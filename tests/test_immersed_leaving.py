@@ -63,7 +63,7 @@ def outflow(
 def motion(body: Any, system: vv.System) -> tuple[Array, Array]:
     """Places and velocities (n, 3) of nodes, or of points around the middle of a rigid body."""
     if isinstance(body, vv.Solid):
-        return body.positions(system.x), body.velocities(system.v)
+        return body.positions(system.x), body.velocities(system.x, system.v)
     points = [body.place(X) for X in np.eye(3) - 1 / 3]
     found = [np.array([p.value(y) for p in points]) for y in (system.x, system.v)]
     return found[0], found[1]

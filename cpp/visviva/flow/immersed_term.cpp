@@ -40,7 +40,7 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
 
 // How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
 double ImmersedTerm::moved(const Context& c, int k, int i) const {
-    if (has_rates(c.step)) return c.step.h * points_.value(c.vectors.rate, k, i);
+    if (!c.step.is_static()) return c.step.h * points_.value(c.vectors.rate, k, i);
     return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
 }
 
@@ -58,7 +58,7 @@ std::vector<char> ImmersedTerm::within() const {
     return found;
 }
 
-bool ImmersedTerm::outdated() const {
+bool ImmersedTerm::is_outdated() const {
     for (int k = 0; points_.leaves && k < points_.n(); ++k)
         if (is_free(k * points_.width) != is_free(at_tangent_.weight, k * points_.width)) return true;
     return false;
@@ -68,7 +68,7 @@ bool ImmersedTerm::outdated() const {
 // start tells, keeps the second order, and makes the motion linear in the velocities. It stays through all
 // iterations. The rates are those of the points: those of the fluid at long steps lead away from where a body
 // is held.
-bool ImmersedTerm::search(const Way& way) {
+bool ImmersedTerm::find_neighbours(const Way& way) {
     const Stopwatch watch(location_);
     bool same = is_coupled();
     each([&](int k, int i, int, int) {
@@ -84,7 +84,7 @@ bool ImmersedTerm::search(const Way& way) {
     interpolate_(now_.start.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
     if (reach_) reach_(now_.places.data());
     if (is_coupled()) return false;
-    couple(way);
+    find_coupled(way);
     return true;
 }
 
@@ -151,7 +151,7 @@ bool ImmersedTerm::is_coupled(int point, int unknown) const {
 }
 
 // The pattern lasts for some steps if it holds what comes next.
-void ImmersedTerm::couple(const Way& way) {
+void ImmersedTerm::find_coupled(const Way& way) {
     std::vector<double> moves(now_.start.size());
     each([&](int k, int i, int, int) {
         moves[k * points_.dim + i] = points_.value(way.x1, k, i) - points_.value(way.x0, k, i);
@@ -177,19 +177,11 @@ void ImmersedTerm::each_coupled(F f) const {
     });
 }
 
-void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void ImmersedTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     each_coupled([&](int row, int col) { entries.emplace_back(row, col); });
 }
 
-std::int64_t ImmersedTerm::n_entries() const {
-    std::int64_t n = 0;
-    each_coupled([&](int, int) { ++n; });
-    return n;
-}
-
-void ImmersedTerm::set_positions(const std::int64_t* positions) {
-    position_.assign(positions, positions + n_entries());
-}
+void ImmersedTerm::set_positions(const std::vector<std::int64_t>& positions) { position_ = positions; }
 
 void ImmersedTerm::residual(const Context& c, double* r) {
     const auto& x1 = c.vectors.x1;
@@ -204,7 +196,7 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
-    const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
+    const double h = c.step.h * share(c.step), own = c.step.is_static() ? 1 : c.step.h * c.step.motion[0][0];
     each([&](int k, int, int, int first) {
         const std::vector<int>& all = coupled_[k];
         const bool free = is_free(first);

@@ -8,12 +8,14 @@ namespace visviva {
 std::vector<double> System::memory() const {
     std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
-    const std::vector<double> solver = solver_->state();
+    const SolverSequence* sequence = solver_->capabilities().sequence;
+    const std::vector<double> solver = sequence ? sequence->state() : std::vector<double>();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
     m.push_back(static_cast<double>(mean_.size()));
     m.insert(m.end(), mean_.begin(), mean_.end());
-    for (const auto& term : terms_) term->write_memory(m);
+    for (const auto& [term, can] : terms_)
+        if (can.memory) can.memory->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
@@ -25,9 +27,9 @@ std::vector<double> System::memory() const {
     return m;
 }
 
-void System::remember(const std::vector<double>& memory) {
+void System::restore(const std::vector<double>& memory) {
     recall(memory);
-    leave();
+    mark_state();
 }
 
 void System::recall(const std::vector<double>& memory) {
@@ -37,20 +39,21 @@ void System::recall(const std::vector<double>& memory) {
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
-    std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
+    SolverSequence* sequence = solver_->capabilities().sequence;
+    std::vector<double> solver(m + 4, m + 4 + (sequence ? sequence->state().size() : 0));
     m = predictor_.read(m + 4 + solver.size());
     const auto n_mean = static_cast<std::size_t>(*m++);
     mean_.assign(m, m + n_mean), m += n_mean;
     bool changed = false;
-    for (const auto& term : terms_)
-        if (term->read_memory(m)) changed = true;
+    for (const auto& [term, can] : terms_)
+        if (can.memory && can.memory->read_memory(m)) changed = true;
     if (changed) rewire();
-    solver_->set_state(solver);
+    if (sequence) sequence->set_state(solver);
     solver_->forget();
-    amended_ = false;
+    updated_ = false;
     if (!stale) {
         make_again(m);
-        solver_->set_state(solver);  // making the factorisation again has counted
+        if (sequence) sequence->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;
     }
     stale_begin_ = true;
@@ -73,7 +76,7 @@ void System::make_again(const double* m) {
         std::copy(m, m + u->size(), u->begin());
         m += u->size();
     }
-    for (const auto& term : terms_) term->begin(x.data());
+    for (const auto& [term, can] : terms_) term->begin(x.data());
     set_base_rates(s);
     update_vectors(s);
     const std::size_t k = n_signals_;
@@ -84,20 +87,20 @@ void System::make_again(const double* m) {
 std::vector<std::any> System::evaluations() const {
     std::vector<std::any> all;
     all.reserve(terms_.size());
-    for (const auto& term : terms_) all.push_back(term->evaluation());
+    for (const auto& [term, can] : terms_) all.push_back(can.memory ? can.memory->evaluation() : std::any());
     return all;
 }
 
 void System::restore_evaluations(const std::vector<std::any>& all) {
     for (std::size_t k = 0; k < all.size(); ++k)
-        if (all[k].has_value()) terms_[k]->restore_evaluation(all[k]);
+        if (all[k].has_value()) terms_[k].can.memory->restore_evaluation(all[k]);
 }
 
 std::vector<std::vector<double>*> System::looked_at() {
     std::vector<std::vector<double>*> all = {&x, &dx, &v, &a, &w};
     all.insert(all.end(), {&x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_});
     for (auto& u : last_) all.push_back(&u);
-    for (auto& u : left_) all.push_back(&u);
+    for (auto& u : marked_) all.push_back(&u);
     return all;
 }
 
@@ -109,7 +112,7 @@ Snapshot System::snapshot() {
     return s;
 }
 
-void System::restore(const Snapshot& s) {
+void System::restore_snapshot(const Snapshot& s) {
     const auto vectors = looked_at();
     const auto bring_back = [&] {
         for (std::size_t k = 0; k < vectors.size(); ++k) *vectors[k] = s.vectors[k];
@@ -118,7 +121,7 @@ void System::restore(const Snapshot& s) {
     accepted_ = s.accepted;
     recall(s.memory);
     bring_back();
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (!s.stale_begin) term->begin(x.data());
     stale_begin_ = s.stale_begin;
     restore_evaluations(s.evaluated);

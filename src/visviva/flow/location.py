@@ -195,7 +195,7 @@ class Place:
 
     def velocities(self, x: Array) -> Array:
         """Velocities (n, 3) at the unknowns `x` of the system."""
-        return self.of_nodes(self.fluid.velocities(x))
+        return self.of_nodes(self.fluid.by_node(x))
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the unknowns `x` of the system."""

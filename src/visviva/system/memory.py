@@ -31,7 +31,7 @@ def bring_back(system: System, arrays: Arrays, histories_alone: bool = False) ->
     """
     if not histories_alone:
         _recall(system, arrays, "at_tangent")
-        system.core.remember(np.ascontiguousarray(arrays["memory"]))
+        system.core.restore(np.ascontiguousarray(arrays["memory"]))
     _recall(system, arrays, "now")
 
 
@@ -120,7 +120,7 @@ def undisturbed(system: System) -> Iterator[None]:
         system.is_undisturbed = False
         try:
             _restore(system, [(at_tangent, at_tangent, {}) for _, at_tangent, _ in known])
-            core.restore(snapshot)
+            core.restore_snapshot(snapshot)
         finally:
             _restore(system, known)
 
