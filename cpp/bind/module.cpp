@@ -312,6 +312,7 @@ static int n_reduced(const System& s) {
 }
 
 static void bind_system(nb::module_& m) {
+    nb::class_<Snapshot>(m, "Snapshot");
     nb::class_<System>(m, "System")
         .def("__init__",
              [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
@@ -429,8 +430,8 @@ static void bind_system(nb::module_& m) {
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("restore", [](System& s, const Doubles& m) { s.restore(vector_of<double>(m)); })
-        .def("keep_evaluation", &System::keep_evaluation)
-        .def("restore_evaluation", &System::restore_evaluation)
+        .def("snapshot", &System::snapshot)
+        .def("restore_snapshot", &System::restore_snapshot)
         .def("invalidate", &System::invalidate)
         .def("mark_state", &System::mark_state)
         .def_prop_ro("is_unchanged", &System::is_unchanged)

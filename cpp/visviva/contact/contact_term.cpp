@@ -73,14 +73,15 @@ bool ContactTerm::read_memory(const double*& m) {
     return changed;
 }
 
-void ContactTerm::keep_evaluation() {
-    held_ = {S_, gap1_, area1_, forces_, friction_forces_, active_.flags(), slips_, grips_, traction_};
+std::any ContactTerm::evaluation() const {
+    return Evaluation{S_,     gap1_,  area1_,   forces_, friction_forces_, active_.flags(),
+                      slips_, grips_, traction_};
 }
 
-void ContactTerm::restore_evaluation() {
-    S_ = held_.S, gap1_ = held_.gap1, area1_ = held_.area1;
-    forces_ = held_.forces, friction_forces_ = held_.friction_forces;
-    active_.set_flags(held_.active), slips_ = held_.slips, grips_ = held_.grips, traction_ = held_.traction;
+void ContactTerm::restore_evaluation(const std::any& kept) {
+    const auto& e = std::any_cast<const Evaluation&>(kept);
+    S_ = e.S, gap1_ = e.gap1, area1_ = e.area1, forces_ = e.forces, friction_forces_ = e.friction_forces;
+    active_.set_flags(e.active), slips_ = e.slips, grips_ = e.grips, traction_ = e.traction;
     known_.clear();
 }
 

@@ -61,8 +61,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
-    void keep_evaluation() override;
-    void restore_evaluation() override;
+    std::any evaluation() const override;
+    void restore_evaluation(const std::any&) override;
     double resolution() const override { return gaps_->resolution(); }
 
     // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
@@ -84,7 +84,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
   private:
     // What an evaluation has left.
-    struct Held {
+    struct Evaluation {
         std::vector<double> S, gap1, area1, forces, friction_forces;
         std::vector<char> active, slips;
         std::vector<Grip> grips;
@@ -175,7 +175,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
     std::vector<double> mean_increments_;  // increments by the mean of the velocities before and after a step
-    Held held_;
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false;

@@ -81,7 +81,7 @@ void System::book_path(const Context& c) {
 }
 
 void System::evaluate_ledger(const Step& step, const Signals& signals, bool moves) {
-    discard();
+    std::fill(dx.begin(), dx.end(), 0.0);
     for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);

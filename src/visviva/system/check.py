@@ -25,6 +25,7 @@ from visviva.system.consistency import (
     worst,
 )
 from visviva.system.instant import COMPLIANCE, Instant, instant
+from visviva.system.memory import returning
 
 if TYPE_CHECKING:
     from visviva.model.field import Field
@@ -302,19 +303,18 @@ def settle(system: System, at: Instant) -> int:
     have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
     have no effect.
     """
-    x, random = system.x.copy(), np.random.default_rng(2)
+    random, lasting = np.random.default_rng(2), 0
     way, _ = at.solve(at.metric @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
-    system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
-    system.x[at.multipliers] = 0.0
-    lasting = 0
-    if descend(system, damped=False) <= 1e-11:
-        near = Instant(system)
-        near.factor()
-        step = instant(system.time, leading=1.0)
-        lasting = near.redundancies().shape[1]
-        if not system.is_undisturbed:
-            tell_redundant(system, step, lasting)
-    system.x[:] = x
+    with returning(system):
+        system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
+        system.x[at.multipliers] = 0.0
+        if descend(system, damped=False) <= 1e-11:
+            near = Instant(system)
+            near.factor()
+            step = instant(system.time, leading=1.0)
+            lasting = near.redundancies().shape[1]
+            if not system.is_undisturbed:
+                tell_redundant(system, step, lasting)
     return lasting
 
 
@@ -364,11 +364,19 @@ def refuse_unheld(system: System, at: Instant) -> None:
 
 def compare_tangent(system: System, most: int = 150) -> TangentError:
     """Compare the default scheme's tangent with differences of its residual, off the initial state."""
-    core, random = system.core, np.random.default_rng(1)
-    step = EnergyMomentum().step(system.time, 1.0)
-    unknown = system.free_unknowns
+    random, unknown = np.random.default_rng(1), system.free_unknowns
     scale = np.concatenate([f.scale for f in system.model.fields])
-    core.dx[unknown] = 1e-3 * random.standard_normal(len(unknown)) * np.where(scale > 0, scale, 1.0)[unknown]
+    off = 1e-3 * random.standard_normal(len(unknown)) * np.where(scale > 0, scale, 1.0)[unknown]
+    with returning(system):
+        system.core.dx[unknown] = off
+        return worst_entry(system, unknown, random, most)
+
+
+def worst_entry(
+    system: System, unknown: NDArray[np.int64], random: np.random.Generator, most: int
+) -> TangentError:
+    """The same at the trial state."""
+    step = EnergyMomentum().step(system.time, 1.0)
     with exact_stress(system):
         _, A = system.tangent(step)
     columns = np.arange(len(unknown))
@@ -384,7 +392,6 @@ def compare_tangent(system: System, most: int = 150) -> TangentError:
             error[:, j] = np.abs(B[:, j] - D[:, j]) / size[:, j]
             if error[:, j].max() <= TANGENT_TOLERANCE:
                 break
-    core.dx[:] = 0.0
     i, j = (int(k) for k in np.unravel_index(int(np.argmax(error)), error.shape))
     row, column = (name(system, int(unknown[k])) for k in (i, columns[j]))
     return TangentError(float(error[i, j]), row, column, (float(B[i, j]), float(D[i, j])))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.scheme.clock import Clock
 from visviva.system.instant import COMPLIANCE, Instant, instant
+from visviva.system.memory import returning
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme, Table
@@ -103,23 +104,24 @@ def worst(at: Instant) -> float:
 def descend(system: System, damped: bool) -> float:
     """Take Gauss-Newton steps until the violation no longer shrinks; returns what is left."""
     best, kept, stalled = np.inf, system.x.copy(), 0
-    for _ in range(60 if damped else 25):
-        at = Instant(system)
-        size = worst(at)
-        if size < 0.5 * best:
-            stalled = 0
-        elif stalled >= (12 if damped else 4) or best < 1e-13:
-            break
-        stalled += 1
-        if size < best:
-            best, kept = size, system.x.copy()
-        if size <= ROUND_OFF / 4 or not np.isfinite(size):
-            break
-        at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
-        phi, zero = at.violation(), np.zeros(len(at.coordinates))
-        step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
-        longest = float(np.abs(step / at.scale).max(initial=0.0))
-        system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
+    with returning(system):
+        for _ in range(60 if damped else 25):
+            at = Instant(system)
+            size = worst(at)
+            if size < 0.5 * best:
+                stalled = 0
+            elif stalled >= (12 if damped else 4) or best < 1e-13:
+                break
+            stalled += 1
+            if size < best:
+                best, kept = size, system.x.copy()
+            if size <= ROUND_OFF / 4 or not np.isfinite(size):
+                break
+            at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
+            phi, zero = at.violation(), np.zeros(len(at.coordinates))
+            step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
+            longest = float(np.abs(step / at.scale).max(initial=0.0))
+            system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
     system.x[:] = kept
     return best
 
@@ -245,12 +247,11 @@ def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
 
 def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
     """Accelerations (n,) and multipliers (m,) of the present state; `still` leaves the velocities out."""
-    saved = system.x[at.multipliers].copy()
-    system.x[at.multipliers] = 0.0
-    force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
-    if system.model.prescribed and not still:
-        force = force + at.prescribed_inertia()
-    system.x[at.multipliers] = saved
+    with returning(system):
+        system.x[at.multipliers] = 0.0
+        force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
+        if system.model.prescribed and not still:
+            force = force + at.prescribed_inertia()
     right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
     return at.solve_consistent(-force, right)
 
@@ -283,18 +284,17 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
 
     Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
     """
-    x, v, clock, moves = system.x.copy(), system.v.copy(), system.clock, system.order == 2
-    system.x[moves] += time * v[moves] + 0.5 * time**2 * now[moves]
-    system.v[moves] += time * now[moves]
-    system.clock = Clock(system.time + time)
-    for p in system.model.prescribed:
-        system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
-    later = now.copy()
-    at = Instant(system)
-    at.factor()
-    of_motion = moves[at.coordinates]
-    later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
-    system.x[:], system.v[:], system.clock = x, v, clock
+    later, moves = now.copy(), system.order == 2
+    with returning(system):
+        system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
+        system.v[moves] += time * now[moves]
+        system.clock = Clock(system.time + time)
+        for p in system.model.prescribed:
+            system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
+        at = Instant(system)
+        at.factor()
+        of_motion = moves[at.coordinates]
+        later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
     change, size = (float(np.linalg.norm(u * system.inverse_scale)) for u in (later - now, now))
     return later if change < 0.5 * size else now
 
@@ -319,12 +319,11 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     at = Instant(system)
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
-        x1 = system.x.copy()
-        system.x[:], system.core.dx[:] = x0, trial - x0
-        with_them = system.residual(step)
-        system.core.dx[at.multipliers] = -x0[at.multipliers]
-        impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
-        system.x[:], system.core.dx[:] = x1, 0.0
+        with returning(system):
+            system.x[:], system.core.dx[:] = x0, trial - x0
+            with_them = system.residual(step)
+            system.core.dx[at.multipliers] = -x0[at.multipliers]
+            impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
     at.factor()
     before = system.v[at.coordinates].copy()
     after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
@@ -350,8 +349,9 @@ def drive_works(
     rows = np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives])
     work: Array = -mu[rows] * (at.G[rows] @ mean)
     if step.theta_g == 0.0:
-        x1, along = system.x.copy(), np.zeros(len(system.x))
-        system.x[:], along[at.coordinates] = x0, step.h * mean
-        work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
-        system.x[:] = x1
+        along = np.zeros(len(system.x))
+        along[at.coordinates] = step.h * mean
+        with returning(system):
+            system.x[:] = x0
+            work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
     return work

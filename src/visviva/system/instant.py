@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.system.memory import returning
 from visviva.system.scaling import by_weight, equilibration
 
 if TYPE_CHECKING:
@@ -159,9 +160,9 @@ class Instant:
 
     def _gradients_near(self, v: Array, later: float = 0.0, shift: float = 0.0) -> sp.csr_array:
         system = self.system
-        system.core.dx[self.coordinates] = shift * v
-        A = system.tangent(instant(system.time + later, leading=1.0))[1]
-        system.core.dx[:] = 0.0
+        with returning(system):
+            system.core.dx[self.coordinates] = shift * v
+            A = system.tangent(instant(system.time + later, leading=1.0))[1]
         G: sp.csr_array = A[self._m][:, self._q]
         return G
 
@@ -215,18 +216,17 @@ class Instant:
         system, a = self.system, self.prescribed_acceleration()
         factor = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
         step = instant(system.time, leading=factor)
-        system.core.dx[:] = a / factor
-        moved = system.residual(step)
-        system.core.dx[:] = 0.0
+        with returning(system):
+            system.core.dx[:] = a / factor
+            moved = system.residual(step)
         force: Array = (moved - system.residual(step))[self.coordinates]
         return force
 
     def values_at(self, dx: Array) -> Array:
         """Values (m,) of the constraints at a trial increment of all unknowns."""
-        self.system.core.dx[:] = dx
-        values = self.violation()
-        self.system.core.dx[:] = 0.0
-        return values
+        with returning(self.system):
+            self.system.core.dx[:] = dx
+            return self.violation()
 
     def _bend(self, v: Array) -> Array:
         """Second derivatives (m,) of the constraints along `v`."""
