@@ -160,17 +160,17 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
         return Correction(0.0, 0.0, {})
     v = system.v[at.coordinates].copy()
     drift = at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
     defect = at.G @ v + drift
-    before = float(np.abs(defect / reach).max(initial=0.0))
+    before = float(np.abs(defect / at.rate_reach(v, drift)).max(initial=0.0))
     if before <= ROUND_OFF:
         return Correction(before, before, {})
     change, _ = at.solve(np.zeros(len(v)), -defect)
     system.v[at.coordinates] = v + change
     rest = at.G @ (v + change) + drift
-    after = float(np.abs(rest / reach).max(initial=0.0))
+    part = np.abs(rest / at.rate_reach(v + change, drift))
+    after = float(part.max(initial=0.0))
     if after > 1e-9:
-        k = int(np.argmax(np.abs(rest / reach)))
+        k = int(np.argmax(part))
         component, unknown = system.describe(int(at.multipliers[k]))
         system.v[at.coordinates] = v
         raise InputError(
@@ -186,8 +186,7 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
 def rate_violation(system: System, at: Instant) -> float:
     """Largest relative violation of the constraints' rates."""
     v, drift = system.v[at.coordinates], at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
-    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+    return float(np.abs((at.G @ v + drift) / at.rate_reach(v, drift)).max(initial=0.0))
 
 
 def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
@@ -269,9 +268,10 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
     x, v, clock, moves = system.x.copy(), system.v.copy(), system.clock, system.order == 2
     system.x[moves] += time * v[moves] + 0.5 * time**2 * now[moves]
     system.v[moves] += time * now[moves]
-    system.clock = Clock(system.time + time)
+    system.clock = Clock(system.time + time, clock.step)
     for p in system.model.prescribed:
-        system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
+        system.x[p.unknowns] = p.values(system.time)
+        system.v[p.unknowns] = p.rates(system.time, clock.step)
     later = now.copy()
     at = Instant(system)
     at.factor()
