@@ -1,4 +1,4 @@
-"""Python functions of time have the rates of the same expressions, whatever the time is and the unit it is counted in."""
+"""Python functions of time have the rates of the same expressions, whatever the time and the unit it is counted in."""
 
 import math
 

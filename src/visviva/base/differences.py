@@ -7,6 +7,7 @@ the time is and the unit it is counted in.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ import numpy as np
 PART = 1 / 8
 """Part of a step between two points: of a wave of twenty steps truncation and rounding are then 1e-11 of its rate."""
 FARTHEST, CLOSER, TRIALS = 1e-3, 0.1234, 10
-"""Where no step is known: the first distance (times the time, 1 at least), and how the next ones fall. No ratio of small
-numbers: whole periods at two distances would agree on a rate of nothing."""
+"""Where no step is known: the first distance (times the time, 1 at least), and how the next ones fall. Not by a ratio
+of small numbers: whole periods at two distances would agree on a rate of nothing."""
 
 
 def central_rate(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
@@ -61,7 +62,7 @@ def _over(difference: Callable[..., Any], f: Callable[[float], Any], t: float, s
         return difference(f, t, PART * step)
     first = FARTHEST * max(1.0, abs(t))
     found = [difference(f, t, first * CLOSER**k) for k in range(TRIALS)]
-    misfit = [float(np.max(np.abs(a - b), initial=0.0)) for a, b in zip(found, found[1:], strict=False)]
+    misfit = [float(np.max(np.abs(a - b), initial=0.0)) for a, b in pairwise(found)]
     return found[int(np.argmin(misfit))]
 
 
