@@ -188,7 +188,7 @@ bool System::project_rates(const Context& c) {
     if (!solved) return false;
     const std::vector<double> rates = v_next_;
     take_rates(c.step);
-    book_drives(c, instant, rates);
+    if (!c.step.uses_history()) book_drives(c, instant, rates);  // else in the multipliers
     return true;
 }
 

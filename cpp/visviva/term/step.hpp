@@ -23,6 +23,8 @@ struct Step {
     double transport[5][4] = {};
 
     bool has_length() const { return h > no_length; }
+    // Statics and schemes of second order that balance forces at the end of the step.
+    bool balances_ends() const { return motion[1][0] == 0 || uses_history(); }
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
 };
 
