@@ -15,7 +15,7 @@ namespace {
 
 using Map = Eigen::Map<const Eigen::VectorXd>;
 
-constexpr double touching = 1e-9;  // part of a vertex's share of the surface
+constexpr double touching = 1e-9;  // part of the size of a vertex' share of the surface
 // Part of a vertex' area that the other surface must cover: with less, its gap also closes where the cover
 // vanishes, and Newton's method goes there, while the multiplier grows without bound.
 constexpr double least_cover = 1e-3;
@@ -384,14 +384,14 @@ double ContactTerm::rebound(int A, const Context& c) const {
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.motion[0][0] == 0) return 0;
     if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
-    const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
+    const double rounding = options_.conserving ? 0 : touching * area0_[A] * options_.size;
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
 }
 
 // Without inertia what just touches holds: bodies may rest on nothing else.
 double ContactTerm::slack(int A, const Context& c) const {
-    return c.step.motion[0][0] != 0 ? 0 : touching * area1_[A] * size(A);
+    return c.step.motion[0][0] != 0 ? 0 : touching * area1_[A] * options_.size;
 }
 
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
@@ -399,7 +399,7 @@ bool ContactTerm::wants_pressure(int A, const Context& c) const {
     const double lambda = c.vectors.x1[options_.multiplier[A]];
     const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
-    const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * size(A);
+    const double rounding = changes_ < 0 ? 0 : 1e-12 * k * area1_[A] * options_.size;
     return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
 }
 
@@ -734,7 +734,7 @@ void ContactTerm::add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<d
         for (int i = 0; i < 3; ++i) sum[3 * stencil[v] + i] += f[3 * v + i];
 }
 
-// A step taken backwards, as statics books its work, leaves the forces of the step itself.
+// A step taken backwards, as work along a path is booked, leaves the forces of the step itself.
 void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
     if (!c.backwards) return book(c, sums);
     const auto forces = forces_, friction = friction_forces_;
@@ -792,7 +792,7 @@ void ContactTerm::book(const Context& c, LedgerSums& sums) {
 }
 
 void ContactTerm::accept(const Context& c) {
-    if (c.step.motion[0][0] == 0) {  // the books of statics have gone back along the path
+    if (c.step.balances_ends()) {  // the books have gone back along the path
         gaps_->skin().positions(c.vectors.x0, X0_);
         settle();
         evaluate(c, true);
