@@ -192,7 +192,7 @@ class System {
     void drift(const Context&, double h, std::vector<double>& d);
     bool project_rates(const Context&);
     void take_rates(const Step&);
-    std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
+    std::vector<double> constraint_rates(const Context&, double h, const std::vector<double>& at,
                                          const std::vector<double>& rates);
     void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
     void evaluate(const Step&, const Signals&, bool with_first_tangents);

@@ -47,7 +47,7 @@ nodes at edges and corners more easily still."""
 AT_LIMIT = 1e-6
 """Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
 TOUCHING = 1e-9
-"""Gaps smaller than this part of the size of the first surface's facets are neither open nor closed without pressure."""
+"""Gaps below this part of the size of the first surface's facets are neither open nor closed without pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

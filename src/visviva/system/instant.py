@@ -35,6 +35,8 @@ NO_STEP = 1e-3
 """What stands for the length of steps before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
+LIGHT = 1e-3
+"""Mass of scaled coordinates that have none."""
 REDUNDANT = 1e-9
 """A combination of scaled constraints whose gradient is shorter than this is redundant."""
 
@@ -129,7 +131,8 @@ class Instant:
         return np.array([f.rate(time, self.system.clock.step) for f in self.system.model.signals])
 
     def _by_signals(self, rate: Array) -> Array:
-        return 0.5 * (self.violation(ahead=rate) - self.violation(ahead=-rate))
+        h = self._moment
+        return 0.5 / h * (self.violation(ahead=h * rate) - self.violation(ahead=-h * rate))
 
     @property
     def _sees_clock(self) -> bool:
@@ -153,8 +156,9 @@ class Instant:
         if system.model.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
-            along = self.prescribed(lambda p: system.v[p.unknowns])
-            total = total + 0.5 * (self.values_at(along) - self.values_at(-along))
+            h = self._moment
+            along = h * self.prescribed(lambda p: system.v[p.unknowns])
+            total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
             total = total + central_rate(self.violation, 0.0, system.clock.step)
         return total
@@ -265,6 +269,17 @@ class Instant:
         share *= total[of_mesh].sum() / share.sum() if share.sum() > 0 else 0.0
         return (kept @ self.M @ kept + sp.diags_array(share)).tocsr()
 
+    def _own_sizes(self, mass: sp.csr_array) -> Array:
+        """Sizes (n + m,) of coordinates, and of multipliers that belong to them, with a typical mass of one."""
+        inertia = np.sqrt(typical(mass.diagonal() * self.scale**2))
+        along = (
+            (abs(self.G) * self.scale).max(axis=1).toarray().ravel()
+            if self.G.nnz
+            else np.ones(self.G.shape[0])
+        )
+        sizes: Array = np.r_[self.scale / inertia, inertia / np.where(along > 0, along, 1.0)]
+        return sizes
+
     def factor(self, compliance: float = COMPLIANCE) -> None:
         """Factor the scaled equations with a little mass where there is none and a little compliance."""
 
@@ -276,11 +291,12 @@ class Instant:
             self._s = np.zeros(0)
             return
         mass = self.metric
-        light = np.where(abs(mass).sum(axis=1) == 0, 1e-3 * typical(mass.diagonal()), 0.0)
-        K = sp.block_array([[mass + sp.diags_array(light), self.G.T], [self.G, None]], format="csr")
-        self._s = equilibration(K)
+        K = sp.block_array([[mass, self.G.T], [self.G, None]], format="csr")
+        first = sp.diags_array(self._own_sizes(mass))
+        self._s = first.diagonal() * equilibration(first @ K @ first)
         S = sp.diags_array(self._s)
-        soft = sp.diags_array(np.r_[np.zeros(n), np.full(m, -compliance)])
+        light = np.where(abs(mass).sum(axis=1) == 0, LIGHT, 0.0)
+        soft = sp.diags_array(np.r_[light, np.full(m, -compliance)])
         K = (S @ K @ S + soft).tocsc()
         if self.metric is not self.M and K[:n, :n].nnz == n:  # meshes alone
             with suppress(
