@@ -84,7 +84,7 @@ def test_what_would_pass_through_a_sheet_is_still_stopped() -> None:
 def plate(n: int) -> vv.SurfaceMesh:
     """A plate of 2 (n + 1)^2 vertices."""
     shape = vv.BoxMesh(size=(2, 2, 0.1), counts=(n, n, 1), origin=(-1, -1, -0.05)).build()
-    quads = np.concatenate([cells for cells in shape.boundary().cells.values()])
+    quads = np.concatenate(list(shape.boundary().cells.values()))
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     return vv.SurfaceMesh(points=shape.points, triangles=triangles)
 

@@ -1,4 +1,4 @@
-"""Models do the same in whatever consistent units they are given: nothing in the code is one metre, second or newton."""
+"""Models do the same in whatever consistent units they are given: nothing in the code is one metre or second."""
 
 from __future__ import annotations
 

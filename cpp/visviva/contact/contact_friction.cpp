@@ -7,9 +7,9 @@ namespace visviva {
 
 // The traction at a gap: elastic or a multiplier within Coulomb's limit; that at the start of a step that the
 // books of statics go back.
-void ContactTerm::rub(int A, const Context& c) {
+void ContactTerm::find_traction(int A, const Context& c) {
     const FrictionOptions& o = options_.friction;
-    base_[A] = {elastic_[2 * A], elastic_[2 * A + 1]};
+    base_[A] = elastic_.at_start(A);
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
     traction_[A] = {}, slid_[A].setZero(), slips_[A] = 0;
@@ -57,32 +57,13 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
                                o.coefficient * dS_gap_[A] * t.by_limit * g1.transpose();
     K -= sliding.force_gradient(t.value, turn) + directions * dt;
     const Eigen::Vector2d by_pressure = o.coefficient * t.by_limit;
-    const int normal = has_multipliers() ? 1 : 0, rest = n_multipliers() - normal;
+    const int normal = has_multipliers() ? 1 : 0, rest = scatter_.n_tangential();
     if (normal) b.column.col(0) += directions * by_pressure;
     if (rest == 0) return;
     b.row.bottomRows(rest) = dt.topRows(rest) / stiffness;
     b.column.rightCols(rest) = directions * t.by_trial.leftCols(rest);
     b.square.bottomRightCorner(rest, rest) += t.by_trial.topLeftCorner(rest, rest) / stiffness;
     if (normal) b.square.bottomLeftCorner(rest, 1) = by_pressure.head(rest) / stiffness;
-}
-
-// --- elastic slip from step to step
-// ----------------------------------------------------------------------
-// The elastic tractions of this configuration: a step may be looked at again, or a kept tangent be made
-// again.
-void ContactTerm::recall() {
-    const Record* record = &now_;
-    for (const Record* r : {&at_tangent_, &before_, &now_})
-        if (r->X == X0_) record = r;
-    elastic_ = record->traction;
-}
-
-void ContactTerm::keep(const Context& c) {
-    evaluate(c, false);
-    before_ = {X0_, elastic_};
-    now_.X = X1_;
-    for (int A = 0; A < gaps_->n(); ++A)
-        for (int i = 0; i < 2; ++i) now_.traction[2 * A + i] = traction_[A].value[i];
 }
 
 double ContactTerm::slip_work(int A, const std::vector<double>& way) const {
