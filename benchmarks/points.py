@@ -49,7 +49,9 @@ def main() -> None:
     )
     parser.add_argument("--repeat", type=int, default=20)
     repeat = parser.parse_args().repeat
-    print(f"{'physics':20s} {'cells':>6s}  {'scheme':16s} {'residual':>9s} {'residual, tangent, scatter':>27s}")
+    print(
+        f"{'physics':20s} {'cells':>6s}  {'scheme':16s} {'residual':>9s} {'residual, tangent, scatter':>27s}"
+    )
     for name, (build, n) in CASES.items():
         for scheme_name in ("energy-momentum",):
             r, both = costs(vv.System([build()]), SCHEMES[scheme_name], n, repeat, time.process_time)

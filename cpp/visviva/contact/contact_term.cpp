@@ -220,7 +220,7 @@ bool ContactTerm::update_tangent(const Context& c, double* values) {
 }
 
 void ContactTerm::accept(const Context& c) {
-    if (c.step.is_static()) {  // the books of statics have gone back along the path
+    if (c.step.balances_ends()) {  // the books have gone back along the path
         gaps_->skin().positions(c.vectors.x0, X0_);
         settle();
         evaluate(c, true);

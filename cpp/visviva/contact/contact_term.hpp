@@ -33,6 +33,7 @@ struct ContactOptions {
     // they came with, and several of their vertices may press where fewer would do.
     bool rigid = false;
     double restitution = 0;
+    double size = 0;              // of a vertex' share of the surface, by which gaps are told from rounding
     bool presses_out = false;     // in time too, what overlaps at the start of a step is pushed apart
     std::vector<double> damping;  // of each gap: pressure per rate of penetration, beside a penalty
     FrictionOptions friction;
@@ -132,7 +133,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void find_covered(const Context&);
     bool is_covered(int A, const std::vector<double>& area) const;
     void find_masses(bool gradients);
-    double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
     void forget_gradients() { known_at_.clear(), massed_.clear(), rates_at_.clear(); }
     void find_traction(int A, const Context&);
     void add_to_ledger(const Context&, LedgerSums&);

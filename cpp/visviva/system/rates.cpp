@@ -80,7 +80,8 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 }
 
 // The partial time derivative of the constraints at the end, by prescribed unknowns and functions of time,
-// for which central differences are exact, as constraints are quadratic in them, and by the clock.
+// for which central differences are exact, as constraints are quadratic in them, and by the clock. Over a
+// step of length h, so that their change is not lost in rounding.
 void System::drift(const Context& c, double h, std::vector<double>& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
@@ -100,11 +101,11 @@ void System::drift(const Context& c, double h, std::vector<double>& d) {
     const Signals moved{c.signals.at0, c.signals.ate, at1.data(), c.signals.rate1};
     const std::vector<double> x1 = x1_;
     const AtExit back([&] { x1_ = x1; });
-    for (const double way : {1.0, -1.0}) {
+    for (const double way : {h, -h}) {
         for (int u : prescribed_) x1_[u] = x1[u] + way * v_next_[u];
         for (std::size_t k = 0; k < n_signals_; ++k) at1[k] = c.signals.at1[k] + way * c.signals.rate1[k];
         evaluate_lasting({c.step, c.vectors, moved});
-        for (int u = 0; u < n_; ++u) d[u] += 0.5 * way * r_[u];
+        for (int u = 0; u < n_; ++u) d[u] += 0.5 / way * r_[u];
     }
 }
 
@@ -132,16 +133,16 @@ void System::evaluate_rate_residual(const std::vector<double>& impulse, const st
     }
 }
 
-// G v at some place, by central differences, which are exact as constraints are quadratic.
-std::vector<double> System::constraint_rates(const Context& c, const std::vector<double>& at,
+// G v at some place, by central differences over a step of length h, exact as constraints are quadratic.
+std::vector<double> System::constraint_rates(const Context& c, double h, const std::vector<double>& at,
                                              const std::vector<double>& rates) {
     std::vector<double> found(drives_.size(), 0.0);
     const std::vector<double> x1 = x1_;
     const AtExit back([&] { x1_ = x1; });
-    for (const double way : {1.0, -1.0}) {
+    for (const double way : {h, -h}) {
         for (int u = 0; u < n_; ++u) x1_[u] = constraint_[u] ? 0.0 : at[u] + way * rates[u];
         evaluate_lasting(c);
-        for (std::size_t k = 0; k < drives_.size(); ++k) found[k] += 0.5 * way * r_[drives_[k]];
+        for (std::size_t k = 0; k < drives_.size(); ++k) found[k] += 0.5 / way * r_[drives_[k]];
     }
     return found;
 }
@@ -153,10 +154,10 @@ void System::book_drives(const Context& c, const Context& end, const std::vector
     std::vector<double> mean(n_ + 1, 0.0);
     for (int u = 0; u < n_; ++u)
         if (order_[u] > 0 && !fixed_[u]) mean[u] = 0.5 * (rates[u] + v_next_[u]);
-    const std::vector<double> at_end = constraint_rates(end, std::vector<double>(x1_), mean);
+    const std::vector<double> at_end = constraint_rates(end, c.step.h, std::vector<double>(x1_), mean);
     for (std::size_t k = 0; k < drives_.size(); ++k) drive_work_[k] = -d_[drives_[k]] * at_end[k];
     if (c.step.theta_g != 0) return;
-    const std::vector<double> at_start = constraint_rates(end, x, mean);
+    const std::vector<double> at_start = constraint_rates(end, c.step.h, x, mean);
     for (std::size_t k = 0; k < drives_.size(); ++k)
         drive_work_[k] += 0.5 * c.step.h * x1_[drives_[k]] * at_start[k];
 }
@@ -192,7 +193,7 @@ bool System::project_rates(const Context& c) {
     if (!solve_rates(c, instant)) return false;
     const std::vector<double> rates = v_next_;
     take_rates(c.step);
-    book_drives(c, instant, rates);
+    if (!c.step.uses_history()) book_drives(c, instant, rates);  // else in the multipliers
     return true;
 }
 

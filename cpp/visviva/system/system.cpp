@@ -340,8 +340,8 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    const bool path = ledger && step.is_static() && step.transport[0][0] == 0;
-    if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
+    const bool path = ledger && step.balances_ends();
+    if (ledger) book_step(context, step.is_static() ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
     for (const bool from_outside : {true, false})  // no term accepts what another one refuses

@@ -201,7 +201,7 @@ class System {
     bool solve_rates(const Context&, const Context& instant);
     bool project_rates(const Context&);
     void take_rates(const Step&);
-    std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
+    std::vector<double> constraint_rates(const Context&, double h, const std::vector<double>& at,
                                          const std::vector<double>& rates);
     void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
     void evaluate(const Step&, const Signals&, bool with_mesh_tangents);

@@ -46,7 +46,7 @@ nodes at edges and corners more easily still."""
 AT_LIMIT = 1e-6
 """Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
 TOUCHING = 1e-9
-"""Gaps smaller than this part of a vertex' share of the surface are neither open nor closed without pressure."""
+"""Gaps below this part of the size of the first surface's facets are neither open nor closed without pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -235,9 +235,9 @@ class Contact(Component):
         rubs = self.friction > 0
         gaps, self.size, reach = self._gaps(model.length)
         spans = float(np.ptp(self.places, axis=0).max())
-        self.extent = (
-            self.size or spans or self._radius or model.length
-        )  # by which overlaps at the start are judged
+        alone = spans or self._radius or model.length  # of points that have no facets
+        self.extent = self.size or alone  # by which overlaps at the start are judged
+        self._share = self._surface.size or alone  # by which gaps are told from rounding
         normal = self._stiffness(self.size)
         tangential = self._tangential_stiffness(sticks) if rubs else 0.0
         along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []
@@ -250,6 +250,7 @@ class Contact(Component):
             self.impact == "conserving",
             self._is_rigid,
             self._share_left,
+            self._share,
             self.initial == "press",
             self.friction,
             np.array(along, dtype=np.int32),
@@ -337,9 +338,11 @@ class Contact(Component):
 
     def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)
-        if self._started or self.initial == "press" or state.time > 0:
+        if self._started or self.initial == "press":
             return
         self._started = True
+        if not state.is_given:
+            return
         state.core.find_neighbours()
         state.take_stock()
         refuse_overlap(self, self.places)
@@ -448,7 +451,7 @@ class Contact(Component):
 
     def unfit_for_modes(self) -> str:
         presses = self.pressures > 0
-        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * np.sqrt(self.term.areas))
+        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * self._share)
         if touches.any():
             return (
                 f"it touches without pressure at {int(touches.sum())} of its vertices, which are neither open nor "

@@ -171,11 +171,12 @@ class Model:
         moved: Field,
         numbers: ArrayLike,
         values: Callable[[float], Array],
-        rates: Callable[[float], Array],
+        rates: Callable[[float, float], Array],
         kinks: Iterable[float] = (),
     ) -> None:
         """Let unknowns of a field, given by their numbers in it, move as functions of time with values (k,) say.
 
+        Their rates (k,) follow from a time and the length of steps, 0 where that is not known.
         At `kinks` their rates may jump.
 
         Raises
@@ -192,7 +193,7 @@ class Model:
                 f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
             )
         self.hold(moved, k, values(0.0))
-        moved.rates[k] = rates(0.0)
+        moved.rates[k] = rates(0.0, 0.0)
         self._remember(moved)
         account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)

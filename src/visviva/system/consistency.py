@@ -288,9 +288,12 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
     with returning(system):
         system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
         system.v[moves] += time * now[moves]
-        system.clock = Clock(system.time + time)
+        system.clock = Clock(system.time + time, system.clock.step)
         for p in system.model.prescribed:
-            system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
+            system.x[p.unknowns], system.v[p.unknowns] = (
+                p.values(system.time),
+                p.rates(system.time, system.clock.step),
+            )
         at = Instant(system)
         at.factor()
         of_motion = moves[at.coordinates]
@@ -327,26 +330,34 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     at.factor()
     before = system.v[at.coordinates].copy()
     after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
-    work = drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     if table[1][2] == 0.0:  # nothing but rates is remembered
         system.v[at.coordinates] = after
-        return work
+        return drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     moves = system.order[at.coordinates] == 2
     change, coordinates = (after - before)[moves], at.coordinates[moves]
     for history, row in ((system.v, 2), (system.core.a, 3), (system.core.w, 4)):
         history[coordinates] += table[row][0] / table[2][0] * change
-    system.x[at.multipliers] += table[1][0] / table[2][0] * mu
+    change_of_multipliers = table[1][0] / table[2][0] * mu
+    system.x[at.multipliers] += change_of_multipliers
+    rows = driven_rows(system, at)  # work is booked with the mean of the forces at both ends of the step
+    work: Array = -0.5 * change_of_multipliers[rows] * (at.G[rows] @ (trial - x0)[at.coordinates])
     return work
+
+
+def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:
+    """Among the multipliers, those of what functions of time drive."""
+    drives = [u for u, _ in system.model.drives]
+    return np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives], dtype=np.int64)
 
 
 def drive_works(
     system: System, at: Instant, step: Any, x0: Array, trial: Array, mu: Array, mean: Array
 ) -> Array:
     """Work of each drive by its share of the impulses of a projection, along the `mean` of the rates."""
-    drives = np.array([u for u, _ in system.model.drives], dtype=int)
-    if not len(drives):
+    rows = driven_rows(system, at)
+    if not len(rows):
         return np.zeros(0)
-    rows = np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives])
+    drives = at.multipliers[rows]
     work: Array = -mu[rows] * (at.G[rows] @ mean)
     if step.theta_g == 0.0:
         along = np.zeros(len(system.x))

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.base.differences import central_rate
 from visviva.system.memory import returning
 from visviva.system.scaling import by_weight, equilibration
 
@@ -128,8 +129,12 @@ class Instant:
         r: Array = self.system.residual(step, signals)[self.multipliers[: len(self.reach)]]
         return r
 
+    def _signal_rates(self, time: float) -> Array:
+        return np.array([f.rate(time, self.system.clock.step) for f in self.system.model.signals])
+
     def _by_signals(self, rate: Array) -> Array:
-        return 0.5 * (self.violation(ahead=rate) - self.violation(ahead=-rate))
+        h = self._moment
+        return 0.5 / h * (self.violation(ahead=h * rate) - self.violation(ahead=-h * rate))
 
     @property
     def _sees_clock(self) -> bool:
@@ -147,10 +152,11 @@ class Instant:
         if system.model.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
-            along = self.prescribed(lambda p: system.v[p.unknowns])
-            total = total + 0.5 * (self.values_at(along) - self.values_at(-along))
+            h = self._moment
+            along = h * self.prescribed(lambda p: system.v[p.unknowns])
+            total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
-            total = total + difference(lambda s: self.violation(s), 0.1 * self._moment)
+            total = total + central_rate(self.violation, 0.0, system.clock.step)
         return total
 
     def gradient_along(self, v: Array, later: float = 0.0, shift: float = 0.0) -> Array:
@@ -183,9 +189,7 @@ class Instant:
         if np.any(v):
             total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
         if system.model.signals:
-            functions = system.model.signals
-            bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), self._moment)
-            total = total + self._by_signals(bend)
+            total = total + self._by_signals(central_rate(self._signal_rates, system.time, system.clock.step))
         if system.model.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
@@ -209,7 +213,7 @@ class Instant:
 
     def prescribed_acceleration(self) -> Array:
         """Accelerations of the prescribed unknowns, zero elsewhere."""
-        return self.prescribed(lambda p: p.acceleration(self.system.time))
+        return self.prescribed(lambda p: p.acceleration(self.system.time, self.system.clock.step))
 
     def prescribed_inertia(self) -> Array:
         """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""

@@ -298,10 +298,10 @@ class System(metaclass=Named):
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
-        s = self._signals
+        s, length = self._signals, step.h if step.has_length else self.clock.step
         for k, f in enumerate(self.model.signals):
             rate = f.rate_after if f.kinks and not step.has_length else f.rate
-            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1)
+            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1, length)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
             raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
@@ -383,7 +383,7 @@ class System(metaclass=Named):
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
         for p in self.model.prescribed:
-            self.v[p.unknowns] = p.rates(self.time)
+            self.v[p.unknowns] = p.rates(self.time, self.clock.step)
         self.touch()
 
     @property
