@@ -45,6 +45,8 @@ masses let one node move more easily than all together (by 3.5 across the surfac
 nodes at edges and corners more easily still."""
 AT_LIMIT = 1e-6
 """Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
+FRAME = 4
+"""Vertices of a frame."""
 TOUCHING = 1e-9
 """Gaps smaller than this part of a vertex' share of the surface are neither open nor closed without pressure."""
 
@@ -427,8 +429,14 @@ class Contact(Component):
     def forces(self) -> Array:
         """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
         n = len(self._surface.forms)
-        total = self.term.forces + self.term.friction_forces
-        forces: Array = total.reshape(-1, 3)[:n] if len(total) else np.zeros((n, 3))
+        if not len(self.term.forces):
+            return np.zeros((n, 3))
+        rubbed = self.term.friction_forces.reshape(-1, 3)
+        forces: Array = self.term.forces.reshape(-1, 3)[:n] + rubbed[:n]
+        if self._turning:  # friction acts on the vertices of their frame, which stand behind those of facets
+            begin = n + (len(self.opposite.forms) if self.opposite else 0)
+            rest = rubbed[begin : begin + FRAME].sum(axis=0) - self.tractions.sum(axis=0)
+            forces += self.tractions + rest / n  # the rest balances torques and is of the order of the gap
         return forces
 
     def record(self, x: Array) -> Array:
