@@ -37,7 +37,9 @@ def test_an_oblique_impact_of_balls(offset: float, options: Any) -> None:
 def test_what_formulation_is_taken_by_default() -> None:
     """Balls and points have one place where they touch; edges and the middles of capsules would be passed by."""
     cube = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0)
-    solid = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0))
+    solid = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0)
+    )
     rod = vv.RigidBody(shape=vv.Capsule(radius=0.1, length=1), mass=1.0)
     for first in (ball(0.1), vv.PointMass(mass=1.0)):
         for second in (cube, solid, ball(0.2)):
@@ -49,7 +51,7 @@ def test_what_formulation_is_taken_by_default() -> None:
 
 @pytest.mark.parametrize("unit", [1.0, 1e-3])
 def test_the_penalty_of_a_ball_on_a_solid_goes_with_units(unit: float) -> None:
-    """A ball at rest sinks by the same part of its radius in metres and millimetres: its stiffness is force by length."""
+    """A ball at rest sinks by the same part of its radius in metres and millimetres: stiffness is force by length."""
     mesh = vv.BoxMesh(size=(unit, unit, unit), counts=(2, 2, 2), origin=(-0.45 * unit, -0.4 * unit, -unit))
     block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3))
     sphere = ball(0.1 * unit, position=(0, 0, 0.1 * unit))

@@ -147,9 +147,7 @@ def test_a_ball_meets_the_face_it_flies_at() -> None:
     """Not before it is there, after 1.15 at the speed 1; from a wall as heavy as this it flies back."""
     ball = small_ball((-1.5, 0.6, 0), (1, 0, 0))
     wall = vv.RigidBody(shape=vv.Box(size=(0.5, 2, 1)), mass=1e6)
-    contact = vv.Contact(
-        first=ball, second=wall, stiffness=1e5, formulation="mortar", impact="conserving"
-    )
+    contact = vv.Contact(first=ball, second=wall, stiffness=1e5, formulation="mortar", impact="conserving")
     system = vv.System([ball, wall, contact])
     vv.simulate(system, until=1.14, step=1e-2)
     assert not contact.pressures.any()
