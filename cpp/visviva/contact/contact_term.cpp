@@ -136,7 +136,8 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
-    segments([&] { gaps_->grips(Xt_.data(), active_.flags(), gradients, grips_); });
+    find_rubbed(c);
+    segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { find_traction(A, c); });
 }
 

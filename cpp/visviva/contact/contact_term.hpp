@@ -134,6 +134,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool is_covered(int A, const std::vector<double>& area) const;
     void find_masses(bool gradients);
     void forget_gradients() { known_at_.clear(), massed_.clear(), rates_at_.clear(); }
+    void find_rubbed(const Context&);
     void find_traction(int A, const Context&);
     void add_to_ledger(const Context&, LedgerSums&);
     bool collides(int A, const Context&) const;
@@ -165,6 +166,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     ActiveSet active_;
     ContactScatter scatter_;
     std::vector<double> X0_, X1_, Xt_, D_;
+    std::vector<double> Xr_;        // where surfaces rub
     std::vector<double> known_;     // where gap1_ and area1_ were evaluated
     std::vector<double> narrowed_;  // the end of the step for which stencils were made
     std::vector<double> known_at_;  // where the gradients of at_theta_ were evaluated,

@@ -28,6 +28,9 @@ struct Step {
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
     // Statics and schemes of second order that balance forces at the end of the step.
     bool balances_ends() const { return (is_static() && transport[0][0] == 0) || uses_history(); }
+    // Rates contain those of earlier steps and may point against the way of this one. Damping books its work
+    // by the mean rate of the step, in its middle: of second order, and never a gain.
+    bool remembers() const { return uses_history() && h != 0; }
 };
 
 // Prescribed functions of time, evaluated once per step: at t0, te, t1 and the rate at t1.
