@@ -1,4 +1,4 @@
-"""Work of damping under schemes whose rates remember earlier steps."""
+"""Work of loads on solids and of damping under schemes whose rates remember earlier steps."""
 
 from __future__ import annotations
 
@@ -27,6 +27,17 @@ def stretching(X: Any) -> Any:
 def imbalance(parts: Any, steps: int, scheme: vv.Scheme, until: float) -> float:
     result = vv.simulate(vv.System(list(parts)), until=until, step=until / steps, scheme=scheme)
     return float(np.abs(result.ledger["imbalance"]).max() / result.ledger.energy_scale)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_work_of_a_traction_is_of_second_order(scheme: vv.Scheme) -> None:
+    defects = []
+    for steps in (100, 200):
+        solid, held = bar(1.0)
+        pull = vv.Traction(solid=solid, faces="x1", traction=(0.01, 0, 0), times="sin(t)")
+        defects.append(imbalance([solid, held, pull], steps, scheme, 2 * np.pi))
+    assert defects[1] < 1e-3
+    assert defects[0] / defects[1] > 3.5
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
