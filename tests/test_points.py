@@ -162,7 +162,7 @@ def test_memory_decides_every_bit_of_histories(kind: type[Block]) -> None:
     for name in "xvaw":
         getattr(other.core, name)[:] = getattr(one.core, name)
     other.time = one.time
-    other.core.remember(np.array(one.core.memory()))
+    other.core.restore(np.array(one.core.memory()))
     for _ in range(3):
         for system in (one, other):
             system.step(0.02)
