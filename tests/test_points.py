@@ -222,7 +222,7 @@ class Torn(Damaged, Held):
             self.motion,
             np.arange(self.motion.size),
             lambda t: self.placed(t).ravel(),
-            lambda t: np.zeros(self.motion.size),
+            lambda t, step: np.zeros(self.motion.size),
         )
 
     def placed(self, t: float) -> Array:
