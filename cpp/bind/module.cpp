@@ -133,7 +133,15 @@ static void material(int kind, const Doubles& par, const Doubles& c, Array out) 
                              static_cast<int>(c.shape(0)), c.data(), out.data());
 }
 
+// The names of Python from the tables of the core.
+template <class Kind, class Table>
+static void bind_kinds(nb::module_& m, const char* name, const Table& table) {
+    auto bound = nb::enum_<Kind>(m, name, nb::is_arithmetic());
+    for (const auto& traits : table) bound.value(traits.name, traits.kind);
+}
+
 static void bind_solid(nb::module_& m) {
+    bind_kinds<MaterialKind>(m, "MaterialKind", material_traits);
     m.def("material", &material, nb::arg("kind"), nb::arg("parameters"), nb::arg("c"), nb::arg("out"));
     nb::class_<SolidTerm, Term>(m, "SolidTerm")
         .def(
@@ -192,6 +200,7 @@ static void bind_solid(nb::module_& m) {
 }
 
 static void bind_terms(nb::module_& m) {
+    bind_kinds<LawKind>(m, "LawKind", law_traits);
     nb::class_<Term>(m, "Term")
         .def_rw("name", &Term::name)
         .def_rw("is_rigidity", &Term::is_rigidity)

@@ -15,6 +15,22 @@ enum class MaterialKind : int {
     user = 8,       // evaluated by a callback
 };
 
+/// Of a material: its name in Python; whether its energy depends on the three invariants alone, and there is
+/// a multiple of I1 and a function of J, so that its moduli in space are lambda(J) 1 x 1 + 2 mu(J) I.
+struct MaterialTraits {
+    MaterialKind kind;
+    const char* name;
+    bool isotropic = false, plain = false;
+};
+inline constexpr MaterialTraits material_traits[] = {
+    {MaterialKind::hooke, "HOOKE"},         {MaterialKind::neo_hooke, "NEO_HOOKE", true, true},
+    {MaterialKind::mooney, "MOONEY", true}, {MaterialKind::isochoric, "ISOCHORIC", true},
+    {MaterialKind::gent, "GENT", true},     {MaterialKind::holzapfel, "HOLZAPFEL"},
+    {MaterialKind::ogden, "OGDEN"},         {MaterialKind::blatz_ko, "BLATZ_KO", true, true},
+    {MaterialKind::user, "USER"},
+};
+constexpr const MaterialTraits& traits(MaterialKind kind) { return material_traits[static_cast<int>(kind)]; }
+
 inline constexpr int material_max_parameters = 18;
 
 }  // namespace visviva

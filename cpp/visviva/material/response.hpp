@@ -236,18 +236,6 @@ __attribute__((noinline)) void respond(MaterialKind kind, const V* c, const V* p
     }
 }
 
-/// Materials whose energy depends on the three invariants alone.
-constexpr bool isotropic(MaterialKind kind) {
-    return kind == MaterialKind::neo_hooke || kind == MaterialKind::mooney ||
-           kind == MaterialKind::isochoric || kind == MaterialKind::gent || kind == MaterialKind::blatz_ko;
-}
-
-/// Those whose energy is a multiple of I1 and a function of J: their moduli in space are
-/// lambda(J) 1 x 1 + 2 mu(J) I.
-constexpr bool plain(MaterialKind kind) {
-    return kind == MaterialKind::neo_hooke || kind == MaterialKind::blatz_ko;
-}
-
 template <bool plain>
 __attribute__((noinline)) void respond_in_space(MaterialKind kind, const V* e, const V* p,
                                                 SpatialResponse<plain>& r) {

@@ -33,11 +33,11 @@ void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int 
 void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                    double* values) {
     const bool symmetric = step.stress == Stress::at_theta && !v.damped;
-    const bool spatial = symmetric && isotropic(v.kind) && !v.thermal;
+    const bool spatial = symmetric && traits(v.kind).isotropic && !v.thermal;
     each_element(v, step, x, begin, end, [=, &v]<int D, int N>(const SolidElement<D, N>& e) {
         if constexpr (D == 3)
             if (spatial) {
-                if (plain(v.kind))
+                if (traits(v.kind).plain)
                     SpatialTangent<N, true>(e, r, values);
                 else
                     SpatialTangent<N, false>(e, r, values);

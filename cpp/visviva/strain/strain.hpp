@@ -26,6 +26,35 @@ enum class LawKind : int {
     torque,             // torque s(t) (e9, e10, e11) on the directors (e0..e2), (e3..e5), (e6..e8)
 };
 
+// Of a law: its name in Python, and what it is. Those of rates, and others, take the state at theta whatever
+// the rule of the potentials.
+struct LawTraits {
+    LawKind kind;
+    const char* name;
+    bool is_constraint = false, is_potential = false, is_callback = false, needs_rate = false,
+         is_at_theta = needs_rate, is_viscous = false;
+};
+inline constexpr LawTraits law_traits[] = {
+    {.kind = LawKind::linear, .name = "LINEAR", .is_potential = true},
+    {.kind = LawKind::quadratic, .name = "QUADRATIC", .is_potential = true},
+    {.kind = LawKind::length, .name = "LENGTH", .is_potential = true},
+    {.kind = LawKind::energy_callback, .name = "ENERGY_CALLBACK", .is_potential = true, .is_callback = true},
+    {.kind = LawKind::constraint, .name = "CONSTRAINT", .is_constraint = true},
+    {.kind = LawKind::angle, .name = "ANGLE", .is_constraint = true},
+    {.kind = LawKind::servo, .name = "SERVO", .is_constraint = true},
+    {.kind = LawKind::function_callback,
+     .name = "FUNCTION_CALLBACK",
+     .is_constraint = true,
+     .is_callback = true},
+    {.kind = LawKind::load, .name = "LOAD"},
+    {.kind = LawKind::viscous, .name = "VISCOUS", .needs_rate = true, .is_viscous = true},
+    {.kind = LawKind::viscous_length, .name = "VISCOUS_LENGTH", .needs_rate = true, .is_viscous = true},
+    {.kind = LawKind::rate_callback, .name = "RATE_CALLBACK", .is_callback = true, .needs_rate = true},
+    {.kind = LawKind::follower, .name = "FOLLOWER", .is_at_theta = true},
+    {.kind = LawKind::torque, .name = "TORQUE", .is_at_theta = true},
+};
+constexpr const LawTraits& traits(LawKind kind) { return law_traits[static_cast<int>(kind)]; }
+
 // What all elements of a batch share: the sparsity of forms, strains and tangent.
 struct StrainShape {
     int n_x = 0, n_y = 0, n_e = 0, n_m = 0;  // unknowns, forms, strains, multipliers per element
@@ -84,21 +113,5 @@ struct StrainView {
 struct StrainLedger {
     double *energy, *work, *defect, *rate_defect;  // per element
 };
-
-inline bool is_constraint(LawKind k) {
-    return k == LawKind::constraint || k == LawKind::angle || k == LawKind::servo ||
-           k == LawKind::function_callback;
-}
-inline bool is_potential(LawKind k) {
-    return k == LawKind::linear || k == LawKind::quadratic || k == LawKind::length ||
-           k == LawKind::energy_callback;
-}
-inline bool is_callback(LawKind k) {
-    return k == LawKind::energy_callback || k == LawKind::function_callback || k == LawKind::rate_callback;
-}
-inline bool is_viscous(LawKind k) { return k == LawKind::viscous || k == LawKind::viscous_length; }
-inline bool needs_rate(LawKind k) { return is_viscous(k) || k == LawKind::rate_callback; }
-// Laws of the state at theta whatever the rule of the potentials.
-inline bool is_at_theta(LawKind k) { return needs_rate(k) || k == LawKind::follower || k == LawKind::torque; }
 
 }  // namespace visviva

@@ -74,7 +74,7 @@ VISVIVA_INLINE void strain_rates(const ShapeView& s, const V* y, const V* ydot, 
 }
 
 VISVIVA_INLINE double term_theta(const ShapeView& s, const Step& step) {
-    return is_constraint(s.law) ? step.theta_g : step.theta;
+    return traits(s.law).is_constraint ? step.theta_g : step.theta;
 }
 
 // Laws that look at strains between the ends; for the others their gradients are all that theta is about.
@@ -97,7 +97,7 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
         for (int i = 0; i < s.n_e; ++i) w.e0[i] = vload(v.e0 + i * v.stride + base);
         strains(v, w.yt, base, w.et);
     }
-    if (needs_rate(s.law)) {
+    if (traits(s.law).needs_rate) {
         if (x.rate) forms(v, x.rate, base, false, w.ydot);
         for (int b = 0; !x.rate && b < s.n_y; ++b)  // their mean in the step
             w.ydot[b] = (w.y1[b] - vload(v.y0 + b * v.stride + base)) / step.h;
@@ -151,7 +151,7 @@ void strain_strains(const StrainView& v, const Step& step, const Vectors& x) {
         for (int i = 0; i < v.shape.n_e; ++i) {
             vstore(v.e_eval + i * v.stride + base, w.et[i]);
             vstore(v.e1 + i * v.stride + base, w.e1[i]);
-            if (needs_rate(v.shape.law)) vstore(v.e_rate + i * v.stride + base, w.edot[i]);
+            if (traits(v.shape.law).needs_rate) vstore(v.e_rate + i * v.stride + base, w.edot[i]);
         }
     }
 }
@@ -183,8 +183,9 @@ VISVIVA_INLINE void chain_gradients(const StrainView& v, const Step& step, const
     const double theta = term_theta(s, step);
     gradients(s, w.y1, true, w.g1);
     for (int k = 0; k < s.n_e * s.n_y; ++k)
-        w.gc[k] = step.stress == Stress::discrete_gradient && !is_at_theta(s.law) ? w.g1[k] : theta * w.g[k];
-    if (needs_rate(s.law)) {
+        w.gc[k] =
+            step.stress == Stress::discrete_gradient && !traits(s.law).is_at_theta ? w.g1[k] : theta * w.g[k];
+    if (traits(s.law).needs_rate) {
         gradients(s, w.ydot, false, w.gr);
         for (int k = 0; k < s.n_e * s.n_y; ++k) w.gr[k] = theta * w.gr[k] + step.motion[0][0] * w.g[k];
     }
@@ -195,7 +196,7 @@ VISVIVA_INLINE V stress_gradient(const ShapeView& s, const Work& w, int i, int b
     V d = broadcast(0.0);
     for (int j = 0; j < s.n_e; ++j) {
         d += w.D[i * s.n_e + j] * w.gc[j * s.n_y + b];
-        if (needs_rate(s.law)) d += w.R[i * s.n_e + j] * w.gr[j * s.n_y + b];
+        if (traits(s.law).needs_rate) d += w.R[i * s.n_e + j] * w.gr[j * s.n_y + b];
     }
     return d;
 }
@@ -301,7 +302,7 @@ void strain_ledger(const StrainView& v, const Step& step, const Vectors& x, cons
     Work w(s, v.scratch);
     Step booked = step;
     Vectors by = x;
-    if (is_viscous(s.law) && step.remembers()) booked.theta = 0.5, by.rate = nullptr;
+    if (traits(s.law).is_viscous && step.remembers()) booked.theta = 0.5, by.rate = nullptr;
     for (int base = 0; base < v.n; base += W) {
         LawData a = evaluate(v, booked, by, signals, base, w);
         V work = broadcast(0.0), defect = work, rate_defect = work;

@@ -91,7 +91,7 @@ StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double*
                        const double* y_const, const double* e_const, const double* par, int n_par,
                        const int* signal)
     : shape_(std::move(shape)) {
-    needs_rates = needs_rate(shape_.law);
+    needs_rates = traits(shape_.law).needs_rate;
     const StrainShape& s = shape_;
     const int stride = padded(n);
     auto zeros = [stride](Aligned<double>& a, int rows) {
@@ -104,7 +104,7 @@ StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double*
     pad_rows(par_, par, n_par, n, stride);
     pad_rows(signal_, signal, std::max(s.n_m, 1), n, stride);
     zeros(y0_, s.n_y), zeros(e0_, s.n_e), zeros(out_, 4);
-    if (is_callback(s.law)) {
+    if (traits(s.law).is_callback) {
         zeros(e_eval_, s.n_e), zeros(e_rate_, s.n_e), zeros(e1_, s.n_e), zeros(lambda_, s.n_m);
         zeros(cb_S_, s.n_e), zeros(cb_D_, s.n_e * s.n_e), zeros(cb_R_, s.n_e * s.n_e), zeros(cb_W_, 1);
         zeros(cb_Phi_, s.n_m), zeros(cb_J_, s.n_m * s.n_e), zeros(cb_Jt_, s.n_m * s.n_e);
@@ -233,7 +233,7 @@ void StrainTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     double* out = out_.data();
     strain_kernels().ledger(view_, c.step, c.vectors, c.signals, v1,
                             {out, out + stride, out + 2 * stride, out + 3 * stride});
-    const bool potential = is_potential(shape_.law);
+    const bool potential = traits(shape_.law).is_potential;
     for (int e = 0; e < view_.n; ++e) {
         if (potential) sums.energy[account[e]] += out[e];
         if (!potential) sums.work[account[e]] += out[stride + e];

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import IntEnum
 from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -29,19 +28,8 @@ PACKED = [[a * 6 - a * (a - 1) // 2 + b - a if a <= b else b * 6 - b * (b - 1) /
 """Places of the entries of a symmetric matrix (6, 6) in its upper triangle by rows."""
 
 
-class Kind(IntEnum):
-    """Numbers of the energies in the core (cpp/visviva/material/material.hpp)."""
-
-    HOOKE = 0
-    NEO_HOOKE = 1
-    MOONEY = 2
-    ISOCHORIC = 3
-    GENT = 4
-    HOLZAPFEL = 5
-    OGDEN = 6
-    BLATZ_KO = 7
-    USER = 8
-
+Kind = _core.MaterialKind
+"""The energies of the core (cpp/visviva/material/material.hpp)."""
 
 BULK = {
     Kind.HOOKE: 0,

@@ -4,32 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva import _core
+
 Array = NDArray[np.float64]
 
 
-class LawKind(IntEnum):
-    """The laws of the core, in its order (`cpp/visviva/strain/strain.hpp`)."""
-
-    LINEAR = 0
-    QUADRATIC = 1
-    LENGTH = 2
-    ENERGY_CALLBACK = 3
-    CONSTRAINT = 4
-    ANGLE = 5
-    SERVO = 6
-    FUNCTION_CALLBACK = 7
-    LOAD = 8
-    VISCOUS = 9
-    VISCOUS_LENGTH = 10
-    RATE_CALLBACK = 11
-    FOLLOWER = 12
-    TORQUE = 13
+LawKind = _core.LawKind
+"""The laws of the core (`cpp/visviva/strain/strain.hpp`)."""
 
 
 @dataclass(frozen=True)
