@@ -1,5 +1,6 @@
 // What friction adds to a contact: tractions, their tangent, memory and books.
 #include <algorithm>
+#include <cmath>
 
 #include "visviva/contact/contact_term.hpp"
 
@@ -12,13 +13,11 @@ void ContactTerm::rub(int A, const Context& c) {
     base_[A] = {elastic_[2 * A], elastic_[2 * A + 1]};
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
-    traction_[A] = {}, slid_[A].setZero(), slips_[A] = 0;
+    traction_[A] = {}, slips_[A] = 0;
     if (!active_[A]) return;
-    slid_[A] = sliding(A).displacement();
     const double limit = o.coefficient * std::max(S_[A], 0.0);  // negative while the active set settles
-    const Eigen::Vector2d change =
-        c.backwards ? Eigen::Vector2d::Zero() : (tangential(A, c) * slid_[A]).eval();
-    traction_[A] = coulomb(base_[A] + change, limit);
+    traction_[A] = coulomb(c.backwards ? base_[A] : trial(A, c), limit);
+    traction_[A].by_trial *= Eigen::Matrix2d::Identity() - free_[A] * free_[A].transpose();
     slips_[A] = traction_[A].slips;
     if (S_[A] < 0) traction_[A].by_limit.setZero();
 }
@@ -31,10 +30,42 @@ double ContactTerm::tangential(int A, const Context& c) const {
     return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
 }
 
-Sliding ContactTerm::sliding(int A, const std::vector<double>& D) const {
+// Whether a gap closes as the step begins, so that its pressure is that of an impact: what touches anywhere
+// feels it.
+bool ContactTerm::begins_with_impact(const Context& c) const {
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (closes(A, c)) return true;
+    return false;
+}
+
+// An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step itself
+// would throw it back as fast as it came. Where pressures turn the slip round, friction lets it go on as far as the
+// mean of both ends vanishes, for against that it would give energy: along with D count (c0 + s) / c1 of v0,
+// 0 <= s <= 1, with the least traction.
+Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
+    const double k = tangential(A, c), *v1 = c.step.motion[2];
+    carried_[A] = 0, free_[A].setZero();
+    if (!impacts_) return base_[A] + k * slip(A).displacement();
+    carried_[A] = v1[1] / v1[0];
+    const Eigen::Vector2d stopped = base_[A] + k * slip(A).displacement(),
+                          before = k / v1[0] * sliding(A, stencil_of(A, V0_)).displacement();
+    if (stopped.dot(before) >= 0) return stopped;
+    const double part = std::min(-stopped.dot(before) / before.squaredNorm(), 1.0);
+    carried_[A] += part / v1[0];
+    if (part < 1) free_[A] = before.normalized();
+    return stopped + part * before;
+}
+
+Sliding ContactTerm::slip(int A) const {
+    Eigen::VectorXd way = stencil_of(A, D_);
+    if (impacts_) way += carried_[A] * stencil_of(A, V0_);
+    return sliding(A, way);
+}
+
+Sliding ContactTerm::sliding(int A, const Eigen::VectorXd& D) const {
     Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
     turning.head(gaps_->n_turning(A)).setOnes();
-    return {grips_[A], stencil_of(A, Xt_), stencil_of(A, D), turning, gaps_->skin().dim};
+    return {grips_[A], stencil_of(A, Xt_), D, turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {
@@ -49,7 +80,7 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
                                Border& b) const {
     const FrictionOptions& o = options_.friction;
     const Traction& t = traction_[A];
-    const Sliding sliding = this->sliding(A);
+    const Sliding sliding = slip(A);
     const double turn = theta(c.step);
     const Eigen::MatrixXd directions = sliding.directions();
     const double stiffness = tangential(A, c);
@@ -86,7 +117,7 @@ void ContactTerm::keep(const Context& c) {
 }
 
 double ContactTerm::slip_work(int A, const std::vector<double>& way) const {
-    return -traction_[A].value.dot(sliding(A, way).displacement());
+    return -traction_[A].value.dot(sliding(A, stencil_of(A, way)).displacement());
 }
 
 // What slip takes is what the forces do less what the elastic slip stores; nothing happens in no time.

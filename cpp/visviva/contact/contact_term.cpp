@@ -60,7 +60,8 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
-    grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
+    grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
+    carried_.assign(n, 0.0);
     elastic_.assign(2 * n, 0.0), stored_.assign(n, 0.0);
     for (Record* r : {&now_, &before_, &at_tangent_})
         r->X.assign(gaps_->skin().constant.size(), 0.0), r->traction = elastic_;
@@ -331,6 +332,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
+    impacts_ = has_tangential() && rebounds() && holds(c) && begins_with_impact(c);
     segments([&] { gaps_->grips(Xt_.data(), active_, gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
 }
@@ -744,7 +746,10 @@ void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
 
 // Whether a gap of rigid bodies closes as the step begins, so that its pressure is that of an impact.
 bool ContactTerm::collides(int A, const Context& c) const {
-    if (!rebounds() || !holds(c) || !active_[A]) return false;
+    return rebounds() && holds(c) && active_[A] && closes(A, c);
+}
+
+bool ContactTerm::closes(int A, const Context& c) const {
     return -c.step.h * rate0_[A] > touching * reach_ * area0_[A];
 }
 

@@ -153,6 +153,10 @@ class ContactTerm : public Term {
     void rub(int A, const Context&);
     void book(const Context&, LedgerSums&);
     bool collides(int A, const Context&) const;
+    bool closes(int A, const Context&) const;
+    bool begins_with_impact(const Context&) const;
+    Eigen::Vector2d trial(int A, const Context&);
+    Sliding slip(int A) const;
     void find_way(const Context&);
     Impact impact(int A, const Eigen::VectorXd& f) const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
@@ -169,8 +173,8 @@ class ContactTerm : public Term {
     void scatter(int A, const Border&, double* values);
     void narrow();
     void book_friction(int A, const Context&, const std::vector<double>& way, LedgerSums&);
-    Sliding sliding(int A) const { return sliding(A, D_); }
-    Sliding sliding(int A, const std::vector<double>& D) const;
+    Sliding sliding(int A) const { return sliding(A, stencil_of(A, D_)); }
+    Sliding sliding(int A, const Eigen::VectorXd& D) const;
     double slip_work(int A, const std::vector<double>& way) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     template <class F>
@@ -196,13 +200,14 @@ class ContactTerm : public Term {
     std::vector<char> active_, active_at_tangent_, slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     int changes_ = -1;           // of the active set since the step began; -1: not chosen yet
-    bool unsettled_ = false, pushed_out_ = false;
+    bool unsettled_ = false, pushed_out_ = false, impacts_ = false;
     std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;
     std::vector<double> massed_;         // the start of the step for which masses were made
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
-    std::vector<Eigen::Vector2d> slid_;  // weighted displacements in the step
+    std::vector<Eigen::Vector2d> free_;  // unit vectors along which an impact lets slip turn round, or 0
+    std::vector<double> carried_;        // of the velocities before the step in what must not slip
     std::vector<Traction> traction_;
     std::vector<double> elastic_;       // at the start of the step
     std::vector<double> stored_;        // energy of elastic slip at the end of the step last booked
