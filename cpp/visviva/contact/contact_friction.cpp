@@ -47,13 +47,15 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     carried_[A] = 0, free_[A].setZero();
     if (!impacts_) return base_[A] + k * slip(A).displacement();
     carried_[A] = v1[1] / v1[0];
-    const Eigen::Vector2d stopped = base_[A] + k * slip(A).displacement(),
+    static const double W = getenv("FMW") ? atof(getenv("FMW")) : 256;
+    const Eigen::Vector2d stopped = base_[A] / W + k * slip(A).displacement(),
                           before = k / v1[0] * sliding(A, stencil_of(A, V0_)).displacement();
-    if (stopped.dot(before) >= 0) return stopped;
+    if (stopped.dot(before) >= 0) return stopped + (1 - 1 / W) * base_[A];
     const double part = std::min(-stopped.dot(before) / before.squaredNorm(), 1.0);
     carried_[A] += part / v1[0];
     if (part < 1) free_[A] = before.normalized();
-    return stopped + part * before;
+    Eigen::Vector2d t = stopped + part * before + (1 - 1 / W) * base_[A];
+    return t - free_[A] * free_[A].dot(t);
 }
 
 Sliding ContactTerm::slip(int A) const {

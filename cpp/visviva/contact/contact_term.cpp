@@ -438,7 +438,7 @@ void ContactTerm::choose_active(const Context& c) {
 // multipliers serve as they are, so that a change of the active set changes nothing but their rows and
 // columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
 double ContactTerm::augmentation(int A, const Context& c) const {
-    const bool plain = c.step.motion[0][0] != 0 && !has_friction();
+    const bool plain = c.step.motion[0][0] != 0 && (!has_friction() || rebounds());
     return plain || c.backwards ? 0 : options_.stiffness[A];
 }
 
@@ -519,6 +519,11 @@ void ContactTerm::residual(const Context& c, double* r) {
         if (active_[A] != active_at_tangent_[A] || slips_[A] != slips_at_tangent_[A])
             unsettled_gaps_.push_back(A);
     find_gradients();
+    if (getenv("FMDBG")) {
+        fprintf(stderr, "t %.6f h %.2e imp %d ch %d|", c.step.t0, c.step.h, impacts_, changes_);
+        for (int A = 0; A < gaps_->n(); ++A) if (active_[A]) fprintf(stderr, " [%d S %.3e t %.3e %.3e b %.3e %.3e %s car %.2f]", A, S_[A]*options_.area[A], traction_[A].value[0]*options_.area[A], traction_[A].value[1]*options_.area[A], base_[A][0]*options_.area[A],base_[A][1]*options_.area[A], slips_[A] ? "slip":"stick", carried_[A]/c.step.h);
+        fprintf(stderr, "\n");
+    }
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
@@ -630,6 +635,8 @@ double ContactTerm::ease(int A, const Context& c) const {
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
     const double stiffness = augmentation(A, c) + mass;
+    static const double E = getenv("FME") ? atof(getenv("FME")) : 1e-10;
+    if (rebounds() && mass > 0) return E / (32 * mass);
     return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
 }
 
