@@ -61,7 +61,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
-    carried_.assign(n, 0.0);
+    carried_.assign(n, 0.0), redundant_.assign(n, none);
     elastic_.assign(2 * n, 0.0), stored_.assign(n, 0.0);
     for (Record* r : {&now_, &before_, &at_tangent_})
         r->X.assign(gaps_->skin().constant.size(), 0.0), r->traction = elastic_;
@@ -335,6 +335,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     impacts_ = has_tangential() && rebounds() && holds(c) && begins_with_impact(c);
     segments([&] { gaps_->grips(Xt_.data(), active_, gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { rub(A, c); });
+    if (is_inertial(c) && gaps_->skin().is_rigid()) find_redundant();
 }
 
 // Those of the start of the step; where surfaces hardly face each other then, with those of its end. Whatever
@@ -519,17 +520,12 @@ void ContactTerm::residual(const Context& c, double* r) {
         if (active_[A] != active_at_tangent_[A] || slips_[A] != slips_at_tangent_[A])
             unsettled_gaps_.push_back(A);
     find_gradients();
-    if (getenv("FMDBG")) {
-        fprintf(stderr, "t %.6f h %.2e imp %d ch %d|", c.step.t0, c.step.h, impacts_, changes_);
-        for (int A = 0; A < gaps_->n(); ++A) if (active_[A]) fprintf(stderr, " [%d S %.3e t %.3e %.3e b %.3e %.3e %s car %.2f]", A, S_[A]*options_.area[A], traction_[A].value[0]*options_.area[A], traction_[A].value[1]*options_.area[A], base_[A][0]*options_.area[A],base_[A][1]*options_.area[A], slips_[A] ? "slip":"stick", carried_[A]/c.step.h);
-        fprintf(stderr, "\n");
-    }
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
         for (int i = 0; has_tangential() && i + 1 < gaps_->skin().dim; ++i)
             r[options_.friction.multiplier[A] + i] +=
-                (traction_[A].value[i] - base_[A][i]) / tangential(A, c);
+                (traction_[A].value[i] - base_[A][i]) / tangential(A, c) - yields(A, i, c);
         if (!active_[A]) continue;
         force(A, c, f);
         const auto& stencil = gaps_->stencil(A);
@@ -628,16 +624,22 @@ bool ContactTerm::amend(const Context& c, double* values) {
 
 // Four corners of a box press on a plane where three would do, and what sticks may be held by a support as
 // well. So little give in the tangent of a step, and none in the residual, leaves alone what changes nothing.
+// Where rigid bodies rub, so little would let rounding pull vertices that stick far over Coulomb's limit: they
+// get a part of the compliance that the step's inertia has.
 double ContactTerm::ease(int A, const Context& c) const {
-    constexpr double little = 1e-10;
+    constexpr double little = 1e-10, of_inertia = 2.5e-4;
     const bool instant =
         c.step.h > 0 && !c.step.has_length();  // where modes take closed gaps for constraints
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
+    if (is_inertial(c)) return of_inertia / tangential(A, c);
     const double stiffness = augmentation(A, c) + mass;
-    static const double E = getenv("FME") ? atof(getenv("FME")) : 1e-10;
-    if (rebounds() && mass > 0) return E / (32 * mass);
     return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
+}
+
+// Only what is redundant gives way in the residual as well, until it has vanished.
+double ContactTerm::yields(int A, int i, const Context& c) const {
+    return redundant_.empty() || redundant_[A][i] == 0 ? 0 : ease(A, c) * redundant_[A][i];
 }
 
 // Without friction; where there is no contact multipliers vanish.
@@ -649,7 +651,10 @@ ContactTerm::Border ContactTerm::border(int A, const Context& c, const Eigen::Ve
     if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
     for (int i = normal; i < m; ++i) b.square(i, i) = -1 / tangential(A, c);
     if (!active_[A]) return b;
-    for (int i = 0; i < m; ++i) b.square(i, i) -= ease(A, c);
+    if (normal) b.square(0, 0) -= ease(A, c);
+    if (m > normal)  // what slips has its traction by Coulomb's law
+        b.square.bottomRightCorner(m - normal, m - normal) -=
+            ease(A, c) * traction_[A].by_trial.topLeftCorner(m - normal, m - normal);
     b.row.setZero(m, g1.size()), b.column.setZero(g1.size(), m);
     if (normal) b.row.row(0) = -g1.transpose(), b.column.col(0) = -f;
     return b;

@@ -27,6 +27,8 @@ struct Skin {
         while (facets[facet * facet_corners + n - 1] < 0) --n;
         return n;
     }
+    /// Whether none of its vertices are nodes of meshes.
+    bool is_rigid() const;
     const int* corners(int facet) const { return &facets[facet * facet_corners]; }
 
     /// Positions or increments of all vertices, three numbers each.
