@@ -5,13 +5,15 @@ HTML ?= docs/_build/html
 # one instruction set (AVX2) compiles in a third of the time; ON makes those that wheels have
 PORTABLE ?= OFF
 
-.PHONY: core test lint docs
+.PHONY: core test campaign lint docs
 core:  ## build the extension module in place
 	cmake -S . -B $(BUILD) -G Ninja -DVISVIVA_PORTABLE=$(PORTABLE) -DPython_EXECUTABLE=$$($(PYTHON) -c 'import sys; print(sys.executable)') >/dev/null
 	cmake --build $(BUILD)
 	cmake --install $(BUILD) --component python --prefix src >/dev/null
 test: core
 	PYTHONPATH=src $(PYTHON) -m pytest
+campaign: core  ## what takes longer than a test may; short forms of it are among the tests
+	cd tests && PYTHONPATH=../src $(PYTHON) -m campaign
 lint:
 	ruff check . && ruff format --check . && mypy
 	clang-format --dry-run --Werror $$(git ls-files 'cpp/*.cpp' 'cpp/*.hpp')

@@ -242,14 +242,14 @@ def growth() -> None:
         system, _, contact = blocks((((n, n, n // 2)), (n + 2, n + 2, n // 2)))
         scheme = vv.Static(tolerance=1e-8)
         prepare(system, scheme)
-        system.core.search()
+        system.core.find_neighbours()
         step = scheme.step(0.0, 0.2)
         system.prescribe(step)
         signals, residual = system.signals(step).copy(), np.zeros(len(system.x))
         values = np.zeros(system.core.n_entries)
         before, times = contact.costs, 5
         for _ in range(times):
-            system.core.search()
+            system.core.find_neighbours()
             system.core.assemble(step, signals, residual, values)
         own = {name: (s - before[name]) / times for name, s in contact.costs.items()}
         facets = n * n

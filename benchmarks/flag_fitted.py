@@ -78,7 +78,9 @@ def load(water: vv.Fluid, system: vv.System, tip: float, side: str) -> Callable[
         wet = water.location.find(places)[0] >= 0
         places[~wet] = (1.0, CENTRE[1])
         at = water.at(places)
-        rates = np.einsum("nkc,nkd->ncd", water.velocities(system.x)[at.nodes][:, :, :2], at.gradients)
+        rates = np.einsum(
+            "nkc,nkd->ncd", water.velocities(system.x, system.v)[at.nodes][:, :, :2], at.gradients
+        )
         stress = water.viscosity * (rates + np.swapaxes(rates, 1, 2)) - at.pressures(system.x)[
             :, None, None
         ] * np.eye(2)

@@ -54,7 +54,7 @@ def parts(system: vv.System, step: Any, repeat: int) -> dict[str, float]:
     whole = best(lambda: core.linearise(step, signals, residual), max(1, repeat // 3))
     right = residual.copy() if residual.any() else np.random.default_rng(0).standard_normal(len(d))
     solve = best(lambda: core.linear_solve(step, right, d), repeat)
-    ledger = best(lambda: core.take_stock(step, signals), repeat)
+    ledger = best(lambda: core.evaluate_ledger(step, signals), repeat)
     return {
         "residual": r - call,
         "tangent": both - r,
@@ -109,7 +109,7 @@ def profile_valve(steps: int, repeat: int) -> None:
     location = sum(c.costs["location"] for c in immersed) / steps
     wiring = (core.rewiring - wired) / steps
     memory = core.memory()
-    again = 1e-6 * best(lambda: core.remember(memory), max(1, repeat // 3))
+    again = 1e-6 * best(lambda: core.restore(memory), max(1, repeat // 3))
     share = {name: 1e-6 * t for name, t in parts(system, scheme.step(system.time, h), repeat).items()}
     once = share["residual"] + share["tangent"] + share["factorise"]
     analysis = again - once - (wiring / patterns if patterns else 0.0)

@@ -1,15 +1,21 @@
 """Run the examples and write their pages: what they print, their pictures, their source.
 
-    python docs/make_gallery.py
+    python docs/make_gallery.py [NAME]
 
-Pages that are newer than their example are kept; remove ``docs/gallery`` to run all again.
+runs the examples whose pages are not kept (``kept.py``), one a processor, or one by its name.
 """
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
+import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+from kept import fetch, keep
 
 from visviva.results.result import audit
 from visviva.scene.gallery import example, example_names, first_line
@@ -18,6 +24,7 @@ from visviva.study.run import run
 HERE = Path(__file__).resolve().parent
 GALLERY = HERE / "gallery"
 LONGEST = 10.0  # s, of the motions shown
+PICTURES = ("picture", "energy")
 
 PAGE = """\
 {title}
@@ -58,11 +65,28 @@ def make_gallery() -> None:
     """Write the pages of all examples and their index."""
     GALLERY.mkdir(exist_ok=True)
     names = example_names()
-    for name in names:
-        page, source = GALLERY / f"{name}.rst", Path(str(example(name).__file__))
-        if not page.exists() or page.stat().st_mtime < source.stat().st_mtime:
-            write(page, make_page(name))
+    missing = [name for name in names if not fetch(name, GALLERY)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(make_alone, reversed(missing)))  # the longest come last by their names
     write(GALLERY / "index.rst", INDEX.format(longest=LONGEST, pages=indented(names)))
+
+
+def make_alone(name: str) -> None:
+    """Make a page in a process of its own, which has loaded what the page is made of and nothing else."""
+    alone = {**os.environ, "OMP_NUM_THREADS": "1"}
+    made = subprocess.run(
+        [sys.executable, __file__, name], env=alone, capture_output=True, text=True, check=False
+    )
+    if made.returncode != 0:
+        raise RuntimeError(f"the page of {name} was not made:\n{made.stderr}")
+
+
+def make_and_keep(name: str) -> None:
+    """Make the page of an example."""
+    page = GALLERY / f"{name}.rst"
+    GALLERY.mkdir(exist_ok=True)
+    write(page, make_page(name))
+    keep(name, [page, *(GALLERY / f"{name}_{what}.png" for what in PICTURES)])
 
 
 def make_page(name: str) -> str:
@@ -74,7 +98,7 @@ def make_page(name: str) -> str:
     with tempfile.TemporaryDirectory() as scratch:
         files = Path(scratch) / name
         result = run(study, files, progress=False)
-        for what in ("picture", "energy"):
+        for what in PICTURES:
             shutil.copy(files / f"{what}.png", GALLERY / f"{name}_{what}.png")
     title = study.title or name
     return PAGE.format(
@@ -101,4 +125,4 @@ def write(path: Path, text: str) -> None:
 
 
 if __name__ == "__main__":
-    make_gallery()
+    make_and_keep(sys.argv[1]) if len(sys.argv) > 1 else make_gallery()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 from catalogue import CATALOGUE, Entry
 
@@ -16,6 +18,12 @@ SCHEMES = [
     vv.GeneralizedAlpha(0.8),
     vv.Static(),
 ]
+
+
+def pytest_collection_finish() -> None:
+    """Thousands of collected cases stay to the end: the garbage collector need not look at them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(params=CATALOGUE, ids=lambda e: e.name.replace(", ", "-").replace(" ", "_"))

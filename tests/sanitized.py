@@ -28,7 +28,7 @@ def step_entries(every: int) -> None:
     import visviva as vv
 
     def restart(system: vv.System) -> None:
-        system.core.remember(system.core.memory())
+        system.core.restore(system.core.memory())
 
     chosen = CATALOGUE[::every]
     for entry in chosen:

@@ -147,7 +147,7 @@ def test_fluids_in_small_units() -> None:
         walls = [vv.FreeSlip(fluid=water, faces=side) for side in ("y0", "y1")]
         system = vv.System([water, inlet, *walls, vv.Outlet(fluid=water, faces="x1")])
         result = vv.simulate(system, until=0.4, step=0.1)
-        return water.velocities(system.x) / length, result.statistics.rejected
+        return water.velocities(system.x, system.v) / length, result.statistics.rejected
 
     with pytest.raises(vv.InputError, match="speed = -1 is not positive"):
         end(1.0, speed=-1.0)

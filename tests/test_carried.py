@@ -14,7 +14,9 @@ from immersed_parts import body, box, carried, flap, immersed, part, patch, thin
 import visviva as vv
 from visviva.base.errors import InputError, RunError
 from visviva.flow.overlap import covered_by_body
-from visviva.study.run import run
+from visviva.study.run import run as run_study
+
+run = partial(run_study, progress=False, pictures=False)
 
 
 @pytest.mark.parametrize("build", [*(partial(b, sealing=100.0) for b in (carried, body, flap)), thin])
@@ -35,9 +37,9 @@ def test_resumed_bit_by_bit(build: Any, tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(vv.System(build()), until, 0.02)
 
-    run(study(0.4), tmp_path / "whole", progress=False)
-    run(study(0.2), tmp_path / "split", progress=False)
-    run(study(0.4), tmp_path / "split", resume=True, progress=False)
+    run(study(0.4), tmp_path / "whole")
+    run(study(0.2), tmp_path / "split")
+    run(study(0.4), tmp_path / "split", resume=True)
     ledgers = [(tmp_path / name / "ledger.csv").read_text() for name in ("whole", "split")]
     assert ledgers[0] == ledgers[1]
 

@@ -191,9 +191,9 @@ def test_contact_force_is_the_change_of_momentum(options: dict[str, Any]) -> Non
     assert vv.ContactForce(contact=contact)(system).tolist() == [0, 0, 0]
     largest = 0.0
     for _ in range(4):
-        before = body.nodal_mass @ body.velocities(system.v)
+        before = body.nodal_mass @ body.velocities(system.x, system.v)
         vv.simulate(system, until=system.time + 0.01, step=0.01)
-        change = body.nodal_mass @ body.velocities(system.v) - before
+        change = body.nodal_mass @ body.velocities(system.x, system.v) - before
         force = vv.ContactForce(contact=contact)(system)
         assert np.abs(change / 0.01 - force).max() < 1e-9 * max(1.0, np.abs(force).max())
         assert 0 <= vv.ContactArea(contact=contact)(system) <= 16 * 1.1

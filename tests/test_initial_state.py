@@ -131,6 +131,6 @@ def test_statics_brings_to_rest() -> None:
     assert np.abs(system.v).max() == 0.0
     result = vv.simulate(system, until=1.6, step=0.1)
     bottom = np.isclose(solid.points[:, 2], 0.0)
-    rates = solid.velocities(result.rates[0])
+    rates = solid.velocities(result.states[0], result.rates[0])
     np.testing.assert_allclose(rates[bottom], [[0, 0, 0.1]] * 9, atol=1e-9)
     assert np.abs(rates[~bottom]).max() == 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import contact_parts
@@ -102,12 +103,19 @@ def marched(
     return np.array(shown), result.ledger.table
 
 
+@cache
+def plain_run(name: str, scheme: str) -> tuple[Any, ...]:
+    """States and books of a run that is left alone; several tests compare with it."""
+    make, h = SYSTEMS[name]
+    return marched(make, h, SCHEMES[scheme], None)
+
+
 @pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_looks_at_every_step(name: str, scheme: str, look: str) -> None:
     make, h = SYSTEMS[name]
-    plain, books = marched(make, h, SCHEMES[scheme], None)
+    plain, books = plain_run(name, scheme)
     looked, other = marched(make, h, SCHEMES[scheme], LOOKS[look])
     np.testing.assert_array_equal(looked, plain)
     np.testing.assert_array_equal(other, books)
@@ -118,7 +126,7 @@ def test_looks_at_every_step(name: str, scheme: str, look: str) -> None:
 def test_runs_that_are_split(name: str, scheme: str) -> None:
     """At every step, as the books of each part are opened anew."""
     make, h = SYSTEMS[name]
-    plain, _ = marched(make, h, SCHEMES[scheme], None)
+    plain, _ = plain_run(name, scheme)
     system = vv.System(make())
     for k in range(1, STEPS + 1):
         vv.simulate(system, until=k * h, step=h, scheme=SCHEMES[scheme])

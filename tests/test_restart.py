@@ -257,7 +257,7 @@ def test_memory_decides_every_bit() -> None:
         for name in "xvaw":
             getattr(other.core, name)[:] = getattr(one.core, name)
         other.time = one.time
-        other.core.remember(np.array(one.core.memory()))
+        other.core.restore(np.array(one.core.memory()))
         if one.time > 1.4:
             break
         one.step(0.005)

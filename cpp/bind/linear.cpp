@@ -86,7 +86,7 @@ struct Linear {
         nb::gil_scoped_release release;
         std::vector<double> r(rhs.data(), rhs.data() + csr.n);
         for (double& a : r) a = -a;
-        return solver->solve(r.data(), {}, x.data());
+        return solver->solve(r.data(), {}, x.data(), 0);
     }
 
     Csr csr;
@@ -143,12 +143,12 @@ void bind_solver(nb::module_& m) {
         .def("factor", &Linear::factor)
         .def("solve", &Linear::solve)
         .def("forget", [](Linear& l) { l.solver->forget(); })
-        .def_prop_ro("name", [](const Linear& l) { return l.solver->name(); })
-        .def_prop_ro("message", [](const Linear& l) { return l.solver->message(); })
-        .def_prop_ro("iterations", [](const Linear& l) { return l.solver->n_iterations(); })
-        .def_prop_ro("n_negative", [](const Linear& l) { return l.solver->n_negative(); })
-        .def_prop_ro("memory", [](const Linear& l) { return l.solver->memory(); })
-        .def_prop_ro("singular_unknown", [](const Linear& l) { return l.solver->singular_unknown(); });
+        .def_prop_ro("name", [](const Linear& l) { return l.solver->report().name; })
+        .def_prop_ro("message", [](const Linear& l) { return l.solver->report().message; })
+        .def_prop_ro("iterations", [](const Linear& l) { return l.solver->report().n_iterations; })
+        .def_prop_ro("n_negative", [](const Linear& l) { return l.solver->report().n_negative; })
+        .def_prop_ro("memory", [](const Linear& l) { return l.solver->report().memory; })
+        .def_prop_ro("singular_unknown", [](const Linear& l) { return l.solver->report().singular_unknown; });
 }
 
 }  // namespace

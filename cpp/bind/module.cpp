@@ -10,6 +10,9 @@
 #include "linear.hpp"
 #include "visviva/base/instructions.hpp"
 #include "visviva/linear/linear_choice.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
+#include "visviva/linear/reduce/slave_elimination.hpp"
 #include "visviva/solid/solid_dispatch.hpp"
 #include "visviva/solid/solid_term.hpp"
 #include "visviva/strain/strain_term.hpp"
@@ -297,6 +300,15 @@ static Blocks blocks_of(const Ints& block, const Ints& stage, const Ints& multip
         return view(s.sums.name.data(), s.sums.name.size(), self); \
     })
 
+// How many unknowns a kind of reduction has taken out of the equations.
+template <class T>
+static int n_reduced(const System& s) {
+    int n = 0;
+    for (const auto& reduction : s.reductions())
+        if (const auto* kind = dynamic_cast<const T*>(reduction.get())) n += kind->n();
+    return n;
+}
+
 static void bind_system(nb::module_& m) {
     nb::class_<System>(m, "System")
         .def("__init__",
@@ -310,7 +322,10 @@ static void bind_system(nb::module_& m) {
              [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
                  s.set_blocks(blocks_of(block, stage, multiplier, rigid));
              })
-        .def("set_local", [](System& s, const Ints& element) { s.set_local(vector_of<int>(element)); })
+        .def("condense_elements",
+             [](System& s, const Ints& element) {
+                 s.add_reduction(std::make_shared<ElementCondensation>(vector_of<int>(element)));
+             })
         .def("finalize", &System::finalize)
         .def("use_solver",
              [](System& s, bool null_space, double regularization) {
@@ -335,14 +350,15 @@ static void bind_system(nb::module_& m) {
              })
         .def_prop_ro("n_equations", [](const System& s) { return s.solved().n; })
         .def_prop_ro("n_entries", [](const System& s) { return s.solved().col.size(); })
-        .def_prop_ro("n_eliminated", &System::n_eliminated)
+        .def_prop_ro("n_eliminated", n_reduced<SlaveElimination>)
         .def("use_linear",
              [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def("allow_last_resort", &System::allow_last_resort)
         .def_prop_ro("solver",
-                     [](const System& s) { return s.solver() ? s.solver()->name() : std::string(); })
-        .def_prop_ro("linear_message",
-                     [](const System& s) { return s.solver() ? s.solver()->message() : std::string(); })
+                     [](const System& s) { return s.solver() ? s.solver()->report().name : std::string(); })
+        .def_prop_ro(
+            "linear_message",
+            [](const System& s) { return s.solver() ? s.solver()->report().message : std::string(); })
         .def("solve",
              [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
                 double keep_factor, int n_tangents) {
@@ -385,21 +401,22 @@ static void bind_system(nb::module_& m) {
              [](System& s, const Ints& multiplier, const Ints& account) {
                  s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
              })
-        .def_prop_ro("n_exchanged", &System::n_exchanged)
-        .def_prop_ro("n_negative", [](const System& s) { return s.solver() ? s.solver()->n_negative() : -1; })
-        .def("set_nodal_multipliers",
+        .def_prop_ro("n_exchanged", n_reduced<ContactCondensation>)
+        .def_prop_ro("n_negative",
+                     [](const System& s) { return s.solver() ? s.solver()->report().n_negative : -1; })
+        .def("condense_contact",
              [](System& s, const Ints& multiplier, const Ints& unknown, const Ints& size) {
                  std::vector<NodalMultiplier> all;
                  for (std::size_t k = 0; k < multiplier.size(); ++k)
                      all.push_back({multiplier.data()[k], unknown.data()[k], size.data()[k]});
-                 s.set_nodal_multipliers(std::move(all));
+                 s.add_reduction(std::make_shared<ContactCondensation>(std::move(all)));
              })
-        .def("set_dependences",
+        .def("eliminate_slaves",
              [](System& s, const Ints& unknown, const Ints& multiplier) {
                  std::vector<Dependence> all;
                  for (std::size_t k = 0; k < unknown.size(); ++k)
                      all.push_back({unknown.data()[k], multiplier.data()[k]});
-                 s.set_dependences(std::move(all));
+                 s.add_reduction(std::make_shared<SlaveElimination>(std::move(all)));
              })
         .def("memory",
              [](const System& s) {
@@ -409,18 +426,18 @@ static void bind_system(nb::module_& m) {
              })
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
-        .def("remember", [](System& s, const Doubles& m) { s.remember(vector_of<double>(m)); })
-        .def("keep_shown", &System::keep_shown)
-        .def("show_again", &System::show_again)
-        .def("touch", &System::touch)
-        .def("leave", &System::leave)
-        .def_prop_ro("is_as_left", &System::is_as_left)
+        .def("restore", [](System& s, const Doubles& m) { s.restore(vector_of<double>(m)); })
+        .def("keep_evaluation", &System::keep_evaluation)
+        .def("restore_evaluation", &System::restore_evaluation)
+        .def("invalidate", &System::invalidate)
+        .def("mark_state", &System::mark_state)
+        .def_prop_ro("is_unchanged", &System::is_unchanged)
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
-        .def("take_stock",
+        .def("evaluate_ledger",
              [](System& s, const Step& step, const Doubles& signals, bool moves) {
                  nb::gil_scoped_release release;
-                 s.take_stock(step, signals_of(signals), moves);
+                 s.evaluate_ledger(step, signals_of(signals), moves);
              })
         .def(
             "assemble",
@@ -430,7 +447,7 @@ static void bind_system(nb::module_& m) {
                 s.assemble(step, signals_of(signals), residual.data(), k);
             },
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
-        .def("search", &System::search)
+        .def("find_neighbours", [](System& s) { return s.find_neighbours(); })
         .def_prop_ro("revision", &System::revision)
         .def_prop_ro("rewiring", &System::rewiring)
         .def("linearise",
@@ -438,14 +455,14 @@ static void bind_system(nb::module_& m) {
                  nb::gil_scoped_release release;
                  return s.linearise(step, signals_of(signals), residual.data());
              })
-        .def_prop_ro("outdated", &System::outdated)
+        .def_prop_ro("is_outdated", &System::is_outdated)
         .def(
             "linear_solve",
-            [](System& s, const Step& step, const Doubles& residual, Array d, double enough) {
+            [](System& s, const Step& step, const Doubles& residual, Array d, double tolerance) {
                 nb::gil_scoped_release release;
-                return s.linear_solve(step, residual.data(), d.data(), enough);
+                return s.linear_solve(step, residual.data(), d.data(), tolerance);
             },
-            nb::arg("step"), nb::arg("residual"), nb::arg("d"), nb::arg("enough") = 0.0)
+            nb::arg("step"), nb::arg("residual"), nb::arg("d"), nb::arg("tolerance") = 0.0)
         .def("refuse", [](System& s, const Step& step,
                           const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
         .def_prop_ro("csr",

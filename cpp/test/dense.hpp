@@ -87,10 +87,10 @@ struct Problem {
     }
     bool factor(LinearSolver& solver) const { return solver.factor(values.data(), {}); }
     /// x of A x = b; not a number: not solved.
-    Eigen::VectorXd solve(LinearSolver& solver, const Eigen::VectorXd& b) const {
+    Eigen::VectorXd solve(LinearSolver& solver, const Eigen::VectorXd& b, double tolerance = 0) const {
         std::vector<double> r(csr.equation.size(), 0.0), d(csr.equation.size(), 0.0);
         for (int i = 0; i < csr.n; ++i) r[unknown(i)] = -b[i];
-        if (!solver.solve(r.data(), {}, d.data())) return Eigen::VectorXd::Constant(csr.n, NAN);
+        if (!solver.solve(r.data(), {}, d.data(), tolerance)) return Eigen::VectorXd::Constant(csr.n, NAN);
         Eigen::VectorXd x(csr.n);
         for (int i = 0; i < csr.n; ++i) x[i] = d[unknown(i)];
         return x;

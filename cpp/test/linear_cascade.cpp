@@ -23,9 +23,9 @@ TEST_CASE("cascade: where a factorisation fails the next solver serves, and says
     const auto solver = make_linear({choice(Backend::cholesky), choice(Backend::sparse_lu)});
     const VectorXd b = numbers.vector(9);
     CHECK(difference(Problem(a).solution(*solver, b), a.fullPivLu().solve(b)) < 1e-12);
-    CHECK(solver->message() == "simplicial Cholesky was left: the tangent is not positive definite; ");
-    CHECK(solver->name() == make_sparse_lu()->name());
-    CHECK(solver->state()[0] == 1);
+    CHECK(solver->report().message == "simplicial Cholesky was left: the tangent is not positive definite; ");
+    CHECK(solver->report().name == make_sparse_lu()->report().name);
+    CHECK(solver->capabilities().sequence->state()[0] == 1);
 }
 
 TEST_CASE("cascade: where a solution fails the next solver factors and solves") {
@@ -34,8 +34,8 @@ TEST_CASE("cascade: where a solution fails the next solver factors and solves") 
     const VectorXd b = numbers.vector(12);
     const auto solver = make_linear({too_few_iterations(), too_few_iterations(), choice(Backend::sparse_lu)});
     CHECK(difference(Problem(a).solution(*solver, b), a.fullPivLu().solve(b)) < 1e-12);
-    CHECK(solver->state()[0] == 2);
-    CHECK(solver->message().find("after 1 iterations") != std::string::npos);
+    CHECK(solver->capabilities().sequence->state()[0] == 2);
+    CHECK(solver->report().message.find("after 1 iterations") != std::string::npos);
 }
 
 TEST_CASE("cascade: the preferred solver is tried again after a while, ever more rarely") {
@@ -48,13 +48,13 @@ TEST_CASE("cascade: the preferred solver is tried again after a while, ever more
     problem.take(bad);
     for (int k = 0; k < 60; ++k) {
         REQUIRE(problem.factor(*solver));
-        if (!solver->message().empty()) tried.push_back(k);
+        if (!solver->report().message.empty()) tried.push_back(k);
     }
     CHECK(tried == std::vector<int>{0, 17, 50});
     problem.take(good);
     for (int k = 0; k < 100; ++k) REQUIRE(problem.factor(*solver));
-    CHECK(solver->state()[0] == 0);
-    CHECK(solver->name() == "simplicial Cholesky");
+    CHECK(solver->capabilities().sequence->state()[0] == 0);
+    CHECK(solver->report().name == "simplicial Cholesky");
 }
 
 TEST_CASE("cascade: a last resort serves only where it may, and if all fail the last one says why") {
@@ -66,12 +66,12 @@ TEST_CASE("cascade: a last resort serves only where it may, and if all fail the 
     const Problem problem(a);
     const auto solver = make_linear({choice(Backend::cholesky), last});
     solver->analyze(problem.csr, problem.blocks);
-    solver->allow_last_resort(false);
+    solver->capabilities().sequence->allow_last_resort(false);
     CHECK_FALSE(problem.factor(*solver));
-    CHECK(solver->message() == "the tangent is not positive definite");
-    solver->allow_last_resort(true);
+    CHECK(solver->report().message == "the tangent is not positive definite");
+    solver->capabilities().sequence->allow_last_resort(true);
     CHECK(problem.factor(*solver));
-    solver->allow_last_resort(false);
+    solver->capabilities().sequence->allow_last_resort(false);
     CHECK_FALSE(problem.factor(*solver));
 
     const Floating two(true, 1);
@@ -79,5 +79,5 @@ TEST_CASE("cascade: a last resort serves only where it may, and if all fail the 
     const Problem singular(two.a);
     all->analyze(singular.csr, singular.blocks);
     CHECK_FALSE(singular.factor(*all));
-    CHECK(two.has(all->singular_unknown()));
+    CHECK(two.has(all->report().singular_unknown));
 }

@@ -41,8 +41,8 @@ void check_singular(LinearSolver& solver, const std::vector<const char*>& messag
             const Problem problem(two.a);
             solver.analyze(problem.csr, problem.blocks);
             CHECK_FALSE(problem.factor(solver));
-            CHECK(two.has(solver.singular_unknown()));
-            if (!messages.empty()) CHECK(solver.message() == messages[exact ? 0 : 1]);
+            CHECK(two.has(solver.report().singular_unknown));
+            if (!messages.empty()) CHECK(solver.report().message == messages[exact ? 0 : 1]);
         }
 }
 
@@ -84,7 +84,7 @@ TEST_CASE("sparse LU: redundant constraints are regularised, or named") {
     const auto solver = make_sparse_lu(true);
     solver->analyze(problem.csr, problem.blocks);
     CHECK_FALSE(problem.factor(*solver));
-    CHECK(solver->singular_unknown() >= Problem::unknown(6));
+    CHECK(solver->report().singular_unknown >= Problem::unknown(6));
     solver->regularization = 1e-10;
     REQUIRE(problem.factor(*solver));
     VectorXd b = numbers.vector(8);
@@ -111,14 +111,14 @@ TEST_CASE("Cholesky: definite matrices, and why others are refused") {
     const auto solver = make_cholesky(choice(Backend::cholesky));
     a(4, 4) = -1;
     CHECK_FALSE(solved(Problem(a).solution(*solver, numbers.vector(9))));
-    CHECK(solver->message() == "the tangent is not positive definite");
+    CHECK(solver->report().message == "the tangent is not positive definite");
     a = definite(numbers, 9);
     a(3, 4) += 0.1, a(4, 3) -= 0.1;
     CHECK_FALSE(solved(Problem(a).solution(*solver, numbers.vector(9))));
-    CHECK(solver->message().find("not symmetric") != std::string::npos);
+    CHECK(solver->report().message.find("not symmetric") != std::string::npos);
     a = definite(numbers, 9), a(2, 2) = NAN;
     CHECK_FALSE(solved(Problem(a).solution(*solver, numbers.vector(9))));
-    CHECK(solver->message().find("not finite") != std::string::npos);
+    CHECK(solver->report().message.find("not finite") != std::string::npos);
 }
 
 TEST_CASE("Cholesky: factors beyond the limit of memory are refused before they are made") {
@@ -131,7 +131,7 @@ TEST_CASE("Cholesky: factors beyond the limit of memory are refused before they 
     c.memory_limit = 24 * (2 * n - 1);
     const auto solver = make_cholesky(c);
     CHECK_NOTHROW(solver->analyze(problem.csr, problem.blocks));
-    CHECK(solver->memory() == c.memory_limit);
+    CHECK(solver->report().memory == c.memory_limit);
     c.memory_limit -= 1;
     CHECK_THROWS_AS(make_cholesky(c)->analyze(problem.csr, problem.blocks), MemoryShortage);
 }
@@ -150,14 +150,14 @@ TEST_CASE("PARDISO: every kind of matrix, eigenvalues' signs, and what is singul
     const auto symmetric = make_pardiso(choice(Backend::pardiso, MatrixKind::symmetric));
     CHECK(error(*symmetric, a, b) < 1e-12);
     const auto eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(a).eigenvalues();
-    CHECK(symmetric->n_negative() == (eigenvalues.array() < 0).count());
-    CHECK(symmetric->n_negative() == 10);
+    CHECK(symmetric->report().n_negative == (eigenvalues.array() < 0).count());
+    CHECK(symmetric->report().n_negative == 10);
     for (MatrixKind kind : {MatrixKind::definite, MatrixKind::symmetric, MatrixKind::general})
         check_singular(*make_pardiso(choice(Backend::pardiso, kind)));
     MatrixXd indefinite = definite(numbers, 9);
     indefinite(4, 4) = -1;
     CHECK_FALSE(solved(Problem(indefinite).solution(*cholesky, numbers.vector(9))));
-    CHECK(cholesky->message() == "the tangent is not positive definite");
+    CHECK(cholesky->report().message == "the tangent is not positive definite");
 }
 
 TEST_CASE("PARDISO: values that turn the pivots of the first ones to zero") {

@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "dense.hpp"
-#include "visviva/linear/reduce/condensed.hpp"
-#include "visviva/linear/reduce/eliminated.hpp"
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
+#include "visviva/linear/reduce/slave_elimination.hpp"
 
 using namespace visviva;
 using Eigen::MatrixXd, Eigen::VectorXd;
@@ -22,6 +22,12 @@ void check(const MatrixXd& a, Problem& problem, LinearSolver& solver, Numbers& n
             CHECK(difference(factor * problem.solve(solver, b), a.fullPivLu().solve(b)) < 1e-11);
         }
     }
+}
+
+std::shared_ptr<ElementCondensation> condensation(const Problem& problem, const std::vector<int>& element) {
+    auto reduction = std::make_shared<ElementCondensation>(problem.by_unknown(element, -1));
+    reduction->analyze(problem.csr, {}, {});
+    return reduction;
 }
 
 // --- condensation: elements of three nodes each and so many unknowns of their own
@@ -53,9 +59,9 @@ TEST_CASE("condensation: unknowns of single elements leave and come back") {
     for (int own : {1, 2, 4}) {
         const Elements e(numbers, own);
         Problem problem(e.a);
-        const auto reduction = std::make_shared<Condensation>(problem.csr, problem.by_unknown(e.element, -1));
+        const auto reduction = condensation(problem, e.element);
         CHECK(reduction->left().n == Elements::n_nodes);
-        check(e.a, problem, *make_condensed(reduction, make_sparse_lu()), numbers);
+        check(e.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
     }
 }
 
@@ -63,8 +69,8 @@ TEST_CASE("condensation: what is left is the Schur complement") {
     Numbers numbers(32);
     const Elements e(numbers, 2);
     const Problem problem(e.a);
-    Condensation reduction(problem.csr, problem.by_unknown(e.element, -1));
-    REQUIRE(reduction.eliminate(problem.values.data()));
+    const auto reduction = condensation(problem, e.element);
+    REQUIRE(reduction->reduce(problem.values.data()));
     const int n = Elements::n_nodes;
     const MatrixXd schur = e.a.topLeftCorner(n, n) - e.a.topRightCorner(n, e.a.cols() - n) *
                                                          e.a.bottomRightCorner(e.a.rows() - n, e.a.cols() - n)
@@ -72,8 +78,8 @@ TEST_CASE("condensation: what is left is the Schur complement") {
                                                              .solve(e.a.bottomLeftCorner(e.a.rows() - n, n));
     MatrixXd left = MatrixXd::Zero(n, n);
     for (int i = 0; i < n; ++i)
-        for (auto k = reduction.left().row[i]; k < reduction.left().row[i + 1]; ++k)
-            left(i, reduction.left().col[k]) = reduction.values()[k];
+        for (auto k = reduction->left().row[i]; k < reduction->left().row[i + 1]; ++k)
+            left(i, reduction->left().col[k]) = reduction->values()[k];
     CHECK(difference(left, schur) < 1e-13);
 }
 
@@ -84,12 +90,11 @@ TEST_CASE("condensation: an element that does not resist its own unknowns is nam
     const MatrixXd whole = e.a;
     e.a.block(bad, bad, 2, 2).setZero();
     const Problem problem(e.a, whole);
-    const auto solver = make_condensed(
-        std::make_shared<Condensation>(problem.csr, problem.by_unknown(e.element, -1)), make_sparse_lu());
+    const auto solver = make_reduced(condensation(problem, e.element), make_sparse_lu());
     solver->analyze(problem.csr, problem.blocks);
     CHECK_FALSE(problem.factor(*solver));
-    CHECK(solver->singular_unknown() == Problem::unknown(bad));
-    CHECK(solver->message() == Condensation::singular);
+    CHECK(solver->report().singular_unknown == Problem::unknown(bad));
+    CHECK(solver->report().message == "an element does not resist its own enhanced strains or pressures");
 }
 
 TEST_CASE("condensation: elements whose own unknowns couple are refused") {
@@ -97,7 +102,7 @@ TEST_CASE("condensation: elements whose own unknowns couple are refused") {
     Elements e(numbers, 1);
     e.a(e.first(0), e.first(1)) = 1;
     const Problem problem(e.a);
-    CHECK_THROWS_AS(Condensation(problem.csr, problem.by_unknown(e.element, -1)), std::invalid_argument);
+    CHECK_THROWS_AS(condensation(problem, e.element), std::invalid_argument);
 }
 
 // --- elimination: nodes that constraints give by others
@@ -122,13 +127,14 @@ struct Tied {
         for (int k : others) a(n + constraint, k) = numbers.one(), a(k, n + constraint) = numbers.one();
         dependences.push_back({unknown, n + constraint});
     }
-    std::shared_ptr<Elimination> reduction(const Problem& p) const {
+    std::shared_ptr<SlaveElimination> reduction(const Problem& p) const {
         auto listed = dependences;
         for (Dependence& d : listed) d = {Problem::unknown(d.unknown), Problem::unknown(d.multiplier)};
         std::vector<int> numbered;
         for (int k : node) numbered.push_back(Problem::unknown(k));
-        return std::make_shared<Elimination>(p.csr, listed, p.by_unknown<char>(fixed, 1),
-                                             p.by_unknown(numbered, Problem::fixed));
+        auto reduction = std::make_shared<SlaveElimination>(listed);
+        reduction->analyze(p.csr, p.by_unknown<char>(fixed, 1), p.by_unknown(numbered, Problem::fixed));
+        return reduction;
     }
 };
 
@@ -145,7 +151,7 @@ TEST_CASE("elimination: tied unknowns and their multipliers leave and come back"
     const auto reduction = t.reduction(problem);
     CHECK(reduction->n() == 4);
     CHECK(reduction->left().n == 10);
-    check(t.a, problem, *make_eliminated(reduction, make_sparse_lu()), numbers);
+    check(t.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
 }
 
 TEST_CASE("elimination: what depends on dependent unknowns stays among the equations") {
@@ -157,7 +163,7 @@ TEST_CASE("elimination: what depends on dependent unknowns stays among the equat
     Problem problem(t.a);
     const auto reduction = t.reduction(problem);
     CHECK(reduction->n() == 1);
-    check(t.a, problem, *make_eliminated(reduction, make_sparse_lu()), numbers);
+    check(t.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
 }
 
 TEST_CASE("elimination: what is held beside free unknowns does not move") {
@@ -169,7 +175,7 @@ TEST_CASE("elimination: what is held beside free unknowns does not move") {
     MatrixXd a = t.a;
     a.row(6).setZero(), a.col(6).setZero(), a(6, 6) = 1;
     problem.take(a);
-    const auto solver = make_eliminated(t.reduction(problem), make_sparse_lu());
+    const auto solver = make_reduced(t.reduction(problem), make_sparse_lu());
     solver->analyze(problem.csr, problem.blocks);
     REQUIRE(problem.factor(*solver));
     VectorXd b = numbers.vector(11);
@@ -200,13 +206,15 @@ struct Pressed {
     }
     int node(int k) const { return before + dim * k; }
     int multiplier(int k) const { return node(n_nodes) + k; }
-    std::shared_ptr<Exchange> reduction(const Problem& p) const {
+    std::shared_ptr<ContactCondensation> reduction(const Problem& p) const {
         std::vector<NodalMultiplier> listed;
         for (int k = 0; k < pressed; ++k)
             listed.push_back({Problem::unknown(multiplier(k)), Problem::unknown(node(k)), dim});
         std::vector<char> fixed(p.csr.equation.size(), 0);
         fixed[Problem::fixed] = 1;
-        return std::make_shared<Exchange>(p.csr, listed, fixed);
+        auto reduction = std::make_shared<ContactCondensation>(listed);
+        reduction->analyze(p.csr, fixed, {});
+        return reduction;
     }
 };
 
@@ -219,7 +227,7 @@ TEST_CASE("exchange: pressures leave and come back") {
         Problem problem(p.a);
         const auto reduction = p.reduction(problem);
         CHECK(reduction->n() == 3);
-        check(p.a, problem, *make_exchanged(reduction, make_sparse_lu()), numbers);
+        check(p.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
         CHECK_FALSE(reduction->is_rough());
     }
 }
@@ -234,7 +242,7 @@ TEST_CASE("exchange: pressures with an entry of their own, on others as well, an
     Problem problem(p.a, p.coupled + p.a);
     const auto reduction = p.reduction(problem);
     CHECK(reduction->n() == 3);
-    check(p.a, problem, *make_exchanged(reduction, make_sparse_lu()), numbers);
+    check(p.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
     CHECK_FALSE(reduction->is_rough());
 }
 
@@ -249,14 +257,14 @@ TEST_CASE("exchange: forces on each other's nodes are made up for while they are
     press(0.05);
     Problem problem(p.a);
     const auto reduction = p.reduction(problem);
-    const auto solver = make_exchanged(reduction, make_sparse_lu());
+    const auto solver = make_reduced(reduction, make_sparse_lu());
     check(p.a, problem, *solver, numbers);
     CHECK(reduction->is_rough());
     press(30);
     problem.take(p.a);
     REQUIRE(problem.factor(*solver));
     CHECK_FALSE(solved(problem.solve(*solver, numbers.vector(p.a.rows()))));
-    CHECK(solver->message().find("press too much") != std::string::npos);
+    CHECK(solver->report().message.find("press too much") != std::string::npos);
 }
 
 TEST_CASE("exchange: a pressure without a force and without an entry of its own is named") {
@@ -264,11 +272,11 @@ TEST_CASE("exchange: a pressure without a force and without an entry of its own 
     Pressed p(numbers, 3, 4, 2);
     p.a.col(p.multiplier(1)).setZero();
     const Problem problem(p.a, p.coupled);
-    const auto solver = make_exchanged(p.reduction(problem), make_sparse_lu());
+    const auto solver = make_reduced(p.reduction(problem), make_sparse_lu());
     solver->analyze(problem.csr, problem.blocks);
     CHECK_FALSE(problem.factor(*solver));
-    CHECK(solver->singular_unknown() == Problem::unknown(p.multiplier(1)));
-    CHECK(solver->message() == Exchange::singular);
+    CHECK(solver->report().singular_unknown == Problem::unknown(p.multiplier(1)));
+    CHECK(solver->report().message == "a contact pressure has no force on its own node");
 }
 
 TEST_CASE("reductions around each other: elements condensed, then pressures exchanged") {
@@ -285,10 +293,10 @@ TEST_CASE("reductions around each other: elements condensed, then pressures exch
     std::vector<int> element(n + 2, -1);
     element[n] = element[n + 1] = 0;
     Problem problem(a);
-    const auto condensation = std::make_shared<Condensation>(problem.csr, problem.by_unknown(element, -1));
+    const auto elements = condensation(problem, element);
     Problem inner(a);
-    inner.csr = condensation->left();
+    inner.csr = elements->left();
     const auto exchange = p.reduction(inner);
     // the exchange keeps the address of the pattern it was made for
-    check(a, problem, *make_condensed(condensation, make_exchanged(exchange, make_sparse_lu())), numbers);
+    check(a, problem, *make_reduced(elements, make_reduced(exchange, make_sparse_lu())), numbers);
 }

@@ -1,9 +1,10 @@
-// The sparsity pattern against one made pair by pair.
+// The sparsity pattern against one made pair by pair; places of scalar entries; what a step is.
 #include <doctest/doctest.h>
 
 #include <set>
 
 #include "dense.hpp"
+#include "visviva/term/entry_term.hpp"
 #include "visviva/term/pattern.hpp"
 
 using namespace visviva;
@@ -95,4 +96,47 @@ TEST_CASE("pattern: what is fixed has no place") {
     CHECK(pattern.row_length(1) == 0);
     CHECK(pattern.rows(1).node == -1);
     CHECK(pattern.rows(1).begin == pattern.rows(1).end);
+}
+
+namespace {
+
+struct Entries : EntryTerm {
+    std::vector<std::pair<int, int>> entries;
+    std::vector<std::int64_t> positions;
+
+    void residual(const Context&, double*) override {}
+    void tangent(const Context&, double* values) override {
+        for (std::size_t k = 0; k < positions.size(); ++k) values[positions[k]] += 1 << k;
+    }
+    void ledger(const Context&, const double*, LedgerSums&) override {}
+
+  private:
+    void list_entries(std::vector<std::pair<int, int>>& all) const override { all = entries; }
+    void set_positions(const std::vector<std::int64_t>& places) override { positions = places; }
+};
+
+}  // namespace
+
+TEST_CASE("entry term: entries add up in their places, and what is fixed goes behind them") {
+    Entries term;
+    term.entries = {{2, 2}, {2, 3}, {0, 2}, {3, 2}, {2, 2}, {1, 1}};
+    Pattern pattern({0, 1, 2, 3}, {1, 1, 0, 0});
+    term.couple(pattern);
+    Csr csr;
+    pattern.finish(csr);
+    term.connect(pattern);
+    CHECK(csr.col == std::vector<int>{0, 1, 0});
+    std::vector<double> values(csr.col.size() + 1, 0.0);
+    term.tangent({Step{}, Vectors{}, Signals{}}, values.data());
+    CHECK(values == std::vector<double>{1 + 16, 2, 8, 4 + 32});
+    CHECK(term.capabilities().mesh == nullptr);
+}
+
+TEST_CASE("step: without velocities by increments it is one of statics") {
+    Step step;
+    CHECK(step.is_static());
+    step.motion[1][0] = 1;  // at an instant masses alone may count
+    CHECK(step.is_static());
+    step.motion[0][0] = 1 / 0.1;
+    CHECK_FALSE(step.is_static());
 }

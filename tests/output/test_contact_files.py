@@ -85,7 +85,7 @@ def test_pressures_belong_to_their_steps(tmp_path: Path) -> None:
     assert [grid["contact_pressure"][: first.grid.n_nodes].max() for grid in grids] == [0.0, *seen]
     assert max(seen) > 1
     assert len(set(seen)) > 3
-    run(study(0.06), tmp_path / "whole", progress=False)
+    run(study(0.06), tmp_path / "whole", progress=False, pictures=False)
     run(study(0.02), tmp_path / "split", progress=False, pictures=False)
     resumed = run(study(0.06), tmp_path / "split", progress=False, pictures=False, resume=True)
     whole, split = (read_by_vtk(tmp_path / name / "trajectory.vtkhdf")[1] for name in ("whole", "split"))

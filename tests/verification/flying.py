@@ -51,7 +51,7 @@ def variant(which: str) -> vv.System:
 def observed(system: vv.System) -> Array:
     """Energy, angular momentum (3,), positions of the nodes (0, 10, 3), (6, 0, 0), (3, 10, 0), (6, 0, 3): (16,)."""
     solid = next(c for c in system.components if isinstance(c, vv.Solid))
-    x, v = solid.positions(system.x), solid.velocities(system.v)
+    x, v = solid.positions(system.x), solid.velocities(system.x, system.v)
     M = mass_matrix(solid)
     kinetic = 0.5 * np.einsum("ac,ab,bc->", v, M, v)
     strain = sum(float((w * solid.fields(system.x).energy).sum()) for w in solid.volumes)

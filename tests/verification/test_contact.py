@@ -120,7 +120,7 @@ def bar(n: int, h: float, **options: Any) -> tuple[vv.Result, Array, Array]:
 
     def observe(s: vv.System) -> None:
         force.append(-probe(s)[0])
-        speed.append(rod.nodal_mass @ rod.velocities(s.v)[:, 0] / 10)
+        speed.append(rod.nodal_mass @ rod.velocities(s.x, s.v)[:, 0] / 10)
 
     result = vv.simulate(system, until=0.85, step=h, observe=observe)
     return result, np.array(force), np.array(speed)

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 def errors(fluid: vv.Fluid, x: Array, exact: Any) -> tuple[float, float]:
     """L2 errors of velocity and pressure (less its mean), against a function of positions (n, 3)."""
-    v, total, size, parts = fluid.velocities(x), 0.0, 0.0, []
+    v, total, size, parts = fluid.by_node(x), 0.0, 0.0, []
     for batch in fluid.batches:
         volume = batch.geometry()[1].ravel()
         d = fluid.dimension
@@ -55,7 +55,7 @@ def test_poiseuille_is_exact(cell: str) -> None:
     system, fluid = channel(cell)
     vv.quasi_static(system, until=1.0, step=1.0)
     exact = parabola(0.0, fluid.points)
-    assert np.abs(fluid.velocities(system.x) - exact).max() < 1e-12
+    assert np.abs(fluid.velocities(system.x, system.v) - exact).max() < 1e-12
     pressure = 0.3 + 8 * 0.05 * (3.0 - fluid.points[:, 0])
     assert np.abs(fluid.pressures(system.x) - pressure).max() < 1e-11
     # pressure and drag of the walls, and half the inlet's momentum flux, which the skew-symmetric form puts there
@@ -78,7 +78,7 @@ def test_flow_between_plates_in_space_is_exact(cell: str) -> None:
     ]
     system = vv.System([fluid, *conditions])
     vv.quasi_static(system, until=1.0, step=1.0)
-    assert np.abs(fluid.velocities(system.x) - parabola(0.0, fluid.points)).max() < 1e-12
+    assert np.abs(fluid.velocities(system.x, system.v) - parabola(0.0, fluid.points)).max() < 1e-12
     assert np.abs(fluid.pressures(system.x) - 0.8 * (2.0 - fluid.points[:, 0])).max() < 1e-11
 
 
@@ -104,7 +104,7 @@ def test_shear_by_a_traction_is_exact(cell: str) -> None:
     drawn = vv.FluidTraction(fluid=fluid, faces="y1", traction=(1.5, 0.0, 0.0))
     system = vv.System([fluid, *ends, *slip, drawn, vv.NoSlip(fluid=fluid, faces="y0")])
     vv.quasi_static(system, until=1.0, step=1.0)
-    assert np.abs(fluid.velocities(system.x) - 3 * fluid.points[:, 1:2] * [1, 0, 0]).max() < 1e-10
+    assert np.abs(fluid.velocities(system.x, system.v) - 3 * fluid.points[:, 1:2] * [1, 0, 0]).max() < 1e-10
     assert np.abs(fluid.pressures(system.x)).max() < 1e-10
     assert vv.Divergence(fluid=fluid)(system) < 1e-10
     curl = vv.FlowField(fluid=fluid, field="vorticity", at=(0.3, 0.4, 0.2))(system)
@@ -152,7 +152,7 @@ def test_a_column_at_rest_carries_its_weight() -> None:
         )
         system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -5, 0))])
         vv.quasi_static(system, until=1.0, step=1.0)
-        assert np.abs(fluid.velocities(system.x)).max() < 1e-12
+        assert np.abs(fluid.velocities(system.x, system.v)).max() < 1e-12
         assert np.abs(fluid.pressures(system.x) - 15.0 * (1.0 - fluid.points[:, 1])).max() < 1e-11
 
 
@@ -234,7 +234,7 @@ def test_taylor_green_converges_in_time(scheme: vv.Scheme, order: int, steps: in
     def end(steps: int, scheme: vv.Scheme) -> Array:
         system, fluid = decaying("quad9", 4, 0.4)
         vv.simulate(system, until=1.0, step=1.0 / steps, scheme=scheme)
-        return fluid.velocities(system.x)
+        return fluid.velocities(system.x, system.v)
 
     exact = end(320, vv.Midpoint())
     coarse, fine = (np.abs(end(n, scheme) - exact).max() for n in (steps, 2 * steps))
@@ -250,7 +250,7 @@ def test_stabilised_elements_are_of_first_order_in_time_and_the_check_says_so(sc
         vv.simulate(system, until=1.0, step=1.0 / steps, scheme=scheme)
         assert system.report is not None
         assert "first order in the step" in str(system.report)
-        return fluid.velocities(system.x)
+        return fluid.velocities(system.x, system.v)
 
     ends = [end(n) for n in (20, 40, 80)]
     order = np.log2(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max())
@@ -308,7 +308,7 @@ def test_backflow_brings_no_energy(cell: str) -> None:
     result = vv.simulate(system, until=1.0, step=0.05)
     assert np.all(np.diff(result.ledger["kinetic"]) < 0)
     assert np.all(np.diff(result.ledger["work_outflow"]) <= 0)
-    middle = (fluid.velocities(result.states[-2]) + fluid.velocities(result.states[-1])) / 2
+    middle = (fluid.by_node(result.states[-2]) + fluid.by_node(result.states[-1])) / 2
     taken = 0.0
     for p in flow_faces(fluid.grid, fluid.grid.boundary()):
         v = np.einsum("mqk,mki->mqi", p.N, middle[p.nodes])[:, :, :2]
@@ -370,7 +370,7 @@ def test_unsteady_stokes_flow_is_linear(cell: str) -> None:
         result = vv.simulate(system, until=1.0, step=0.05, scheme=vv.Midpoint())
         assert result.statistics.factorizations == 1
         assert np.abs(fluid.pressures(system.x)).max() < 0.01
-        ends.append(fluid.velocities(system.x))
+        ends.append(fluid.velocities(system.x, system.v))
         exact = size * eddies(1.0, nu)(fluid.points)[0]
         assert np.abs(ends[-1] - exact).max() < 0.01 * size * (1 if cell != "quad4" else 2)
         assert result.ledger.imbalance() < 1e-12
@@ -389,7 +389,7 @@ def test_adaptive_steps_follow_a_flow_that_starts() -> None:
     for _ in marching:
         lengths.append(system.last_step)
         exact = 0.5 * y * (1 - y) - np.sum(4 / n**3 * np.sin(n * y) * np.exp(-(n**2) * system.time), axis=0)
-        worst = max(worst, float(np.abs(fluid.velocities(system.x)[:, 0] - exact).max()))
+        worst = max(worst, float(np.abs(fluid.velocities(system.x, system.v)[:, 0] - exact).max()))
     assert worst < 2e-3 * 0.125
     assert max(lengths) > 10 * min(lengths)
     assert len(lengths) < 100

@@ -187,7 +187,7 @@ def pulsating(scheme: vv.Scheme, steps: int, rows: int = 32) -> tuple[Array, Arr
     result = vv.simulate(system, until=1.0, step=1.0 / steps, scheme=scheme, every=steps)
     if scheme.theta == 0.5:
         assert result.ledger.imbalance() < 1e-12
-    return fluid.velocities(system.x)[:, 0], womersley(1.0, fluid.points[:, 1])
+    return fluid.velocities(system.x, system.v)[:, 0], womersley(1.0, fluid.points[:, 1])
 
 
 def test_womersley_profile_and_order_in_time() -> None:
@@ -222,7 +222,7 @@ def test_startup_profiles(scheme: vv.Scheme, most: float) -> None:
 
     def look(system: vv.System) -> None:
         if abs(system.time % 5) < 1e-6 or abs(system.time % 5 - 5) < 1e-6:
-            found = fluid.velocities(system.x)[:, 0]
+            found = fluid.velocities(system.x, system.v)[:, 0]
             off[round(system.time)] = np.abs(found - starting(system.time, fluid.points[:, 1])).max()
 
     vv.simulate(system, until=50.0, step=0.25, scheme=scheme, observe=look, every=200)

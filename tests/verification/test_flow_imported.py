@@ -61,7 +61,7 @@ def errors(path: Path, elements: str) -> tuple[float, float]:
     ]
     system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="walls"), *ends])
     vv.quasi_static(system, until=1.0, step=1.0)
-    v = fluid.velocities(system.x) - parabola(0.0, fluid.points)
+    v = fluid.velocities(system.x, system.v) - parabola(0.0, fluid.points)
     p = fluid.pressures(system.x) - (0.3 + 0.4 * (3.0 - fluid.points[:, 0]))
     return float(np.sqrt(np.mean(np.sum(v**2, axis=1)))), float(np.sqrt(np.mean(p**2)))
 

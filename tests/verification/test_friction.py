@@ -98,9 +98,9 @@ def test_force_of_contact_is_the_change_of_momentum(dimension: int, law: dict[st
     body, contact = parts[0], contact_of(parts)
     assert isinstance(body, vv.Solid)
     system, sideways = vv.System(parts), 0.0
-    before, start = body.nodal_mass @ body.velocities(system.v), 0.0
+    before, start = body.nodal_mass @ body.velocities(system.x, system.v), 0.0
     for _ in vv.march(system, until=0.12, step=0.01):
-        momentum = body.nodal_mass @ body.velocities(system.v)
+        momentum = body.nodal_mass @ body.velocities(system.x, system.v)
         force = vv.ContactForce(contact=contact)(system)
         change = (momentum - before) / (system.time - start)
         assert np.abs(change - force).max() < 1e-9 * max(1.0, np.abs(force).max())

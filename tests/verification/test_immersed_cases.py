@@ -19,7 +19,7 @@ def test_solid_like_the_fluid_changes_nothing() -> None:
     def velocities(parts: list[vv.Component], fluid: vv.Fluid) -> Array:
         system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), *parts])
         vv.simulate(system, until=0.5, step=0.05)
-        return fluid.velocities(system.x)
+        return fluid.velocities(system.x, system.v)
 
     def box() -> vv.Fluid:
         mesh = vv.RectangleMesh(size=(1, 1), counts=(10, 10), cell="quad9")
@@ -55,7 +55,7 @@ def thread(n: int) -> tuple[Array, float]:
     for _ in vv.march(system, until=0.02, step=0.01, scheme=vv.BackwardEuler()):
         pass
     places = fluid.at([(0.5, 0.5), (0.05, 0.05)])
-    return places.pressures(system.x), float(np.abs(fluid.velocities(system.x)).max())
+    return places.pressures(system.x), float(np.abs(fluid.velocities(system.x, system.v)).max())
 
 
 def test_pressure_in_a_thread() -> None:
@@ -72,7 +72,7 @@ def fall(n: int) -> float:
     stiff = vv.NeoHooke(young=1e3, poisson=0.3)
     solid = vv.Solid(mesh=disc(RADIUS, FALLEN[:2], 4), material=stiff, density=2.0)
     system, exact = falling(solid, n, "quad9")
-    return float(-(solid.nodal_mass @ solid.velocities(system.v))[1] / solid.mass / exact)
+    return float(-(solid.nodal_mass @ solid.velocities(system.x, system.v))[1] / solid.mass / exact)
 
 
 def test_falling_disc() -> None:

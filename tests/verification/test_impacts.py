@@ -53,7 +53,7 @@ def collide(parts: Parts, until: float, h: float) -> tuple[vv.Result, Array, Arr
     def observe(s: vv.System) -> None:
         time.append(s.time)
         force.append(-vv.ContactForce(contact=contact)(s)[0])
-        speed.append([b.nodal_mass @ b.velocities(s.v)[:, 0] / b.mass for b in (one, two)])
+        speed.append([b.nodal_mass @ b.velocities(s.x, s.v)[:, 0] / b.mass for b in (one, two)])
 
     result = vv.simulate(vv.System(parts), until=until, step=h, observe=observe)
     return result, np.array(time), np.array(force), np.array(speed)

@@ -10,7 +10,6 @@ import pytest
 import visviva as vv
 from verification.measure import orders
 from verification.solids import LINEAR, PLANE, SPACE, Array, distorted, static
-from visviva.body.solid_faces import cell_points
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import stiffness_rule
 
@@ -96,11 +95,11 @@ def error(cell: str, n: int, small: bool) -> tuple[float, float]:
 def errors_in_the_mean(solid: vv.Solid, system: vv.System, solution: Manufactured) -> tuple[float, float]:
     """Integrals of squares over the quadrature of the masses and of the stresses."""
     u, total = solid.displacements(system.x), 0.0
-    for p in cell_points(solid):
+    for p in solid.cell_points():
         found = np.einsum("qk,mkc->mqc", p.N, u[p.nodes])
         wrong = found - solution.displacement(p.X.reshape(-1, 3)).reshape(p.X.shape)
         total += float((p.size * (wrong**2).sum(axis=2)).sum())
-    ((cell, nodes),) = solid.each_cell()
+    ((cell, nodes),) = solid.grid.cells.items()
     volume, F = solid.volumes[0], solid.fields(system.x).F
     N = CELLS[cell].N(stiffness_rule(cell).points)
     X = np.einsum("qk,mkc->mqc", N, solid.points[nodes])

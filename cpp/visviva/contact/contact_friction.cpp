@@ -9,9 +9,9 @@ namespace visviva {
 
 // The traction at a gap: elastic or a multiplier within Coulomb's limit; that at the start of a step that the
 // books of statics go back.
-void ContactTerm::rub(int A, const Context& c) {
+void ContactTerm::find_traction(int A, const Context& c) {
     const FrictionOptions& o = options_.friction;
-    base_[A] = {elastic_[2 * A], elastic_[2 * A + 1]};
+    base_[A] = elastic_.at_start(A);
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
     traction_[A] = {}, slips_[A] = 0;
@@ -47,10 +47,10 @@ bool ContactTerm::begins_with_impact(const Context& c) const {
     return false;
 }
 
-// An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step itself
-// would throw it back as fast as it came. Where pressures turn the slip round, friction lets it go on as far as the
-// mean of both ends vanishes, for against that it would give energy: what must not slip is D with (c0 + s) / c1 of
-// v0, 0 <= s <= 1. Which s is told by slips rather than by tractions, which jump.
+// An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step
+// itself would throw it back as fast as it came. Where pressures turn the slip round, friction lets it go on
+// as far as the mean of both ends vanishes, for against that it would give energy: what must not slip is D
+// with (c0 + s) / c1 of v0, 0 <= s <= 1. Which s is told by slips rather than by tractions, which jump.
 Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     constexpr double by_traction = 1.0 / 8;
     const double k = tangential(A, c), *v1 = c.step.motion[2];
@@ -67,13 +67,14 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     return t - free_[A] * free_[A].dot(t);
 }
 
-// Where vertices of a rigid body stick, parts of their tractions do nothing but pull against each other. They are
-// found by the sizes of their forces, and made to vanish.
+// Where vertices of a rigid body stick, parts of their tractions do nothing but pull against each other. They
+// are found by the sizes of their forces, and made to vanish.
 void ContactTerm::find_redundant() {
     std::vector<std::pair<int, int>> entries;  // gap, direction
     for (int A = 0; A < gaps_->n(); ++A) {
         redundant_[A].setZero();
-        for (int i = 0; active_[A] && !slips_[A] && i + 1 < gaps_->skin().dim; ++i) entries.emplace_back(A, i);
+        for (int i = 0; active_[A] && !slips_[A] && i + 1 < gaps_->skin().dim; ++i)
+            entries.emplace_back(A, i);
     }
     const auto m = static_cast<Eigen::Index>(entries.size());
     if (m < gaps_->skin().dim) return;
@@ -133,32 +134,13 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
                                o.coefficient * dS_gap_[A] * t.by_limit * g1.transpose();
     K -= sliding.force_gradient(t.value, turn) + directions * dt;
     const Eigen::Vector2d by_pressure = o.coefficient * t.by_limit;
-    const int normal = has_multipliers() ? 1 : 0, rest = n_multipliers() - normal;
+    const int normal = has_multipliers() ? 1 : 0, rest = scatter_.n_tangential();
     if (normal) b.column.col(0) += directions * by_pressure;
     if (rest == 0) return;
     b.row.bottomRows(rest) = dt.topRows(rest) / stiffness;
     b.column.rightCols(rest) = directions * t.by_trial.leftCols(rest);
     b.square.bottomRightCorner(rest, rest) += t.by_trial.topLeftCorner(rest, rest) / stiffness;
     if (normal) b.square.bottomLeftCorner(rest, 1) = by_pressure.head(rest) / stiffness;
-}
-
-// --- elastic slip from step to step
-// ----------------------------------------------------------------------
-// The elastic tractions of this configuration: a step may be looked at again, or a kept tangent be made
-// again.
-void ContactTerm::recall() {
-    const Record* record = &now_;
-    for (const Record* r : {&at_tangent_, &before_, &now_})
-        if (r->X == X0_) record = r;
-    elastic_ = record->traction;
-}
-
-void ContactTerm::keep(const Context& c) {
-    evaluate(c, false);
-    before_ = {X0_, elastic_};
-    now_.X = X1_;
-    for (int A = 0; A < gaps_->n(); ++A)
-        for (int i = 0; i < 2; ++i) now_.traction[2 * A + i] = traction_[A].value[i];
 }
 
 double ContactTerm::slip_work(int A, const std::vector<double>& way) const {

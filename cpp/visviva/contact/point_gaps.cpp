@@ -14,8 +14,7 @@ PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), o
     stencils_.resize(n_), sides_.resize(n_);
 }
 
-// --- the way in
-// -----------------------------------------------------------------------------------------------
+// --- the way in --------------------------------------------------------------------------------------------
 // Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is not
 // judged.
 Vector3 PointGaps::nudged(const double* X, int A) const {

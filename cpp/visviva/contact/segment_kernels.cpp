@@ -159,8 +159,7 @@ struct Moments {
     }
 };
 
-// --- edges in the plane: all of it on a tape whose first entries are the coordinates
-// --------------------------------------------------------------------------------
+// --- edges in the plane: all of it on a tape whose first entries are the coordinates -----------------------
 template <class T, int K, class Seed>
 Corners<Taped<T, K>> on_tape(Seed seed) {
     using R = Taped<T, K>;
@@ -260,8 +259,7 @@ void second_2d(const FacetPair& p, const double (*u)[3], const double (*n)[3], c
         for (int i = 0; i < N; ++i) s.HD[a][i] = s.any ? Taped<L, 2>::tape().adjoint(i, a).d[0] : 0;
 }
 
-// --- facets in space
-// --------------------------------------------------------------------------------
+// --- facets in space ---------------------------------------------------------------------------------------
 template <class T>
 std::optional<Outline<T>> outline(const FacetPair& p, const Vec<T>* x) {
     return outline(x, p.n_first, x + facet_corners, p.n_second, p.range);

@@ -31,6 +31,13 @@ struct Skin {
     bool is_rigid() const;
     const int* corners(int facet) const { return &facets[facet * facet_corners]; }
 
+    /// Calls f(place, form) for the forms of vertices, with the place of each vertex in the list.
+    template <class F>
+    void each_form(const std::vector<int>& vertices, F f) const {
+        for (int v = 0; v < static_cast<int>(vertices.size()); ++v)
+            for (int k = first[vertices[v]]; k < first[vertices[v] + 1]; ++k) f(v, k);
+    }
+
     /// Positions or increments of all vertices, three numbers each.
     void positions(const double* q, std::vector<double>& X) const;
     void increments(const double* dq, std::vector<double>& D) const;

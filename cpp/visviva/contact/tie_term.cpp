@@ -19,7 +19,7 @@ double TieTerm::value(const double* x, int begin, int end, int i) const {
     return sum;
 }
 
-void TieTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void TieTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     each([&](int, int m, int begin, int end, int i) {
         for (int e = begin; e < end; ++e) {
             const int u = rows_.unknown[e] + i;
@@ -28,15 +28,7 @@ void TieTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
     });
 }
 
-std::int64_t TieTerm::n_entries() const {
-    std::int64_t n = 0;
-    each([&](int, int, int begin, int end, int) { n += 2 * (end - begin); });
-    return n;
-}
-
-void TieTerm::set_positions(const std::int64_t* positions) {
-    position_.assign(positions, positions + n_entries());
-}
+void TieTerm::set_positions(const std::vector<std::int64_t>& positions) { position_ = positions; }
 
 void TieTerm::begin(const double* x0) {
     each([&](int k, int, int begin, int end, int i) { x0_[k] = value(x0, begin, end, i); });

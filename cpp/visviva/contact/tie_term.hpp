@@ -1,6 +1,6 @@
 // Mesh tying: constant linear homogeneous constraints, vector by vector, sum of weight * x = 0 for every row.
 #pragma once
-#include "visviva/term/term.hpp"
+#include "visviva/term/entry_term.hpp"
 
 namespace visviva {
 
@@ -13,19 +13,18 @@ struct TieRows {
     int n() const { return static_cast<int>(first.size()) - 1; }
 };
 
-class TieTerm : public Term {
+class TieTerm : public EntryTerm {
   public:
     explicit TieTerm(TieRows rows) : rows_(std::move(rows)), x0_(rows_.multiplier.size(), 0.0) {}
 
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override;
     void begin(const double* x0) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
 
   private:
+    void list_entries(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::vector<std::int64_t>& positions) override;
     /// f(row's component, its multiplier, first entry, behind the last, which component)
     template <class F>
     void each(F f) const;

@@ -31,6 +31,7 @@ FlowTerm::FlowTerm(const FlowData& d)
       M_(d.M, d.M + d.n_points * d.n_pressures) {
     if (!has_kernels(d.dim, d.n_nodes, d.n_pressures) || (d.n_nodes == d.n_pressures && !d.metric))
         throw std::invalid_argument("there are no fluid elements with these nodes and pressures");
+    needs_rates = true;
     const std::int64_t nq = d.n_points;
     in_lanes(G_, d.gradients, nq * d.n_nodes * d.dim, d.n);
     in_lanes(w_, d.volume, nq, d.n);

@@ -25,7 +25,7 @@ struct FlowData {
     const double* metric;                          // [point][dim (dim + 1) / 2 + 1], or null
 };
 
-class FlowTerm : public Term {
+class FlowTerm : public Term, public MeshAssembly, public TermMemory {
   public:
     explicit FlowTerm(const FlowData& data);
 
@@ -40,20 +40,19 @@ class FlowTerm : public Term {
     // Body force per volume; evaluated once per time.
     void set_force(FlowLoad f) { load_ = std::move(f); }
 
-    void pattern(std::vector<std::pair<int, int>>&) const override {}
-    void set_positions(const std::int64_t*) override {}
-    std::int64_t n_entries() const override { return 0; }
+    TermCapabilities capabilities() override { return {this, nullptr, this}; }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
-    bool is_first() const override { return true; }
     void clear_rows(const Pattern& pattern, std::vector<char>& cleared) override {
         slots_.clear_rows(pattern, cleared);
     }
-    bool wants_rates() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
+    void linearise(const Context& c, double* r, double* values) override {
+        residual(c, r), tangent(c, values);
+    }
     void ledger(const Context&, const double* v1, LedgerSums&) override;
-    void settle(const Step& step, double* x) override { pressures_.settle(step, x); }
+    void finish_step(const Step& step, double* x) override { pressures_.settle(step, x); }
     void write_memory(std::vector<double>& memory) const override { pressures_.write(memory); }
     bool read_memory(const double*& memory) override { return pressures_.read(memory), false; }
 

@@ -40,7 +40,7 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
 
 // How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
 double ImmersedTerm::moved(const Context& c, int k, int i) const {
-    if (has_rates(c.step)) return c.step.h * points_.value(c.vectors.rate, k, i);
+    if (!c.step.is_static()) return c.step.h * points_.value(c.vectors.rate, k, i);
     return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
 }
 
@@ -51,7 +51,7 @@ bool ImmersedTerm::is_free(const std::vector<double>& weight, int first) const {
     return std::all_of(begin, begin + points_.width, [](double w) { return w == 0; });
 }
 
-bool ImmersedTerm::outdated() const {
+bool ImmersedTerm::is_outdated() const {
     for (int k = 0; points_.leaves && k < points_.n(); ++k)
         if (is_free(k * points_.width) != is_free(at_tangent_.weight, k * points_.width)) return true;
     return false;
@@ -61,7 +61,7 @@ bool ImmersedTerm::outdated() const {
 // start tells, keeps the second order, and makes the motion linear in the velocities. It stays through all
 // iterations. The rates are those of the points: those of the fluid at long steps lead away from where a body
 // is held.
-bool ImmersedTerm::search(const Way& way) {
+bool ImmersedTerm::find_neighbours(const Way& way) {
     const Stopwatch watch(location_);
     bool same = !coupled_.empty();
     each([&](int k, int i, int, int) {
@@ -79,7 +79,7 @@ bool ImmersedTerm::search(const Way& way) {
     bool known = !coupled_.empty();
     for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
         known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
-    if (!known) couple(way);
+    if (!known) find_coupled(way);
     return !known;
 }
 
@@ -130,7 +130,7 @@ bool ImmersedTerm::is_coupled(int point, int unknown) const {
 }
 
 // The pattern lasts for some steps if it holds what comes next.
-void ImmersedTerm::couple(const Way& way) {
+void ImmersedTerm::find_coupled(const Way& way) {
     std::vector<double> moves(start_.size());
     each([&](int k, int i, int, int) {
         moves[k * points_.dim + i] = points_.value(way.x1, k, i) - points_.value(way.x0, k, i);
@@ -156,19 +156,11 @@ void ImmersedTerm::each_coupled(F f) const {
     });
 }
 
-void ImmersedTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void ImmersedTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     each_coupled([&](int row, int col) { entries.emplace_back(row, col); });
 }
 
-std::int64_t ImmersedTerm::n_entries() const {
-    std::int64_t n = 0;
-    each_coupled([&](int, int) { ++n; });
-    return n;
-}
-
-void ImmersedTerm::set_positions(const std::int64_t* positions) {
-    position_.assign(positions, positions + n_entries());
-}
+void ImmersedTerm::set_positions(const std::vector<std::int64_t>& positions) { position_ = positions; }
 
 void ImmersedTerm::residual(const Context& c, double* r) {
     const auto& x1 = c.vectors.x1;
@@ -183,7 +175,7 @@ void ImmersedTerm::residual(const Context& c, double* r) {
 void ImmersedTerm::tangent(const Context& c, double* values) {
     at_tangent_ = now_;
     std::size_t at = 0;
-    const double h = c.step.h * share(c.step), own = has_rates(c.step) ? c.step.h * c.step.motion[0][0] : 1;
+    const double h = c.step.h * share(c.step), own = c.step.is_static() ? 1 : c.step.h * c.step.motion[0][0];
     each([&](int k, int, int, int first) {
         const std::vector<int>& all = coupled_[k];
         const bool free = is_free(first);

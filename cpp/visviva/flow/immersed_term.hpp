@@ -5,7 +5,7 @@
 #pragma once
 #include <functional>
 
-#include "visviva/term/term.hpp"
+#include "visviva/term/entry_term.hpp"
 
 namespace visviva {
 
@@ -46,39 +46,38 @@ struct ImmersedPoints {
     }
 };
 
-class ImmersedTerm : public Term {
+class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory {
   public:
     ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
                  Reach reach);
 
-    bool search(const Way&) override;
-    bool outdated() const override;
+    TermCapabilities capabilities() override { return {nullptr, this, this}; }
+    bool find_neighbours(const Way&) override;
+    bool is_outdated() const override;
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     double location() const { return location_; }  // CPU seconds that it has taken
 
   private:
+    void list_entries(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::vector<std::int64_t>& positions) override;
     /// f(point, component, multiplier, first velocity)
     template <class F>
     void each(F f) const;
     template <class F>
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
-    void couple(const Way&);
+    void find_coupled(const Way&);
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
     bool is_free(int first) const { return is_free(now_.weight, first); }
     double velocity(const double* v, int first, int i) const;
     double carrying(const Context&, int first, int i) const;
     double moved(const Context&, int point, int i) const;
-    static bool has_rates(const Step& step) { return step.motion[0][0] != 0; }
     double share(const Step& step) const { return step.theta + points_.damping; }
 
     ImmersedPoints points_;

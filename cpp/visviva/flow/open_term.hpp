@@ -25,9 +25,6 @@ class OpenTerm : public Term {
     // Tractions, force per area [face][point][dim].
     void set_load(FlowLoad f) { load_ = std::move(f); }
 
-    void pattern(std::vector<std::pair<int, int>>&) const override {}
-    void set_positions(const std::int64_t*) override {}
-    std::int64_t n_entries() const override { return 0; }
     void couple(Pattern& pattern) const override;
     void connect(const Pattern& pattern) override;
     void residual(const Context&, double* r) override;

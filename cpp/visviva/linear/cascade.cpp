@@ -5,13 +5,15 @@ namespace visviva {
 
 namespace {
 
-class Cascade : public LinearSolver {
+class Cascade : public LinearSolver, public SolverSequence {
   public:
-    explicit Cascade(const std::vector<LinearChoice>& choices) : choices_(choices) {}
+    explicit Cascade(const std::vector<LinearChoice>& choices) : choices_(choices) {
+        report_.name = "none yet";
+    }
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         pattern_ = &pattern, blocks_ = &blocks;
-        solver_.reset();
+        solver_.reset(), report_ = {}, report_.name = "none yet";
         at_ = 0, served_ = 0, patience_ = 16;
     }
 
@@ -19,26 +21,24 @@ class Cascade : public LinearSolver {
     // patience every time that it fails.
     bool factor(const double* values, const Place& place) override {
         values_ = values;
-        message_.clear();
+        left_.clear();
         if (at_ > 0 && ++served_ > patience_) at_ = 0, served_ = 0, patience_ *= 2;
         if (choices_[at_].last_resort && !is_allowed_) at_ = 0, served_ = 0;
         return attempt([&] { return solver_->factor(values_, place); });
     }
 
-    bool solve(const double* r, const Place& place, double* d) override {
-        if (solver_->solve(r, place, d)) return true;
-        if (is_last()) return message_ = solver_->message(), false;
-        note(solver_->message());
+    bool solve(const double* r, const Place& place, double* d, double tolerance) override {
+        if (solver_->solve(r, place, d, tolerance)) return take_report(true);
+        if (is_last()) return take_report(false);
+        note();
         ++at_;
-        return attempt([&] { return solver_->factor(values_, place) && solver_->solve(r, place, d); });
+        return attempt([&] { return solver_->factor(values_, place) && solver_->solve(r, place, d, 0); });
     }
 
-    void aim(double residual) override {
-        if (solver_) solver_->aim(residual);
-    }
     void forget() override {
         if (solver_) solver_->forget();
     }
+    LinearCapabilities capabilities() override { return {nullptr, this}; }
     std::vector<double> state() const override {
         return {static_cast<double>(at_), static_cast<double>(served_), static_cast<double>(patience_)};
     }
@@ -47,12 +47,6 @@ class Cascade : public LinearSolver {
         at_ = static_cast<std::size_t>(s[0]), served_ = static_cast<int>(s[1]),
         patience_ = static_cast<int>(s[2]);
     }
-    int singular_unknown() const override { return solver_ ? solver_->singular_unknown() : -1; }
-    int n_iterations() const override { return solver_ ? solver_->n_iterations() : 0; }
-    int n_negative() const override { return solver_ ? solver_->n_negative() : -1; }
-    double memory() const override { return solver_ ? solver_->memory() : 0; }
-    std::string message() const override { return message_; }
-    std::string name() const override { return solver_ ? solver_->name() : "none yet"; }
 
   private:
     // From the present solver on, until one succeeds.
@@ -60,9 +54,9 @@ class Cascade : public LinearSolver {
     bool attempt(F&& works) {
         for (;; ++at_) {
             prepare();
-            if (works()) return true;
-            if (is_last()) return message_ = solver_->message(), false;
-            note(solver_->message());
+            if (works()) return take_report(true);
+            if (is_last()) return take_report(false);
+            note();
         }
     }
 
@@ -78,7 +72,14 @@ class Cascade : public LinearSolver {
         solver_ = std::move(solver), prepared_ = at_;
     }
 
-    void note(const std::string& why) { message_ += solver_->name() + " was left: " + why + "; "; }
+    void note() { left_ += solver_->report().name + " was left: " + solver_->report().message + "; "; }
+
+    // That of the solver that serves; where it succeeds, with why others were left.
+    bool take_report(bool succeeded) {
+        report_ = solver_->report();
+        if (succeeded) report_.message = left_;
+        return succeeded;
+    }
 
     std::vector<LinearChoice> choices_;
     std::unique_ptr<LinearSolver> solver_;
@@ -88,7 +89,7 @@ class Cascade : public LinearSolver {
     std::size_t at_ = 0, prepared_ = 0;
     int served_ = 0, patience_ = 16;
     bool is_allowed_ = true;
-    std::string message_;
+    std::string left_;  // which solvers, and why
 };
 
 std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {

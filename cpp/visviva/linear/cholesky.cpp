@@ -19,38 +19,38 @@ class Cholesky : public LinearSolver {
   public:
     explicit Cholesky(const LinearChoice& choice) : choice_(choice) {
         regularization = choice.regularization;
+        report_.name = "simplicial Cholesky", report_.n_negative = 0;
     }
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks, MatrixKind::definite);
         order();
-        require_memory(bytes_ = 24.0 * static_cast<double>(count_entries()), choice_.memory_limit,
-                       matrix_.n());
+        report_.memory = 24.0 * static_cast<double>(count_entries());
+        require_memory(report_.memory, choice_.memory_limit, matrix_.n());
         ldlt_.analyzePattern(permuted_);
         b_.resize(matrix_.n()), s_.resize(matrix_.n());
     }
 
     bool factor(const double* values, const Place&) override {
-        message_.clear(), singular_ = -1;
-        if (!matrix_.fill(values, regularization)) return message_ = matrix_.message(), false;
+        report_.message.clear(), report_.singular_unknown = -1;
+        if (!matrix_.fill(values, regularization)) return failed(matrix_.message());
         for (std::size_t k = 0; k < to_.size(); ++k) permuted_.valuePtr()[to_[k]] = matrix_.value()[k];
         ldlt_.factorize(permuted_);
         const auto pivots = ldlt_.vectorD();
         if (ldlt_.info() != Eigen::Success) {  // it stopped at the first that is zero
             const auto at = std::find(pivots.begin(), pivots.end(), 0.0) - pivots.begin();
-            if (at < pivots.size()) singular_ = inverse_.indices()[at];
-            return message_ = "the tangent has a zero pivot", false;
+            if (at < pivots.size()) name_pivot(at);
+            return failed("the tangent has a zero pivot");
         }
         Eigen::Index at = 0;
         const double least = pivots.minCoeff(&at);
         if (least > smallest_pivot) return true;
-        singular_ = inverse_.indices()[at];
-        message_ =
-            least < -smallest_pivot ? "the tangent is not positive definite" : "the tangent is singular";
-        return false;
+        name_pivot(at);
+        return failed(least < -smallest_pivot ? "the tangent is not positive definite"
+                                              : "the tangent is singular");
     }
 
-    bool solve(const double* r, const Place&, double* d) override {
+    bool solve(const double* r, const Place&, double* d, double) override {
         matrix_.right_hand_side(r, b_.data());
         const Eigen::VectorXd s = permutation_ * b_;
         s_ = inverse_ * ldlt_.solve(s).eval();
@@ -58,13 +58,10 @@ class Cholesky : public LinearSolver {
         return true;
     }
 
-    int singular_unknown() const override { return singular_ < 0 ? -1 : matrix_.unknown(singular_); }
-    int n_negative() const override { return 0; }
-    double memory() const override { return bytes_; }
-    std::string message() const override { return message_; }
-    std::string name() const override { return "simplicial Cholesky"; }
-
   private:
+    bool failed(const std::string& why) { return report_.message = why, false; }
+    void name_pivot(Eigen::Index at) { report_.singular_unknown = matrix_.unknown(inverse_.indices()[at]); }
+
     // Permutes the upper triangle by approximate minimum degree, and remembers where every entry went.
     void order() {
         const int n = matrix_.n();
@@ -111,10 +108,7 @@ class Cholesky : public LinearSolver {
     std::vector<std::ptrdiff_t> to_;
     Permutation permutation_, inverse_;
     Eigen::SimplicialLDLT<Matrix, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
-    double bytes_ = 0;
-    int singular_ = -1;
     Eigen::VectorXd b_, s_;
-    std::string message_;
 };
 
 }  // namespace

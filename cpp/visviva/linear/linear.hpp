@@ -37,48 +37,69 @@ struct MemoryShortage : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// What a solver says of itself, of its last factorisation and of its last solution.
+struct LinearReport {
+    std::string name;           // of what serves at present
+    std::string message;        // why it failed, or what was notable
+    int singular_unknown = -1;  // after a failed factorisation: one of the singular part, if known
+    int n_iterations = 0;       // of the last solution; direct solvers need none
+    int n_negative = -1;        // eigenvalues of the factored matrix below zero, if known
+    int n_redundant = 0;        // constraints, of those that were asked for
+    double memory = 0;          // bytes that factors or preconditioner take, if known
+};
+
+// A solver that keeps rigid bodies rigid by itself: residuals come without their orthonormality constraints.
+class RigidSolver {
+  public:
+    virtual ~RigidSolver() = default;
+    // Before the first iteration: brings a predicted configuration where the solver wants it.
+    virtual void project(const double* x0, double* dx) = 0;
+    // Before a tangent is assembled: brings the multipliers of rigidity into balance with the residual r, so
+    // that they do not lag one iteration behind and the tangent is exact.
+    virtual void balance(const double* r, const Place& place, double* dx, double* x1) = 0;
+    // From the residual r to rates, of which d holds all and not the increment.
+    virtual bool solve_rates(const double* r, const Place& place, double* d) = 0;
+    // Redundant constraints: `on`, the next factorisation finds out where they are, to be handled from then
+    // on.
+    virtual void find_redundant(bool on) = 0;
+};
+
+// Several solvers, of which one serves.
+class SolverSequence {
+  public:
+    virtual ~SolverSequence() = default;
+    // What decides which one, for a restart.
+    virtual std::vector<double> state() const = 0;
+    virtual void set_state(const std::vector<double>&) = 0;
+    // Whether those that are a last resort may take over where others fail.
+    virtual void allow_last_resort(bool on) = 0;
+};
+
+// What a solver can besides; none by default.
+struct LinearCapabilities {
+    RigidSolver* rigid = nullptr;
+    SolverSequence* sequence = nullptr;
+};
+
 class LinearSolver {
   public:
     virtual ~LinearSolver() = default;
+    // The pattern and the blocks stay where and as they are until the next analysis.
     virtual void analyze(const Csr& pattern, const Blocks& blocks) = 0;
-    // Before the first iteration: bring a predicted configuration where the solver wants it.
-    virtual void project(const double* /*x0*/, double* /*dx*/) {}
-    // Before a tangent is assembled: bring the multipliers of rigidity into balance with the residual r, so
-    // that they do not lag one iteration behind and the tangent is exact.
-    virtual void balance(const double* /*r*/, const Place& /*place*/, double* /*dx*/, double* /*x1*/) {}
     // The values stay where and as they are until the next factorisation: it may have to be made again.
     virtual bool factor(const double* values, const Place& place) = 0;
     // From the residual r to the increment d, both by unknown (fixed entries untouched). False: not solved.
-    virtual bool solve(const double* r, const Place& place, double* d) = 0;
-    // The same for rates, of which d holds all and not the increment.
-    virtual bool solve_rates(const double* r, const Place& place, double* d) { return solve(r, place, d); }
-    // Why the last factorisation or solution failed, or what was notable about it.
-    virtual std::string message() const { return {}; }
-    // Of the last solution; direct solvers need none.
-    virtual int n_iterations() const { return 0; }
-    // Negative eigenvalues of the factored matrix, where the solver knows them, else -1.
-    virtual int n_negative() const { return -1; }
-    // Bytes that the factors or the preconditioner take, where known.
-    virtual double memory() const { return 0; }
-    // The relative residual that the next solution may leave, if the solver's own tolerance is less.
-    virtual void aim(double /*residual*/) {}
-    // Let go of what was kept from earlier values: the next solution depends on its own matrix alone.
+    // `tolerance`: the relative residual that may be left, if the solver's own tolerance is less.
+    virtual bool solve(const double* r, const Place& place, double* d, double tolerance) = 0;
+    // Lets go of what was kept from earlier values: the next solution depends on its own matrix alone.
     virtual void forget() {}
-    // Whether solvers that are a last resort may take over where others fail.
-    virtual void allow_last_resort(bool /*on*/) {}
-    // What decides which solver serves, for a restart.
-    virtual std::vector<double> state() const { return {}; }
-    virtual void set_state(const std::vector<double>&) {}
-    // After a failed factorisation: one unknown of the singular part, or -1.
-    virtual int singular_unknown() const { return -1; }
-    // Redundant constraints: `on`, the next factorisation finds out where they are, to be handled from then
-    // on.
-    virtual void find_redundant(bool /*on*/) {}
-    virtual int n_redundant() const { return 0; }
-    // Whether it keeps rigid bodies rigid by itself: r then comes without their orthonormality constraints.
-    virtual bool keeps_rigidity() const { return false; }
-    virtual std::string name() const = 0;
+    virtual LinearCapabilities capabilities() { return {}; }
+    const LinearReport& report() const { return report_; }
+
     double regularization = 0;
+
+  protected:
+    LinearReport report_;
 };
 
 // `careful`: the first matrix is tested for being singular to working precision, which pivots do not show.

@@ -78,6 +78,10 @@ class Pardiso : public LinearSolver {
     explicit Pardiso(const LinearChoice& choice) : choice_(choice), mkl_(mkl_of(choice.library)) {
         regularization = choice.regularization;
         type_ = choice.kind == MatrixKind::definite ? 2 : choice.kind == MatrixKind::symmetric ? -2 : 11;
+        report_.name = type_ == 2    ? "PARDISO, Cholesky"
+                       : type_ == -2 ? "PARDISO, symmetric indefinite"
+                                     : "PARDISO, LU";
+        if (type_ == 2) report_.n_negative = 0;
     }
     Pardiso(const Pardiso&) = delete;
     Pardiso& operator=(const Pardiso&) = delete;
@@ -90,8 +94,8 @@ class Pardiso : public LinearSolver {
     }
 
     bool factor(const double* values, const Place&) override {
-        message_.clear(), singular_ = -1;
-        if (!matrix_.fill(values, regularization)) return message_ = matrix_.message(), false;
+        report_.message.clear(), report_.singular_unknown = -1;
+        if (!matrix_.fill(values, regularization)) return failed(matrix_.message());
         const bool fresh = !analyzed_;
         if ((fresh && !run_analysis()) || !run_factorization()) return false;
         const bool again = !fresh && perturbed() > perturbed_when_analyzed_;
@@ -100,8 +104,8 @@ class Pardiso : public LinearSolver {
         return !(fresh || perturbed() > 0) || regular();
     }
 
-    bool solve(const double* r, const Place&, double* d) override {
-        message_.clear();
+    bool solve(const double* r, const Place&, double* d, double) override {
+        report_.message.clear();
         matrix_.right_hand_side(r, b_.data());
         if (!run_solution()) return false;
         double residual = matrix_.residual(b_.data(), s_.data());
@@ -110,9 +114,8 @@ class Pardiso : public LinearSolver {
             residual = matrix_.residual(b_.data(), s_.data());
         }
         if (!(residual <= useless)) {
-            message_ = "the tangent is singular to working precision (residual of the linear system " +
-                       std::to_string(residual) + ")";
-            return false;
+            return failed("the tangent is singular to working precision (residual of the linear system " +
+                          std::to_string(residual) + ")");
         }
         matrix_.increment(s_.data(), d);
         return true;
@@ -121,15 +124,6 @@ class Pardiso : public LinearSolver {
     // Without matching the ordering knows the pattern alone; scaling and matching see values.
     void forget() override {
         if (matches()) release();
-    }
-    int singular_unknown() const override { return singular_ < 0 ? -1 : matrix_.unknown(singular_); }
-    int n_negative() const override { return type_ == 2 ? 0 : type_ == -2 ? iparm_[22] : -1; }
-    double memory() const override { return bytes_; }
-    std::string message() const override { return message_; }
-    std::string name() const override {
-        return type_ == 2    ? "PARDISO, Cholesky"
-               : type_ == -2 ? "PARDISO, symmetric indefinite"
-                             : "PARDISO, LU";
     }
 
   private:
@@ -159,25 +153,27 @@ class Pardiso : public LinearSolver {
     bool run_analysis() {
         release();
         set_parameters();
-        if (const int error = call(analysis, nullptr, nullptr)) return failed(error);
+        if (const int error = call(analysis, nullptr, nullptr)) return failed(meaning(error));
         analyzed_ = true, stale_ = false;
-        bytes_ = 1024.0 * std::max(iparm_[14], iparm_[15] + iparm_[16]);
-        require_memory(bytes_, choice_.memory_limit, matrix_.n());
+        report_.memory = 1024.0 * std::max(iparm_[14], iparm_[15] + iparm_[16]);
+        require_memory(report_.memory, choice_.memory_limit, matrix_.n());
         return true;
     }
 
     bool run_factorization() {
         stale_ = factored_, factored_ = true;
         const int error = call(factorization, nullptr, nullptr);
+        if (type_ == -2) report_.n_negative = iparm_[22];
         if (error == 0) return true;
-        singular_ = error == -4 && iparm_[29] > 0 ? std::min(iparm_[29], matrix_.n()) - 1 : -1;
-        if (error == -4 && type_ == 2) return message_ = "the tangent is not positive definite", false;
-        return failed(error);
+        const bool known = error == -4 && iparm_[29] > 0;
+        report_.singular_unknown = known ? matrix_.unknown(std::min(iparm_[29], matrix_.n()) - 1) : -1;
+        if (error == -4 && type_ == 2) return failed("the tangent is not positive definite");
+        return failed(meaning(error));
     }
 
     bool run_solution() {
         const int error = call(solution, b_.data(), s_.data());
-        return error == 0 || failed(error);
+        return error == 0 || failed(meaning(error));
     }
 
     // Rounding hides a singular matrix from the pivots; the solution to an arbitrary right-hand side shows
@@ -188,13 +184,13 @@ class Pardiso : public LinearSolver {
         const auto largest = std::max_element(s_.begin(), s_.end(),
                                               [](double a, double b) { return std::abs(a) < std::abs(b); });
         if (!is_singular(s_, matrix_.residual(b_.data(), s_.data()), regularization)) return true;
-        singular_ = static_cast<int>(largest - s_.begin());
-        return message_ = "the tangent is singular", false;
+        report_.singular_unknown = matrix_.unknown(static_cast<int>(largest - s_.begin()));
+        return failed("the tangent is singular");
     }
 
     int ordering() const { return choice_.minimum_degree ? 0 : 2; }  // 2: nested dissection
     bool matches() const { return type_ != 2 && choice_.matching; }
-    bool failed(int error) { return message_ = meaning(error), false; }
+    bool failed(const std::string& why) { return report_.message = why, false; }
     int perturbed() const { return type_ == 2 ? 0 : iparm_[13]; }
 
     void release() {
@@ -206,12 +202,10 @@ class Pardiso : public LinearSolver {
     const Mkl& mkl_;
     ScaledMatrix matrix_;
     void* pt_[64] = {};
-    int iparm_[64] = {}, type_ = 11, perturbed_when_analyzed_ = 0, singular_ = -1;
+    int iparm_[64] = {}, type_ = 11, perturbed_when_analyzed_ = 0;
     bool analyzed_ = false, factored_ = false;
     bool stale_ = false;  // factored with values that the analysis has not seen
-    double bytes_ = 0;
     std::vector<double> b_, s_;
-    std::string message_;
 };
 
 }  // namespace

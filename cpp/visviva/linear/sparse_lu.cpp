@@ -10,7 +10,9 @@ namespace {
 
 class SparseLu : public LinearSolver {
   public:
-    explicit SparseLu(bool careful) : careful_(careful) {}
+    explicit SparseLu(bool careful) : careful_(careful) {
+        report_.name = "sparse LU of the saddle-point system";
+    }
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         tested_ = false;
@@ -29,7 +31,7 @@ class SparseLu : public LinearSolver {
     }
 
     bool factor(const double* values, const Place&) override {
-        singular_ = -1;
+        report_.singular_unknown = -1;
         if (!scaled_.fill(values, regularization)) return false;
         for (std::size_t k = 0; k < to_.size(); ++k) matrix_.valuePtr()[to_[k]] = scaled_.value()[k];
         lu_.factorize(matrix_);
@@ -38,7 +40,7 @@ class SparseLu : public LinearSolver {
         return tested_ = regular();
     }
 
-    bool solve(const double* r, const Place&, double* d) override {
+    bool solve(const double* r, const Place&, double* d, double) override {
         scaled_.right_hand_side(r, right_.data());
         const Eigen::VectorXd s = lu_.solve(right_);
         scaled_.increment(s.data(), d);
@@ -46,10 +48,6 @@ class SparseLu : public LinearSolver {
     }
 
     void forget() override { tested_ = false; }
-    int singular_unknown() const override {
-        return singular_ < 0 ? -1 : scaled_.unknown(static_cast<int>(singular_));
-    }
-    std::string name() const override { return "sparse LU of the saddle-point system"; }
 
   private:
     // Where a pivot vanishes: with the diagonal shifted by no more than rounding there are factors, whose
@@ -58,7 +56,7 @@ class SparseLu : public LinearSolver {
         constexpr double shift = 1e-14;
         for (int i = 0; i < scaled_.n(); ++i) matrix_.coeffRef(i, i) += shift;
         lu_.factorize(matrix_);
-        if (lu_.info() == Eigen::Success) lu_.solve(arbitrary()).eval().cwiseAbs().maxCoeff(&singular_);
+        if (lu_.info() == Eigen::Success) name_largest(lu_.solve(arbitrary()));
     }
 
     Eigen::VectorXd arbitrary() const {
@@ -70,8 +68,14 @@ class SparseLu : public LinearSolver {
         const Eigen::VectorXd b = arbitrary(), s = lu_.solve(b);
         const double residual = (b - matrix_ * s).norm() / b.norm();
         if (!is_singular({s.data(), s.data() + s.size()}, residual, regularization)) return true;
-        s.cwiseAbs().maxCoeff(&singular_);
+        name_largest(s);
         return false;
+    }
+
+    void name_largest(const Eigen::VectorXd& s) {
+        Eigen::Index at;
+        s.cwiseAbs().maxCoeff(&at);
+        report_.singular_unknown = scaled_.unknown(static_cast<int>(at));
     }
 
     using Matrix = Eigen::SparseMatrix<double>;
@@ -81,7 +85,6 @@ class SparseLu : public LinearSolver {
     std::vector<std::ptrdiff_t> to_;
     Eigen::VectorXd right_;
     bool careful_, tested_ = false;
-    Eigen::Index singular_ = -1;
 };
 
 }  // namespace

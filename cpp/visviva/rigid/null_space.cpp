@@ -61,8 +61,10 @@ double orthonormalise(const Directors& f, double* change) {
     return largest;
 }
 
-class NullSpace : public LinearSolver {
+class NullSpace : public LinearSolver, public RigidSolver {
   public:
+    NullSpace() { report_.name = "block LU of the null-space reduced system"; }
+
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         csr_ = &pattern;
         rigid_ = blocks.rigid;
@@ -72,6 +74,7 @@ class NullSpace : public LinearSolver {
         for (const Group& g : groups_)
             if (g.i != g.j) pairs.push_back({g.i, g.j});
         lu_.analyze(size_, blocks.stage, pairs, multiplier_);
+        report_.n_redundant = lu_.n_dependent();
         for (Group& g : groups_) g.target = lu_.block(g.i, g.j);
         right_.resize(lu_.n());
         lay_out_bodies();
@@ -114,10 +117,13 @@ class NullSpace : public LinearSolver {
                 a[entries_[k].i * cols + entries_[k].j] += values[entries_[k].at];
             add_block(g, a, place);
         }
-        return lu_.factor(regularization);
+        const bool regular = lu_.factor(regularization);
+        report_.singular_unknown = regular ? -1 : members_[lu_.singular_block()].front();
+        report_.n_redundant = lu_.n_dependent();
+        return regular;
     }
 
-    bool solve(const double* r, const Place& place, double* d) override {
+    bool solve(const double* r, const Place& place, double* d, double) override {
         reduced(r, place, d);
         rigid_kernels().expand(view_, right_.data(), place, d);
         return true;
@@ -138,16 +144,11 @@ class NullSpace : public LinearSolver {
         return true;
     }
 
-    void find_redundant(bool on) override { lu_.find_dependent(on); }
-    int n_redundant() const override { return lu_.n_dependent(); }
-
-    int singular_unknown() const override {
-        const int b = lu_.singular_block();
-        return b < 0 ? -1 : members_[b].front();
+    void find_redundant(bool on) override {
+        lu_.find_dependent(on);
+        report_.n_redundant = lu_.n_dependent();
     }
-
-    bool keeps_rigidity() const override { return true; }
-    std::string name() const override { return "block LU of the null-space reduced system"; }
+    LinearCapabilities capabilities() override { return {this, nullptr}; }
 
   private:
     // The reduced solution, and that of the unknowns which are not those of bodies.

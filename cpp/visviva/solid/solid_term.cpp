@@ -28,7 +28,7 @@ SolidTerm::SolidTerm(const SolidData& d)
     SolidView& v = view_;
     v.n = d.n, v.n_blocks = slots_.n_blocks(), v.n_nodes = na, v.n_points = nq, v.dim = d.dim;
     v.n_pressures = d.n_pressures, v.n_par = d.n_par, v.kind = d.kind, v.small = d.small,
-    v.damped = d.damping != nullptr;
+    v.damped = needs_rates = d.damping != nullptr;
     v.index = data(index_), v.pressure_index = data(pressure_index_), v.G = data(G_), v.H = data(H_),
     v.w = data(w_), v.mass = data(mass_);
     v.par = data(par_), v.damping = data(damping_);
@@ -126,7 +126,7 @@ void SolidTerm::tangent(const Context& c, double* values) {
 }
 
 void SolidTerm::linearise(const Context& c, double* r, double* values) {
-    if (mixed_) return Term::linearise(c, r, values);
+    if (mixed_) return residual(c, r), tangent(c, values);
     call_back(c, true);
     const auto kernel = solid_kernels().tangent;
     slots_.assemble(values,

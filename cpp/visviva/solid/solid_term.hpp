@@ -22,7 +22,7 @@ struct SolidData {
     const double *mass, *par, *damping;  // [element][pair], [element][parameter], [element][3]
 };
 
-class SolidTerm : public Term {
+class SolidTerm : public Term, public MeshAssembly {
   public:
     explicit SolidTerm(const SolidData& data);
 
@@ -37,15 +37,11 @@ class SolidTerm : public Term {
     void set_thermal(const double* strain);  // [element][point]
     void set_plane_stress(bool on) { view_.plane_stress = on; }
 
-    void pattern(std::vector<std::pair<int, int>>&) const override {}
-    void set_positions(const std::int64_t*) override {}
-    std::int64_t n_entries() const override { return 0; }
+    TermCapabilities capabilities() override { return {this, nullptr, nullptr}; }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
-    bool wants_rates() const override { return view_.damped; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
-    bool is_first() const override { return true; }
     void clear_rows(const Pattern& pattern, std::vector<char>& cleared) override {
         slots_.clear_rows(pattern, cleared);
     }

@@ -91,6 +91,7 @@ StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double*
                        const double* y_const, const double* e_const, const double* par, int n_par,
                        const int* signal)
     : shape_(std::move(shape)) {
+    needs_rates = needs_rate(shape_.law);
     const StrainShape& s = shape_;
     const int stride = padded(n);
     auto zeros = [stride](Aligned<double>& a, int rows) {
@@ -167,15 +168,15 @@ void StrainTerm::make_program() {
     v.columns = columns_.data(), v.rows = rows_.data();
 }
 
-void StrainTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void StrainTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     for (auto [row, col] : slots_)
         for (int e = 0; e < view_.n; ++e)
             entries.push_back({index_[static_cast<std::size_t>(row) * view_.stride + e],
                                index_[static_cast<std::size_t>(col) * view_.stride + e]});
 }
 
-void StrainTerm::set_positions(const std::int64_t* positions) {
-    pad_rows(position_, positions, static_cast<int>(slots_.size()), view_.n, view_.stride);
+void StrainTerm::set_positions(const std::vector<std::int64_t>& positions) {
+    pad_rows(position_, positions.data(), static_cast<int>(slots_.size()), view_.n, view_.stride);
     view_.position = position_.data();
 }
 
@@ -221,14 +222,9 @@ void StrainTerm::residual(const Context& c, double* r) {
 
 void StrainTerm::tangent(const Context& c, double* values) {
     call_back(c, true);
-    strain_kernels().tangent(view_, c.step, c.vectors, c.signals, values);
-}
-
-void StrainTerm::inner_tangent(const Context& c, double* values) {
-    StrainView inner = view_;
-    inner.n_columns = inner.n_rows = 0;
-    call_back(c, true);
-    strain_kernels().tangent(inner, c.step, c.vectors, c.signals, values);
+    StrainView view = view_;
+    if (is_rigidity && c.keeps_rigidity) view.n_columns = view.n_rows = 0;
+    strain_kernels().tangent(view, c.step, c.vectors, c.signals, values);
 }
 
 void StrainTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {

@@ -2,12 +2,12 @@
 #pragma once
 #include "visviva/base/aligned.hpp"
 #include "visviva/strain/strain.hpp"
+#include "visviva/term/entry_term.hpp"
 #include "visviva/term/law_callback.hpp"
-#include "visviva/term/term.hpp"
 
 namespace visviva {
 
-class StrainTerm : public Term {
+class StrainTerm : public EntryTerm {
   public:
     // Arrays are given element-fastest without padding: weight [n_forms][n] and so on.
     StrainTerm(StrainShape shape, int n, const int* index, const double* weight, const double* y_const,
@@ -17,18 +17,15 @@ class StrainTerm : public Term {
     double* par() { return par_.data(); }
     int stride() const { return view_.stride; }
 
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override { return static_cast<std::int64_t>(slots_.size()) * view_.n; }
     void begin(const double* x0) override;
-    bool wants_rates() const override { return needs_rate(shape_.law); }
     void residual(const Context&, double* r) override;
     Refusal refuse(const Context&) override;
     void tangent(const Context&, double* values) override;
-    void inner_tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
 
   private:
+    void list_entries(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::vector<std::int64_t>& positions) override;
     void make_program();
     void call_back(const Context&, bool want_tangent);
 

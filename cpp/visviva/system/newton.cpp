@@ -18,7 +18,7 @@ bool same_matrix(const Step& a, const Step& b) {
 
 // Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
 // follow it here by the tangent of the state before.
-bool System::lead(const Context& c) {
+bool System::extend_prescribed_motion(const Context& c) {
     constexpr double little = 1e-6;
     std::vector<double> motion;
     double largest = 0;
@@ -26,11 +26,11 @@ bool System::lead(const Context& c) {
         motion.push_back(dx[u]);
         largest = std::max(largest, std::abs(dx[u]));
     }
-    if (largest == 0 || c.step.motion[0][0] != 0) return true;
+    if (largest == 0 || !c.step.is_static()) return true;
     auto residual_at = [&](double part) {
         for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = part * motion[k];
         update_vectors(c.step);
-        evaluate_residual(c, !solver_->keeps_rigidity());
+        evaluate_residual(c, !rigid_);
     };
     residual_at(little);
     const std::vector<double> moved = r_;
@@ -39,7 +39,7 @@ bool System::lead(const Context& c) {
     stale_factor_ = true;
     for (int i = 0; i < n_; ++i) r_[i] += (moved[i] - r_[i]) / little;
     for (int u : held_) r_[u] = 0;
-    solvable = solvable && solver_->solve(r_.data(), place(c.step), d_.data());
+    solvable = solvable && solver_->solve(r_.data(), place(c.step), d_.data(), 0);
     if (solvable) iterate(c.step);
     for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = motion[k];
     return solvable;
@@ -47,24 +47,24 @@ bool System::lead(const Context& c) {
 
 void System::start(const Step& step) {
     predict(step);
-    solver_->project(x.data(), dx.data());
-    look(step.theta, step.h);
+    if (rigid_) rigid_->project(x.data(), dx.data());
+    find_neighbours(step.theta, step.h);
     if (stale_begin_)
-        for (const auto& term : terms_) term->begin(x.data());
+        for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
 }
 
 std::string System::singular() const {
-    const std::string why = solver_->message();
+    const std::string& why = solver_->report().message;
     return why.empty() ? "the tangent is singular" : why;
 }
 
 bool System::renew_tangent(const Context& context, bool assembled) {
     stale_factor_ = true;
     solver_->forget();  // a restart makes this factorisation again, without those before it
-    solver_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
+    if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     if (!refactor(context, context.step, assembled)) return false;
-    stale_factor_ = amended_ = false;
+    stale_factor_ = updated_ = false;
     return true;
 }
 
@@ -76,13 +76,13 @@ Report System::failed(Report report, const std::string& reason, int unknown) {
 }
 
 Report System::succeeded(Report report, const Context& context, bool renewed) {
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (const Refusal no = term->refuse(context); !no.reason.empty())
             return failed(std::move(report), no.reason, no.unknown);
     report.converged = true;
-    if (solver_->keeps_rigidity()) solver_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
+    if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     iterations_last_ = renewed ? 0 : report.iterations;
-    stale_factor_ = amended_;  // which a restart could not make again
+    stale_factor_ = updated_;  // which a restart could not make again
     return report;
 }
 
@@ -92,7 +92,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     start(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
-    if (!lead(context)) return failed(std::move(report), singular(), solver_->singular_unknown());
+    if (!extend_prescribed_motion(context))
+        return failed(std::move(report), singular(), solver_->report().singular_unknown);
     const bool full = options.keep_factor <= 0;
     bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
@@ -101,33 +102,33 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     bool confirmed = false;
     Convergence convergence(options.keep_factor, contraction_);
     Acceleration acceleration;
-    const bool accelerates = !solver_->keeps_rigidity();  // by updates that are not sums
+    const bool accelerates = !rigid_;  // by updates that are not sums
     update_vectors(step);
     // Velocities are increments by the step length: errors are judged against the increment of the whole
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
     double resolution = 0;
-    for (const auto& term : terms_) resolution = std::max(resolution, term->resolution());
+    for (const auto& [term, can] : terms_)
+        if (can.search) resolution = std::max(resolution, can.search->resolution());
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
-        evaluate_residual(context, !solver_->keeps_rigidity(), fused);
-        const bool outdated = branched();
+        evaluate_residual(context, !rigid_, fused);
+        const bool outdated = has_branched();
         if (outdated && !refresh) {
-            refresh = full || !amend(context);
+            refresh = full || !update_tangent(context);
             convergence.forget();
             acceleration.forget();
         }
         if (refresh) {
             ++report.factorizations;
             if (!renew_tangent(context, fused))
-                return failed(std::move(report), singular(), solver_->singular_unknown());
+                return failed(std::move(report), singular(), solver_->report().singular_unknown);
             convergence.renew(k);
             acceleration.forget();
         }
-        solver_->aim(convergence.enough(k));
         for (int u : held_) r_[u] = 0;
-        if (!solver_->solve(r_.data(), place(step), d_.data()))
-            return failed(std::move(report), solver_->message(), -1);
+        if (!solver_->solve(r_.data(), place(step), d_.data(), convergence.enough(k)))
+            return failed(std::move(report), solver_->report().message, -1);
         double size = 0;  // that of the kept tangent's own increment tells of the residual
         if (accelerates && (acceleration.runs() || convergence.is_sluggish())) {
             size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());

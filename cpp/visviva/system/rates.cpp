@@ -15,6 +15,7 @@ namespace visviva {
 
 void System::set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint) {
     rate_solver_ = std::move(solver);
+    rate_rigid_ = rate_solver_->capabilities().rigid;
     constraint_ = std::move(constraint);
     rate_revision_ = -1;
 }
@@ -52,20 +53,17 @@ Step instant_after(const Step& step) {
 // What acts for a moment, as contact does, has no part in the rates, and keeps its branch.
 void System::evaluate_lasting(const Context& c) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& term : terms_)
-        if (term->is_lasting()) term->residual(c, r_.data());
+    for (const auto& [term, can] : terms_)
+        if (term->is_lasting) term->residual(c, r_.data());
 }
 
 // With entries of unknowns that take no part.
 void System::evaluate_rate_matrix(const Context& c) {
     clear_values();
-    const bool inner = rate_solver_->keeps_rigidity();
-    for (const bool first : {true, false})
-        for (const auto& term : terms_) {
-            if (!term->is_lasting() || term->is_first() != first) continue;
-            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
-                                       : term->tangent(c, values_.data());
-        }
+    const Context seen{c.step, c.vectors, c.signals, c.backwards, rate_rigid_ != nullptr};
+    for (const bool on_meshes : {true, false})
+        for (const auto& [term, can] : terms_)
+            if (term->is_lasting && (can.mesh != nullptr) == on_meshes) term->tangent(seen, values_.data());
     for (auto k : rate_zero_) values_[k] = 0;
     for (auto k : rate_one_) values_[k] = 1;
 }
@@ -75,8 +73,8 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
     Step moved = c.step;
     moved.t0 += later, moved.t1 += later, moved.te += later;
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& term : terms_)
-        if (term->sees_clock()) term->residual({moved, c.vectors, c.signals}, r_.data());
+    for (const auto& [term, can] : terms_)
+        if (term->sees_clock) term->residual({moved, c.vectors, c.signals}, r_.data());
     for (int u = 0; u < n_; ++u) d[u] += factor * r_[u];
 }
 
@@ -85,7 +83,7 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 void System::drift(const Context& c, double h, std::vector<double>& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
-    if (std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->sees_clock(); })) {
+    if (std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->sees_clock; })) {
         const double apart = part * h;
         for (const double way : {1.0, -1.0}) {
             add_later(c, way * apart, 8 * way / (12 * apart), d);
@@ -178,11 +176,12 @@ bool System::project_rates(const Context& c) {
     rate_values_.resize(values_.size()), values_.swap(rate_values_);
     evaluate_rate_matrix(instant);
     evaluate_rate_residual(impulse, change);
-    if (solver_->n_redundant() > 0) rate_solver_->find_redundant(true);
+    if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
     const Place end = place(step);
     rate_solver_->forget();  // a restart has not seen the values of earlier steps
-    const bool solved =
-        rate_solver_->factor(values_.data(), end) && rate_solver_->solve_rates(r_.data(), end, d_.data());
+    const bool solved = rate_solver_->factor(values_.data(), end) &&
+                        (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
+                                     : rate_solver_->solve(r_.data(), end, d_.data(), 0));
     values_.swap(rate_values_);
     x1_ = x1;
     if (!solved) return false;

@@ -6,12 +6,14 @@ namespace visviva {
 std::vector<double> System::memory() const {
     std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
                              stale_factor_ ? 1.0 : 0.0};
-    const std::vector<double> solver = solver_->state();
+    const SolverSequence* sequence = solver_->capabilities().sequence;
+    const std::vector<double> solver = sequence ? sequence->state() : std::vector<double>();
     m.insert(m.end(), solver.begin(), solver.end());
     predictor_.write(m);
     m.push_back(static_cast<double>(mean_.size()));
     m.insert(m.end(), mean_.begin(), mean_.end());
-    for (const auto& term : terms_) term->write_memory(m);
+    for (const auto& [term, can] : terms_)
+        if (can.memory) can.memory->write_memory(m);
     if (stale_factor_) return m;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
@@ -23,24 +25,25 @@ std::vector<double> System::memory() const {
     return m;
 }
 
-void System::remember(const std::vector<double>& memory) {
+void System::restore(const std::vector<double>& memory) {
     const double* m = memory.data();
     forget();
     const double contraction = m[0];
     const double noise = m[1];
     const int iterations_last = static_cast<int>(m[2]);
     const bool stale = m[3] != 0;
-    std::vector<double> solver(m + 4, m + 4 + solver_->state().size());
+    SolverSequence* sequence = solver_->capabilities().sequence;
+    std::vector<double> solver(m + 4, m + 4 + (sequence ? sequence->state().size() : 0));
     m = predictor_.read(m + 4 + solver.size());
     const auto n_mean = static_cast<std::size_t>(*m++);
     mean_.assign(m, m + n_mean), m += n_mean;
     bool changed = false;
-    for (const auto& term : terms_)
-        if (term->read_memory(m)) changed = true;
+    for (const auto& [term, can] : terms_)
+        if (can.memory && can.memory->read_memory(m)) changed = true;
     if (changed) rewire();
-    solver_->set_state(solver);
+    if (sequence) sequence->set_state(solver);
     solver_->forget();
-    amended_ = false;
+    updated_ = false;
     if (!stale) {
         Step s;
         s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
@@ -55,18 +58,18 @@ void System::remember(const std::vector<double>& memory) {
             std::copy(m, m + u->size(), u->begin());
             m += u->size();
         }
-        for (const auto& term : terms_) term->begin(x.data());
+        for (const auto& [term, can] : terms_) term->begin(x.data());
         set_base_rates(s);
         update_vectors(s);
         const std::size_t k = n_signals_;
         const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
         refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()}, signals}, s);
         x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
-        solver_->set_state(solver);  // making the factorisation again has counted
+        if (sequence) sequence->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    leave();
+    mark_state();
     noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
 }
 

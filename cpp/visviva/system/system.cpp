@@ -28,15 +28,9 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
     for (int i = 0; i < n_; ++i) inverse_scale_[i] = scale[i] > 0 && !fixed_[i] ? 1 / scale[i] : 0;
 }
 
-void System::set_accounts(int n_accounts, int n_components) {
-    sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
-    sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
-    sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
-    sums.release.assign(n_, 0.0);
-}
-
 void System::finalize() {
-    wants_rates_ = std::any_of(terms_.begin(), terms_.end(), [](const auto& t) { return t->wants_rates(); });
+    needs_rates_ =
+        std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->needs_rates; });
     constraint_weight_.assign(n_, 0.0);
     if (blocks_.multiplier.empty()) blocks_.multiplier.assign(n_, 0);
     n_fixed_ = static_cast<int>(std::count(fixed_.begin(), fixed_.end(), 1));
@@ -45,63 +39,37 @@ void System::finalize() {
         std::iota(node_.begin(), node_.end(), 0);
     }
     Pattern pattern(node_, fixed_);
-    std::vector<std::pair<int, int>> entries;
-    for (const auto& term : terms_) term->pattern(entries), term->couple(pattern);
-    for (const auto& [i, j] : entries) pattern.couple(i, j);
+    for (const auto& [term, can] : terms_) term->couple(pattern);
     pattern.finish(csr_);
     ++revision_;
-    const auto waste = static_cast<std::int64_t>(csr_.col.size());  // entries of fixed unknowns go here
-    assign_with_room(values_, csr_.col.size() + 1, 0.0);
-    std::vector<std::int64_t> position(entries.size());
-    for (std::size_t k = 0; k < entries.size(); ++k) {
-        const auto p = pattern.position(entries[k].first, entries[k].second);
-        position[k] = p < 0 ? waste : p;
-    }
-    std::int64_t at = 0;
-    for (const auto& term : terms_) {
-        term->set_positions(position.data() + at);
-        at += term->n_entries();
-        term->connect(pattern);
-    }
+    assign_with_room(values_, csr_.col.size() + 1, 0.0);  // the last one is for entries of fixed unknowns
+    for (const auto& [term, can] : terms_) term->connect(pattern);
     std::vector<char> cleared(pattern.n_nodes(), 0);
-    for (const auto& term : terms_)
-        if (term->is_first()) term->clear_rows(pattern, cleared);
+    for (const auto& [term, can] : terms_)
+        if (can.mesh) can.mesh->clear_rows(pattern, cleared);
     zeros_.clear();
     for (int u : csr_.unknown)
         if (const auto rows = pattern.rows(u); !cleared[rows.node]) {
             cleared[rows.node] = 1;
             zeros_.emplace_back(rows.begin, rows.end);
         }
-    hold(pattern);
-    reduce();
+    find_held(pattern);
+    const Csr* left = &csr_;
+    for (const auto& reduction : reductions_) {
+        reduction->analyze(*left, fixed_, node_);
+        left = &reduction->left();
+    }
 }
 
-// Rows that the first terms do not set to zero themselves
+// Rows that terms on meshes do not set to zero themselves
 void System::clear_values() {
     for (const auto& [begin, end] : zeros_) std::fill(values_.begin() + begin, values_.begin() + end, 0.0);
     values_.back() = 0;
 }
 
-// The solver may know the old one.
-template <class T>
-static void renew(std::shared_ptr<T>& kept, T&& value) {
-    if (kept)
-        *kept = std::move(value);
-    else
-        kept = std::make_shared<T>(std::move(value));
-}
-
-// What leaves the equations before they are solved.
-void System::reduce() {
-    const bool local = std::any_of(element_.begin(), element_.end(), [](int e) { return e >= 0; });
-    if (local) renew(condensation_, Condensation(csr_, element_));
-    if (!dependences_.empty()) renew(elimination_, Elimination(condensed(), dependences_, fixed_, node_));
-    if (!nodal_multipliers_.empty()) renew(exchange_, Exchange(eliminated(), nodal_multipliers_, fixed_));
-}
-
 // Fixed unknowns that share a node with free ones stay in the matrix: their rows and columns become those of
 // the identity.
-void System::hold(const Pattern& pattern) {
+void System::find_held(const Pattern& pattern) {
     std::vector<char> is_held(csr_.n, 0);
     held_.clear(), held_zero_.clear(), held_one_.clear();
     for (int i : pattern.held()) is_held[i] = 1, held_.push_back(csr_.unknown[i]);
@@ -124,12 +92,12 @@ void System::rewire() {
     stale_factor_ = true;
 }
 
-bool System::look(double theta, double h) {
+bool System::find_neighbours(double theta, double h) {
     const double* rate = mean_.empty() ? v.data() : mean_.data();
     vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
-    for (const auto& term : terms_)
-        if (term->search({x.data(), x1_.data(), rate, theta, h})) changed = true;
+    for (const auto& [term, can] : terms_)
+        if (can.search && can.search->find_neighbours({x.data(), x1_.data(), rate, theta, h})) changed = true;
     if (changed) rewire(), stale_begin_ = true;
     return changed;
 }
@@ -142,7 +110,7 @@ void System::prepare_predictor() {
     std::vector<char> apart = fixed_;
     for (const RigidUnknowns& body : blocks_.rigid) {
         for (int k = 3; k < 12; ++k) apart[body.q[k]] = 1;
-        for (int k = 0; solver_->keeps_rigidity() && k < 6; ++k) apart[body.multiplier[k]] = 1;
+        for (int k = 0; rigid_ && k < 6; ++k) apart[body.multiplier[k]] = 1;
     }
     std::vector<int> coordinates, multipliers;
     std::vector<double> weight;
@@ -158,7 +126,7 @@ void System::prepare_predictor() {
 void System::predict(const Step& step) {
     for (int i = 0; i < n_; ++i)
         if (!fixed_[i]) dx[i] = 0;
-    if (step.motion[0][0] != 0) predictor_.predict(step.h, x.data(), v.data(), dx.data());
+    if (!step.is_static()) predictor_.predict(step.h, x.data(), v.data(), dx.data());
     predictor_.predict_multipliers(step.h, dx.data());
     set_base_rates(step);
 }
@@ -190,7 +158,7 @@ void System::update_rates(const Step& step) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
         const auto& t = s.order == 2 ? step.motion : step.transport;
-        if (wants_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
+        if (needs_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
         if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
     }
 }
@@ -203,26 +171,24 @@ double System::iterate(const Step& step) {
     return size;
 }
 
-void System::evaluate_residual(const Context& c, bool all, bool with_first_tangents) {
+void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_first_tangents) clear_values();
-    for (const auto& term : terms_)
-        if (with_first_tangents && term->is_first())
-            term->linearise(c, r_.data(), values_.data());
+    if (with_mesh_tangents) clear_values();
+    for (const auto& [term, can] : terms_)
+        if (with_mesh_tangents && can.mesh)
+            can.mesh->linearise(c, r_.data(), values_.data());
         else if (all || !term->is_rigidity)
             term->residual(c, r_.data());
 }
 
-void System::evaluate_tangent(const Context& c, bool inner, bool has_first_tangents) {
-    if (!has_first_tangents) {
+void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
+    if (!has_mesh_tangents) {
         clear_values();
-        for (const auto& term : terms_)
-            if (term->is_first()) term->tangent(c, values_.data());
+        for (const auto& [term, can] : terms_)
+            if (can.mesh) term->tangent(c, values_.data());
     }
-    for (const auto& term : terms_)
-        if (!term->is_first())
-            inner && term->is_rigidity ? term->inner_tangent(c, values_.data())
-                                       : term->tangent(c, values_.data());
+    for (const auto& [term, can] : terms_)
+        if (!can.mesh) term->tangent(c, values_.data());
 }
 
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative
@@ -268,8 +234,8 @@ int System::worst_constraint() const {
     return worst;
 }
 
-bool System::refactor(const Context& c, const Step& step, bool has_first_tangents) {
-    evaluate_tangent(c, solver_->keeps_rigidity(), has_first_tangents);
+bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents) {
+    evaluate_tangent({c.step, c.vectors, c.signals, c.backwards, rigid_ != nullptr}, has_mesh_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     weigh_constraints();
@@ -284,16 +250,18 @@ bool System::refactor(const Context& c, const Step& step, bool has_first_tangent
     return solver_->factor(values_.data(), place(step));
 }
 
-bool System::branched() const {
-    return std::any_of(terms_.begin(), terms_.end(), [](const auto& term) { return term->outdated(); });
+bool System::has_branched() const {
+    return std::any_of(terms_.begin(), terms_.end(),
+                       [](const Part& p) { return p.can.search && p.can.search->is_outdated(); });
 }
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.
-bool System::amend(const Context& c) {
-    for (const auto& term : terms_)
-        if (term->outdated() && !term->amend(c, values_.data())) return false;
+bool System::update_tangent(const Context& c) {
+    for (const auto& [term, can] : terms_)
+        if (can.search && can.search->is_outdated() && !can.search->update_tangent(c, values_.data()))
+            return false;
     for (auto k : held_zero_) values_[k] = 0;
-    amended_ = true;
+    updated_ = true;
     return solver_->factor(values_.data(), place(c.step));
 }
 
@@ -318,78 +286,6 @@ int System::worst() const {
     return worst;
 }
 
-namespace {
-bool is_static(const Step& s) { return s.motion[0][0] == 0 && s.motion[1][0] == 0 && s.transport[0][0] == 0; }
-}  // namespace
-
-void System::clear_sums() {
-    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
-        std::fill(s->begin(), s->end(), 0.0);
-    sums.impacts.clear();
-}
-
-// In a step with an impact dissipating schemes take a part of the kinetic energy that does not vanish with
-// its length: it is lost by the impact, with what other forces and constraints do as the velocities jump.
-void System::book_impacts(const Context& c, const double* v1) {
-    if (sums.impacts.empty() || island_.empty()) return;
-    std::vector<char> hit(n_ + 1, 0);
-    double pressed = 0, booked = 0;
-    for (const Impact& i : sums.impacts) {
-        for (int u : i.unknowns) hit[island_[u]] = 1;
-        pressed += i.pressed, booked += i.pressed + i.rubbed;
-    }
-    if (pressed <= 0) return;
-    std::vector<double> jump(n_ + 1, 0.0), momentum(n_ + 1, 0.0);
-    for (int u = 0; u < n_; ++u)
-        if (order_[u] == 2 && hit[island_[u]]) jump[u] = v1[u] - v[u];
-    const Vectors vectors{x.data(), x1_.data(), still_.data(), jump.data(), still_.data()};
-    for (const auto& term : terms_)
-        if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
-    double lost = 0;
-    for (int u = 0; u < n_; ++u) lost += 0.5 * jump[u] * momentum[u];
-    for (std::size_t k = 0; k < constraint_account_.size(); ++k)
-        if (hit[account_island_[k]]) lost -= sums.work[constraint_account_[k]];
-    for (const Impact& i : sums.impacts) sums.work[i.account] -= (lost - booked) * i.pressed / pressed;
-}
-
-void System::book(const Context& c, const double* v1) {
-    clear_sums();
-    for (const auto& term : terms_) term->ledger(c, v1, sums);
-}
-
-// The same with the work of prescribed motion, which goes along dx or against it.
-void System::book_step(const Context& c, const double* v1, double direction) {
-    // before the terms go on to the end; on the way back they find their branches there
-    if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
-    book(c, v1);
-    book_impacts(c, v1);
-    for (std::size_t k = 0; k < prescribed_.size(); ++k) {
-        const int u = prescribed_[k];
-        const double h = c.step.h, *x0 = c.vectors.x0, *x1 = c.vectors.x1;
-        const double through = supply_[k] == Supply::work    ? direction * dx[u]
-                               : supply_[k] == Supply::power ? h * (x0[u] + c.step.theta * (x1[u] - x0[u]))
-                                                             : h;
-        sums.work[prescribed_account_[k]] += r_[u] * through;
-    }
-}
-
-// Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its
-// beginning are those at the end of the step backwards: half of the work there and half of the work back,
-// taken off, is the trapezoidal rule along the path.
-void System::book_path(const Context& c) {
-    LedgerSums there = sums;
-    Step back = c.step;
-    back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
-    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
-    const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
-    for (const auto& term : terms_) term->begin(c.vectors.x1);
-    book_step({back, vectors, signals, true}, still_.data(), -1);
-    for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
-    // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
-    for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];
-    sums = std::move(there);
-}
-
 static const char* const no_rates = "no rates satisfy the constraints at the end of the step";
 
 void System::accept(const Step& step, const Signals& signals, bool ledger) {
@@ -400,7 +296,7 @@ void System::accept(const Step& step, const Signals& signals, bool ledger) {
 Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report = solve(step, signals, options);
     if (report.converged && !finish(step, signals, true))
-        return failed(std::move(report), no_rates, rate_solver_->singular_unknown());
+        return failed(std::move(report), no_rates, rate_solver_->report().singular_unknown);
     return report;
 }
 
@@ -438,11 +334,11 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    const bool path = ledger && is_static(step);
+    const bool path = ledger && step.is_static() && step.transport[0][0] == 0;
     if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
-    for (const auto& term : terms_) term->accept(context);
+    for (const auto& [term, can] : terms_) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
@@ -453,30 +349,21 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_a) std::copy(a_next_.begin(), a_next_.end(), a.begin());
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
-    for (const auto& term : terms_) term->settle(step, x.data());
+    for (const auto& [term, can] : terms_) term->finish_step(step, x.data());
     discard();
-    leave();
+    mark_state();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;
 }
 
-void System::take_stock(const Step& step, const Signals& signals, bool moves) {
-    discard();
-    for (const auto& term : terms_) term->begin(x.data());
-    stale_begin_ = false;
-    update_vectors(step);
-    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data(), v.data()};
-    book({step, vectors, signals}, moves ? v.data() : still_.data());
-}
-
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {
-    solver_->find_redundant(on);
+    if (rigid_) rigid_->find_redundant(on);
     stale_factor_ = true;
     if (!on) return 0;
     std::vector<double> residual(n_);
     assemble(step, signals, residual.data(), nullptr);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    return refactor({step, vectors, signals}, step) ? solver_->n_redundant() : -1;
+    return refactor({step, vectors, signals}, step) ? solver_->report().n_redundant : -1;
 }
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {
@@ -493,13 +380,13 @@ void System::forces(const Step& step, const Signals& signals, double* residual) 
     stale_begin_ = true;
 }
 
-void System::evaluate(const Step& step, const Signals& signals, bool with_first_tangents) {
-    for (const auto& term : terms_) term->begin(x.data());
+void System::evaluate(const Step& step, const Signals& signals, bool with_mesh_tangents) {
+    for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
     set_base_rates(step);
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    evaluate_residual({step, vectors, signals}, true, with_first_tangents);
+    evaluate_residual({step, vectors, signals}, true, with_mesh_tangents);
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
@@ -507,7 +394,7 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    evaluate_tangent({step, vectors, signals}, false, true);
+    evaluate_tangent({step, vectors, signals}, true);
     std::copy(values_.begin(), values_.end() - 1, values);
     stale_factor_ = true;
 }

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "visviva/linear/linear.hpp"
-#include "visviva/linear/reduce/condensed.hpp"
-#include "visviva/linear/reduce/eliminated.hpp"
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 #include "visviva/system/predictor.hpp"
 #include "visviva/term/term.hpp"
 
@@ -45,16 +43,15 @@ class System {
     // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
     System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
 
-    void add(std::shared_ptr<Term> term) { terms_.push_back(std::move(term)); }
+    void add(std::shared_ptr<Term> term) {
+        const TermCapabilities can = term->capabilities();
+        terms_.push_back({std::move(term), can});
+    }
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
-    // element[unknown]: the only element that touches the unknown, or -1; see Condensation.
-    void set_local(std::vector<int> element) { element_ = std::move(element); }
-    // Unknowns that linear constraints give by others; see Elimination.
-    void set_dependences(std::vector<Dependence> dependences) { dependences_ = std::move(dependences); }
-    // Multipliers that leave the equations by the forces on nodes of their own; see Exchange.
-    void set_nodal_multipliers(std::vector<NodalMultiplier> m) { nodal_multipliers_ = std::move(m); }
+    // What leaves the equations before they are solved, in this order.
+    void add_reduction(std::shared_ptr<Reduction> reduction) { reductions_.push_back(std::move(reduction)); }
     // island[unknown], and of accounts of constraints: what joints hold together, so that an impact goes
     // through all of it.
     void set_islands(std::vector<int> island, std::vector<int> account, std::vector<int> island_of_account) {
@@ -70,7 +67,9 @@ class System {
     // constraints.
     void set_rate_solver(std::unique_ptr<LinearSolver> solver, std::vector<char> constraint);
     bool projects_rates() const;
-    void allow_last_resort(bool on) { solver_->allow_last_resort(on); }
+    void allow_last_resort(bool on) {
+        if (auto* sequence = solver_->capabilities().sequence) sequence->allow_last_resort(on);
+    }
 
     // One step from the accepted state; leaves the trial state, which accept() makes the new state.
     Report solve(const Step& step, const Signals& signals, const NewtonOptions& options);
@@ -96,30 +95,34 @@ class System {
     void discard();
     // The ledger of the present state (no work done).
     // `moves`: the rates are velocities, and not what is left of them in statics.
-    void take_stock(const Step& step, const Signals& signals, bool moves);
+    void evaluate_ledger(const Step& step, const Signals& signals, bool moves);
     // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
-    void remember(const std::vector<double>& memory);
+    void restore(const std::vector<double>& memory);
     // What terms show of the last evaluation, around others that shall leave no trace.
-    void keep_shown() {
-        for (const auto& term : terms_) term->hold();
+    void keep_evaluation() {
+        for (const auto& [term, can] : terms_)
+            if (can.memory) can.memory->keep_evaluation();
     }
-    void show_again() {
-        for (const auto& term : terms_) term->release();
+    void restore_evaluation() {
+        for (const auto& [term, can] : terms_)
+            if (can.memory) can.memory->restore_evaluation();
     }
     // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
-    void touch() {
-        if (!is_as_left()) forget();
+    void invalidate() {
+        if (!is_unchanged()) forget();
     }
     // What the state vectors are now is that of the step accepted last.
-    void leave() { left_[0] = x, left_[1] = v, left_[2] = a, left_[3] = w; }
+    void mark_state() { marked_[0] = x, marked_[1] = v, marked_[2] = a, marked_[3] = w; }
     // Whether the state vectors are those with which the last step has ended.
-    bool is_as_left() const { return left_[0] == x && left_[1] == v && left_[2] == a && left_[3] == w; }
+    bool is_unchanged() const {
+        return marked_[0] == x && marked_[1] == v && marked_[2] == a && marked_[3] == w;
+    }
 
     // Lets the terms look for new neighbours between the state and the trial state; true if the pattern is
     // another one from now on.
-    bool search() { return look(0, 0); }
+    bool find_neighbours() { return find_neighbours(0, 0); }
     // Residual and tangent at the trial state x0 + dx, for checks and special solves.
     void assemble(const Step& step, const Signals& signals, double* residual, double* values);
 
@@ -128,9 +131,9 @@ class System {
     bool linearise(const Step& step, const Signals& signals, double* residual);
     // Whether terms are on another branch than that tangent, or the pattern is another one, by the residual
     // evaluated last.
-    bool outdated() const { return revision_ != factored_revision_ || branched(); }
-    // False if the linear solver failed; its message says why. `enough`: see LinearSolver::aim.
-    bool linear_solve(const Step& step, const double* residual, double* d, double enough = 0);
+    bool is_outdated() const { return revision_ != factored_revision_ || has_branched(); }
+    // False if the linear solver failed; its message says why. `tolerance`: see LinearSolver.
+    bool linear_solve(const Step& step, const double* residual, double* d, double tolerance);
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
@@ -145,12 +148,10 @@ class System {
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
-    const Csr& solved() const { return exchange_ ? exchange_->left() : eliminated(); }
-    int n_eliminated() const { return elimination_ ? elimination_->n() : 0; }
-    int n_exchanged() const { return exchange_ ? exchange_->n() : 0; }
+    const Csr& solved() const { return reductions_.empty() ? csr_ : reductions_.back()->left(); }
+    const std::vector<std::shared_ptr<Reduction>>& reductions() const { return reductions_; }
     int revision() const { return revision_; }     // of the pattern
     double rewiring() const { return rewiring_; }  // CPU seconds for new ones
-    const std::vector<std::shared_ptr<Term>>& terms() const { return terms_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
     // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
@@ -158,20 +159,17 @@ class System {
     LedgerSums sums;  // of the last accepted step
 
   private:
-    const Csr& condensed() const { return condensation_ ? condensation_->left() : csr_; }
-    const Csr& eliminated() const { return elimination_ ? elimination_->left() : condensed(); }
     void forget() {
         stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
         predictor_.forget();
         mean_.clear();
     }
-    void reduce();
-    void hold(const Pattern&);
+    void find_held(const Pattern&);
     void rewire();
     void prepare_predictor();
     void predict(const Step&);
-    bool look(double theta, double h);
-    bool lead(const Context&);
+    bool find_neighbours(double theta, double h);
+    bool extend_prescribed_motion(const Context&);
     void start(const Step&);
     bool renew_tangent(const Context&, bool assembled);
     std::string singular() const;
@@ -195,12 +193,12 @@ class System {
     std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
                                          const std::vector<double>& rates);
     void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
-    void evaluate(const Step&, const Signals&, bool with_first_tangents);
-    void evaluate_residual(const Context&, bool all, bool with_first_tangents = false);
-    void evaluate_tangent(const Context&, bool inner, bool has_first_tangents);
-    bool refactor(const Context&, const Step&, bool has_first_tangents = false);
-    bool branched() const;
-    bool amend(const Context&);
+    void evaluate(const Step&, const Signals&, bool with_mesh_tangents);
+    void evaluate_residual(const Context&, bool all, bool with_mesh_tangents = false);
+    void evaluate_tangent(const Context&, bool has_mesh_tangents);
+    bool refactor(const Context&, const Step&, bool has_mesh_tangents = false);
+    bool has_branched() const;
+    bool update_tangent(const Context&);
     int worst() const;
     double extent() const;
     double iterate(const Step&);
@@ -220,7 +218,11 @@ class System {
     std::vector<int> order_;
     std::vector<char> fixed_;
     std::vector<double> inverse_scale_;
-    std::vector<std::shared_ptr<Term>> terms_;
+    struct Part {
+        std::shared_ptr<Term> term;
+        TermCapabilities can;
+    };
+    std::vector<Part> terms_;
     Blocks blocks_;
     void describe_nodes();
     std::vector<double> modes_;
@@ -233,13 +235,9 @@ class System {
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero
-    std::vector<int> element_;
-    std::shared_ptr<Condensation> condensation_;  // null where no unknown is local
-    std::vector<Dependence> dependences_;
-    std::shared_ptr<Elimination> elimination_;  // null where there are none
-    std::vector<NodalMultiplier> nodal_multipliers_;
-    std::shared_ptr<Exchange> exchange_;                  // the same
-    std::unique_ptr<LinearSolver> solver_, rate_solver_;  // null where rates cannot be projected here
+    std::vector<std::shared_ptr<Reduction>> reductions_;
+    std::unique_ptr<LinearSolver> solver_, rate_solver_;    // null where rates cannot be projected here
+    RigidSolver *rigid_ = nullptr, *rate_rigid_ = nullptr;  // of these, if they keep bodies rigid
     std::vector<char> constraint_;
     std::vector<std::int64_t> rate_zero_, rate_one_;
     int rate_revision_ = -1;
@@ -247,19 +245,19 @@ class System {
         int begin, end, order;  // unknowns of equal order in a row
     };
     std::vector<Segment> segments_;
-    bool wants_rates_ = false, driven_ = false;
+    bool needs_rates_ = false, driven_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
-    std::vector<double> left_[4];                   // x, v, a, w at its end
+    std::vector<double> marked_[4];                 // x, v, a, w at its end
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     bool stale_begin_ = true, stale_factor_ = true;
-    bool amended_ = false;  // the kept tangent has parts of another configuration
+    bool updated_ = false;  // the kept tangent has parts of another configuration
     Step factored_;
     std::vector<double> factored_state_;    // x, dx, v, a, w when the kept factorisation was made
     std::vector<double> factored_signals_;  // the prescribed functions of time then

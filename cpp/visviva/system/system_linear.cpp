@@ -9,19 +9,19 @@ namespace {
 // Where all that moves is prescribed, and nothing is left to solve.
 class NoEquations : public LinearSolver {
   public:
+    NoEquations() { report_.name = "nothing to solve", report_.n_negative = 0; }
     void analyze(const Csr&, const Blocks&) override {}
     bool factor(const double*, const Place&) override { return true; }
-    bool solve(const double*, const Place&, double*) override { return true; }
-    int n_negative() const override { return 0; }
-    std::string name() const override { return "nothing to solve"; }
+    bool solve(const double*, const Place&, double*, double) override { return true; }
 };
 }  // namespace
 
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
     if (solved().n == 0) solver = std::make_unique<NoEquations>();
-    if (exchange_) solver = make_exchanged(exchange_, std::move(solver));
-    if (elimination_) solver = make_eliminated(elimination_, std::move(solver));
-    solver_ = condensation_ ? make_condensed(condensation_, std::move(solver)) : std::move(solver);
+    for (auto r = reductions_.rbegin(); r != reductions_.rend(); ++r)
+        solver = make_reduced(*r, std::move(solver));
+    solver_ = std::move(solver);
+    rigid_ = solver_->capabilities().rigid;
     describe_nodes();
     solver_->analyze(csr_, blocks_);
     stale_factor_ = true;
@@ -46,7 +46,7 @@ void System::describe_nodes() {
 bool System::linearise(const Step& step, const Signals& signals, double* residual) {
     // What is kept from earlier tangents is kept within a load step only: a restart begins one.
     if (std::all_of(dx.begin(), dx.end(), [](double d) { return d == 0; })) solver_->forget();
-    search();
+    find_neighbours();
     evaluate(step, signals, true);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
@@ -55,19 +55,18 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
     return regular;
 }
 
-bool System::linear_solve(const Step& step, const double* residual, double* d, double enough) {
+bool System::linear_solve(const Step& step, const double* residual, double* d, double tolerance) {
     std::copy(residual, residual + n_, r_.begin());
     for (int u : held_) r_[u] = 0;
     std::fill(d_.begin(), d_.end(), 0.0);
-    solver_->aim(enough);
-    const bool solved = solver_->solve(r_.data(), place(step), d_.data());
+    const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
     std::copy(d_.begin(), d_.begin() + n_, d);
     return solved;
 }
 
 std::string System::refuse(const Step& step, const Signals& signals) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    for (const auto& term : terms_)
+    for (const auto& [term, can] : terms_)
         if (const Refusal no = term->refuse({step, vectors, signals}); !no.reason.empty()) return no.reason;
     return {};
 }

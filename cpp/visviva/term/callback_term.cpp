@@ -13,21 +13,20 @@ CallbackTerm::CallbackTerm(int n, int n_local, const int* index, Function residu
       tangent_(std::move(tangent)),
       ledger_(std::move(ledger)),
       accept_(std::move(accept)) {
+    needs_rates = sees_clock = true;
     const std::size_t size = index_.size();
     for (auto* a : {&x0_, &x1_, &rate_, &second_rate_, &v1_, &v0_, &r_}) a->assign(size, 0.0);
     k_.assign(size * n_local, 0.0);
     energy_.assign(n, 0.0), work_.assign(n, 0.0), momentum_.assign(6 * static_cast<std::size_t>(n), 0.0);
 }
 
-void CallbackTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void CallbackTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     for (int e = 0; e < n_; ++e)
         for (int i = 0; i < nl_; ++i)
             for (int j = 0; j < nl_; ++j) entries.push_back({index_[e * nl_ + i], index_[e * nl_ + j]});
 }
 
-void CallbackTerm::set_positions(const std::int64_t* positions) {
-    position_.assign(positions, positions + n_entries());
-}
+void CallbackTerm::set_positions(const std::vector<std::int64_t>& positions) { position_ = positions; }
 
 TermArguments CallbackTerm::gather(const Context& c) {
     const Vectors& v = c.vectors;

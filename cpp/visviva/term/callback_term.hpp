@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "visviva/term/term.hpp"
+#include "visviva/term/entry_term.hpp"
 
 namespace visviva {
 
@@ -16,24 +16,21 @@ struct TermArguments {
     const double* v0;                            // rates at the start of the step
 };
 
-class CallbackTerm : public Term {
+class CallbackTerm : public EntryTerm {
   public:
     using Function = std::function<void(const TermArguments&)>;
     CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
                  Function accept);
     int work_account = -1;  // where work is booked that is done beside what is stored; -1: none
 
-    void pattern(std::vector<std::pair<int, int>>& entries) const override;
-    void set_positions(const std::int64_t* positions) override;
-    std::int64_t n_entries() const override { return static_cast<std::int64_t>(n_) * nl_ * nl_; }
-    bool wants_rates() const override { return true; }
-    bool sees_clock() const override { return true; }
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     void accept(const Context&) override;
 
   private:
+    void list_entries(std::vector<std::pair<int, int>>& entries) const override;
+    void set_positions(const std::vector<std::int64_t>& positions) override;
     TermArguments gather(const Context&);
     int n_, nl_;
     std::vector<int> index_;

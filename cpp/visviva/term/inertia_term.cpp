@@ -9,7 +9,7 @@ namespace visviva {
 InertiaTerm::InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int> pair, const double* mass,
                          const int* index, std::vector<char> is_position)
     : pair_(std::move(pair)), is_position_(std::move(is_position)) {
-    is_inertia = order == 2;
+    is_inertia = order == 2, needs_rates = order == 1;
     const int stride = (n + 7) / 8 * 8, n_pairs = static_cast<int>(pair_.size() / 2);
     auto padded = [&](auto& to, const auto* from, int rows) {
         to.resize(static_cast<std::size_t>(rows) * stride);
@@ -26,11 +26,7 @@ InertiaTerm::InertiaTerm(int order, int n_nodes, int dim, int n, std::vector<int
     v.is_position = is_position_.data();
 }
 
-std::int64_t InertiaTerm::n_entries() const {
-    return static_cast<std::int64_t>(view_.n_pairs) * view_.dim * view_.n;
-}
-
-void InertiaTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
+void InertiaTerm::list_entries(std::vector<std::pair<int, int>>& entries) const {
     for (int p = 0; p < view_.n_pairs; ++p)
         for (int c = 0; c < view_.dim; ++c)
             for (int e = 0; e < view_.n; ++e) {
@@ -40,7 +36,7 @@ void InertiaTerm::pattern(std::vector<std::pair<int, int>>& entries) const {
             }
 }
 
-void InertiaTerm::set_positions(const std::int64_t* positions) {
+void InertiaTerm::set_positions(const std::vector<std::int64_t>& positions) {
     const int rows = view_.n_pairs * view_.dim, stride = view_.stride;
     position_.resize(static_cast<std::size_t>(rows) * stride);
     for (int k = 0; k < rows; ++k)

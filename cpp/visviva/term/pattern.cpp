@@ -45,6 +45,7 @@ void Pattern::finish(Csr& csr) {
         start_[i] = total;
         total += length_[i] * size_[i];
     }
+    n_entries_ = total;
     if (csr.col.capacity() < static_cast<std::size_t>(total)) csr.col.reserve(total + total / 8);
     csr.row.assign(1, 0);
     csr.row.reserve(csr.n + 1);

@@ -35,6 +35,7 @@ class Pattern {
         std::int64_t begin, end;
     };
     Rows rows(int unknown) const;
+    std::int64_t n_entries() const { return n_entries_; }
     int n_nodes() const { return static_cast<int>(first_.size()); }
     /// Equations of fixed unknowns.
     const std::vector<int>& held() const { return held_; }
@@ -45,6 +46,7 @@ class Pattern {
     std::vector<std::vector<int>> offset_;    // their first columns within the row
     std::vector<std::int64_t> start_, length_;
     std::vector<int> held_;
+    std::int64_t n_entries_ = 0;
 };
 
 }  // namespace visviva

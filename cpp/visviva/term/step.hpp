@@ -23,6 +23,8 @@ struct Step {
     double transport[5][4] = {};
 
     bool has_length() const { return h > no_length; }
+    // Increments of positions make no velocities: in load steps, and at an instant, which has no increments.
+    bool is_static() const { return motion[0][0] == 0; }
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
 };
 

@@ -17,6 +17,8 @@ struct Context {
     // The books of statics go the step from its end to its start too: forces are then those that it began
     // with.
     bool backwards = false;
+    // A solver keeps rigid bodies rigid: tangents of rigidity come without rows and columns of multipliers.
+    bool keeps_rigidity = false;
 };
 
 // Bodies that collide in a step, by some of their unknowns: what its impulse and friction have booked less
@@ -50,61 +52,76 @@ struct Refusal {
     std::string reason;
 };
 
+// Of terms on meshes, whose tangents may come with their residuals, before those of other terms. They set the
+// rows to zero that they are the first to add to, just before they do.
+class MeshAssembly {
+  public:
+    virtual ~MeshAssembly() = default;
+    // From now on clears the rows of all its nodes but those marked in `cleared` [node of the pattern], which
+    // it marks.
+    virtual void clear_rows(const Pattern&, std::vector<char>& cleared) = 0;
+    virtual void linearise(const Context&, double* r, double* values) = 0;
+};
+
+// Of terms whose neighbours are found anew as they move, and whose residual has branches.
+class NeighbourSearch {
+  public:
+    virtual ~NeighbourSearch() = default;
+    // Before a step; true if the coupling has changed.
+    virtual bool find_neighbours(const Way&) = 0;
+    // Whether the last residual was on another branch than the last tangent.
+    virtual bool is_outdated() const = 0;
+    // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does
+    // not.
+    virtual bool update_tangent(const Context&, double* /*values*/) { return false; }
+    // Relative increments below which its residual may jump, so that they do not shrink any further.
+    virtual double resolution() const { return 0; }
+};
+
+// Of terms that a restart needs more of than the unknowns.
+class TermMemory {
+  public:
+    virtual ~TermMemory() = default;
+    virtual void write_memory(std::vector<double>&) const = 0;
+    // Moves on in the memory; true if the coupling has changed.
+    virtual bool read_memory(const double*& memory) = 0;
+    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
+    virtual void keep_evaluation() {}
+    virtual void restore_evaluation() {}
+};
+
+// What a term can besides; none by default.
+struct TermCapabilities {
+    MeshAssembly* mesh = nullptr;
+    NeighbourSearch* search = nullptr;
+    TermMemory* memory = nullptr;
+};
+
+// A term has to couple its unknowns, to find their places, and to give residual, tangent and its share of the
+// ledger. Terms of scalar entries start from EntryTerm.
 class Term {
   public:
     virtual ~Term() = default;
-    // Terms on meshes couple whole nodes and find their places by themselves.
-    virtual void couple(Pattern&) const {}
-    virtual void connect(const Pattern&) {}
-    // Before a step: looks for new neighbours; true if the coupling has changed.
-    virtual bool search(const Way&) { return false; }
-    // Whether the last residual was on another branch than the last tangent.
-    virtual bool outdated() const { return false; }
-    // Brings a kept tangent to the branch of the last residual, if that changes a part alone; false: it does
-    // not.
-    virtual bool amend(const Context&, double* /*values*/) { return false; }
-    // What a restart needs besides the unknowns; reading moves on in the memory, true if the coupling has
-    // changed.
-    virtual void write_memory(std::vector<double>&) const {}
-    virtual bool read_memory(const double*& /*memory*/) { return false; }
-    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
-    virtual void hold() {}
-    virtual void release() {}
-    // Relative increments below which its residual may jump, so that they do not shrink any further.
-    virtual double resolution() const { return 0; }
-    // Asked after convergence, about the last residual.
-    virtual Refusal refuse(const Context&) { return {}; }
-    // (row, column) unknowns of every tangent entry, in the order of `positions`.
-    virtual void pattern(std::vector<std::pair<int, int>>& entries) const = 0;
-    virtual void set_positions(const std::int64_t* positions) = 0;
-    virtual std::int64_t n_entries() const = 0;
-    virtual void begin(const double* /*x0*/) {}
-    virtual bool wants_rates() const { return false; }
+    virtual void couple(Pattern&) const = 0;
+    virtual void connect(const Pattern&) = 0;
     virtual void residual(const Context&, double* r) = 0;
     virtual void tangent(const Context&, double* values) = 0;
-    // Terms on meshes, whose tangents may come with their residuals, before those of other terms. They set
-    // the rows to zero that they are the first to add to, just before they do: the rows of all their nodes
-    // but those marked in `cleared` [node of the pattern], which they mark.
-    virtual bool is_first() const { return false; }
-    virtual void clear_rows(const Pattern&, std::vector<char>& /*cleared*/) {}
-    virtual void linearise(const Context& c, double* r, double* values) {
-        residual(c, r), tangent(c, values);
-    }
-    // The tangent without rows and columns of multipliers.
-    virtual void inner_tangent(const Context& c, double* values) { tangent(c, values); }
     virtual void ledger(const Context&, const double* v1, LedgerSums&) = 0;
+    virtual void begin(const double* /*x0*/) {}
+    // Asked after convergence, about the last residual.
+    virtual Refusal refuse(const Context&) { return {}; }
     virtual void accept(const Context&) {}
-    // Whether it may have a part in the rates at an instant: in mass or in lasting constraints.
-    virtual bool is_lasting() const { return true; }
-    // Whether it may depend on time otherwise than by signals.
-    virtual bool sees_clock() const { return false; }
     // After a step, whose end is now x: brings unknowns that belong to where the scheme evaluates forces to
     // the end.
-    virtual void settle(const Step&, double* /*x*/) {}
+    virtual void finish_step(const Step&, double* /*x*/) {}
+    virtual TermCapabilities capabilities() { return {}; }
 
     std::string name;            // for messages
     bool is_inertia = false;     // constant masses alone
     bool is_rigidity = false;    // orthonormality of rigid bodies, which a solver may keep by itself
+    bool is_lasting = true;      // may have a part in the rates at an instant: in mass or lasting constraints
+    bool needs_rates = false;    // looks at the rates of its unknowns
+    bool sees_clock = false;     // may depend on time otherwise than by signals
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is
 };

@@ -188,7 +188,7 @@ class Equilibrium:
             kept = k > 0 and size * (size / last) ** 2 <= tolerance
             if kept:  # by quadratic convergence the next increment is the last: the tangent at hand serves
                 r = there if there is not None else self.residual(time)
-                kept = not self.system.core.outdated
+                kept = not self.system.core.is_outdated
             if not kept:
                 r = self.linearise(time)
                 n_tangents += 1

@@ -105,24 +105,30 @@ class Named(type):
 
 def named(cls: type, args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> dict[str, Any]:
     """All arguments by name, which must be those of the constructor."""
-    parameters, placed = signature(cls).parameters, by_name(cls, args)
+    known, placed = parameters(cls), by_name(cls, args)
     for name in kwargs:
-        if name not in parameters:
-            raise ArgumentError(
-                cls.__name__, (name,), f"there is no such argument{nearest(name, parameters)}"
-            )
+        if name not in known:
+            raise ArgumentError(cls.__name__, (name,), f"there is no such argument{nearest(name, known)}")
         if name in placed:
             raise ArgumentError(cls.__name__, (name,), "this argument is given twice, by place and by name")
     given = {**placed, **kwargs}
-    for name, p in parameters.items():
+    for name, p in known.items():
         if p.default is p.empty and name not in given:
             raise ArgumentError(cls.__name__, (name,), "this argument is needed")
     return given
 
 
+@cache
+def parameters(cls: type) -> Mapping[str, Parameter]:
+    """Of a constructor; to make them anew for every object takes longer than most objects do."""
+    return signature(cls).parameters
+
+
 def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
     """Arguments given by place."""
-    names = [p.name for p in signature(cls).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    if not args:
+        return {}
+    names = [p.name for p in parameters(cls).values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     if len(args) > len(names):
         raise InputError(f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}")
     return dict(zip(names, args, strict=False))
@@ -303,7 +309,7 @@ def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
     whose = called(cls, name)
     where, complaint = told(error)
     if first["type"] == UNEXPECTED:
-        complaint = f"there is no such argument{nearest(str(where[-1]), signature(cls).parameters)}"
+        complaint = f"there is no such argument{nearest(str(where[-1]), parameters(cls))}"
     elif first["type"] in ABSENT:
         complaint = "this argument is needed"
     return ArgumentError(whose, where, complaint)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.body.solid import Solid
-from visviva.body.solid_faces import face_points
+from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import settings
 from visviva.component.point import Attachable
 from visviva.component.values import FaceSet
@@ -32,7 +32,7 @@ class Coupling(Attachable):
     ties them to the nodes of the faces. In the plane it has two directors, and the third is constant.
     """
 
-    solid: Solid
+    solid: MeshBody
     faces: FaceSet
 
     def __post_init__(self) -> None:
@@ -45,7 +45,7 @@ class Coupling(Attachable):
                 f"{self.label}: an axisymmetric solid does not turn with a frame; attach a point"
             )
         area = np.zeros((self.solid.grid.n_nodes, 1))
-        for p in face_points(self.solid, faces):
+        for p in self.solid.face_points(faces):
             area += p.spread(np.ones((*p.size.shape, 1)), len(area))
         self._nodes = faces.nodes
         self._share = area[self._nodes, 0] / area.sum()
@@ -61,9 +61,9 @@ class Coupling(Attachable):
 
     # --- attachment ----------------------------------------------------------------------------------------
     def place(self, X: Array) -> Vector:
-        return self._origin + self.turn(X)
+        return self._origin + self.turn(X, X)
 
-    def turn(self, direction: Array) -> Vector:
+    def turn(self, direction: Array, X: Array) -> Vector:
         x, y, z = (float(c) * d for c, d in zip(direction, self._directors, strict=True))
         return x + y + z
 
@@ -146,6 +146,9 @@ class RigidCoupling(Coupling):
     >>> vv.System([beam, end, ground, hinge]).check().degrees_of_freedom
     49
     """
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, Holding(self, self._nodes, None))
 
     def tie(self, model: Model) -> None:
         d = self.solid.dimension

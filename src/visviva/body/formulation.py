@@ -15,7 +15,7 @@ from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule, stiffness_rule
 
 if TYPE_CHECKING:
-    from visviva.body.solid import Solid
+    from visviva.material.material import Material
     from visviva.mesh.mesh import Mesh
 
 Array = NDArray[np.float64]
@@ -40,50 +40,51 @@ BRICKS = ("quad4", "hex8")
 SUITED = {"F-bar": BRICKS, "enhanced": BRICKS, "mixed": (*CONSTANT, *LINEAR, *CONTINUOUS)}
 
 
-def check(solid: Solid) -> None:
+def check(
+    label: str, kind: Formulation, grid: Mesh, material: Material, *, stress_free_across: bool, heated: bool
+) -> None:
     """Refuse combinations of formulation, cells, plane and material that do not go together."""
-    label, kind = solid.label, solid.formulation
-    if kind != "mixed" and not np.isfinite(solid.material.lame[0]):
+    if kind != "mixed" and not np.isfinite(material.lame[0]):
         raise InputError(
             f"{label}: its material is incompressible, which elements of displacements alone cannot carry; use "
             "formulation='mixed'"
         )
     if kind == "displacement":
         return
-    for cell in solid.grid.cells:
+    for cell in grid.cells:
         if cell not in SUITED[kind]:
             fit = [name for name, cells in SUITED.items() if cell in cells] or ["displacement"]
             raise InputError(
                 f"{label}: formulation={kind!r} is for the cells {', '.join(SUITED[kind])}, and its mesh has {cell}; "
                 f"for those take formulation={fit[0]!r}, or convert the mesh"
             )
-    if solid.plane == "stress" and kind != "enhanced":
+    if stress_free_across and kind != "enhanced":
         raise InputError(
             f"{label}: in plane stress the thickness adapts and no volume locks; take formulation='displacement' or "
             f"'enhanced' instead of {kind!r}"
         )
-    if kind != "enhanced" and (callable(solid.thermal_strain) or solid.thermal_strain):
+    if kind != "enhanced" and heated:
         raise InputError(
             f"{label}: formulation={kind!r} does not know thermal_strain; take formulation='enhanced', or "
             "'displacement' with cells of second order"
         )
     if kind == "mixed":
-        _check_pressures(solid)
+        _check_pressures(label, grid, material)
 
 
-def _check_pressures(solid: Solid) -> None:
+def _check_pressures(label: str, grid: Mesh, material: Material) -> None:
     """Refuse materials whose change of volume the pressures of the cells cannot carry."""
-    bulk = solid.material.split().bulk
+    bulk = material.split().bulk
     if bulk <= 0:
         raise InputError(
-            f"{solid.label}: the modulus of its material's volumetric energy is {bulk:g}, which a pressure cannot "
+            f"{label}: the modulus of its material's volumetric energy is {bulk:g}, which a pressure cannot "
             "stand for; nothing locks either: take formulation='displacement' or 'enhanced'"
         )
-    constant = [cell for cell in solid.grid.cells if cell in CONSTANT]
+    constant = [cell for cell in grid.cells if cell in CONSTANT]
     if constant and not np.isfinite(bulk):
-        better = "quad9" if solid.dimension == 2 else "hex27"
+        better = "quad9" if grid.dimension == 2 else "hex27"
         raise InputError(
-            f"{solid.label}: its material is incompressible, and the constant pressures of {', '.join(constant)} may "
+            f"{label}: its material is incompressible, and the constant pressures of {', '.join(constant)} may "
             f"then alternate without resistance; make the mesh with cell={better!r}, or take a Poisson's ratio below "
             "0.5, 0.4999 say"
         )
@@ -110,16 +111,14 @@ def scaled(energy: Callable[[Any], Any], directions: int) -> Callable[[Any], Any
     return of_both
 
 
-def centre(solid: Solid, cell: str, nodes: Ints) -> Geometry:
+def centre(points: Array, nodes: Ints, cell: str, *, axisymmetric: bool) -> Geometry:
     """Gradients at the centres of the elements."""
     middle = CELLS[cell].nodes.mean(axis=0, keepdims=True)
-    return geometry(
-        solid.grid.points, nodes, cell, rule=Rule(middle, np.ones(1)), axisymmetric=solid.axisymmetric
-    )
+    return geometry(points, nodes, cell, rule=Rule(middle, np.ones(1)), axisymmetric=axisymmetric)
 
 
 # --- enhanced strains ---------------------------------------------------------------------------------------
-def enhanced(solid: Solid, cell: str, nodes: Ints, g: Geometry) -> Geometry:
+def enhanced(points: Array, nodes: Ints, cell: str, g: Geometry) -> Geometry:
     """Geometry with the gradients of d more 'nodes', the enhanced modes ``M_k = (j0 / j) xi_k J0^-T e_k``.
 
     Their unknowns `alpha_k` (d,) add ``sum alpha_k x M_k`` to F; the modes are orthogonal to constant stresses, so
@@ -128,7 +127,7 @@ def enhanced(solid: Solid, cell: str, nodes: Ints, g: Geometry) -> Geometry:
     xi, w = stiffness_rule(cell).points, stiffness_rule(cell).weights
     middle = CELLS[cell].nodes.mean(axis=0)
     d = len(middle)
-    J0 = np.einsum("eai,aj->eij", solid.grid.points[nodes], CELLS[cell].dN(middle[None])[0])
+    J0 = np.einsum("eai,aj->eij", points[nodes], CELLS[cell].dN(middle[None])[0])
     ratio = g.volume.sum(axis=1, keepdims=True) / w.sum() * w / g.volume
     modes = np.einsum("eq,qk,ekj->eqkj", ratio, xi - middle, np.linalg.inv(J0))
     hoop = None if g.hoop is None else np.pad(g.hoop, ((0, 0), (0, 0), (0, d)))
@@ -179,26 +178,28 @@ def pressure_shapes(grid: Mesh, cell: str, nodes: Ints, xi: Array) -> Array:
     return np.ascontiguousarray(np.concatenate([np.ones((*linear_part.shape[:2], 1)), linear_part], axis=2))
 
 
-def pressure_compliance(solid: Solid, cell: str, nodes: Ints, bulk: float) -> Array:
+def pressure_compliance(
+    grid: Mesh,
+    cell: str,
+    nodes: Ints,
+    *,
+    bulk: float,
+    shear: float,
+    thickness: float = 1.0,
+    axisymmetric: bool = False,
+) -> Array:
     """``1 / bulk`` times the pressures' Gram matrices (m, p, p), and what stabilises cells of equal order.
 
     That is the distance of the pressure from its mean over the element, over the shear modulus (Dohrmann & Bochev
     2004).
     """
     rule = mass_rule(cell)
-    w = geometry(
-        solid.grid.points,
-        nodes,
-        cell,
-        rule=rule,
-        thickness=solid.thickness,
-        axisymmetric=solid.axisymmetric,
-    ).volume
-    N = pressure_shapes(solid.grid, cell, nodes, rule.points)
+    w = geometry(grid.points, nodes, cell, rule=rule, thickness=thickness, axisymmetric=axisymmetric).volume
+    N = pressure_shapes(grid, cell, nodes, rule.points)
     gram: Array = np.einsum("eq,eqk,eql->ekl", w, N, N)
     total: Array = gram / bulk
     if cell in STABILISED:
         mean = np.einsum("eq,eqk->ek", w, N)
         spread = gram - mean[:, :, None] * mean[:, None, :] / w.sum(axis=1)[:, None, None]
-        total = total + spread / solid.material.lame[1]
+        total = total + spread / shear
     return np.ascontiguousarray(total)

@@ -71,7 +71,7 @@ class Ground(Attachable):
     def place(self, X: Array) -> Vector:
         return Vector.constant(X)
 
-    def turn(self, direction: Array) -> Vector:
+    def turn(self, direction: Array, X: Array) -> Vector:
         return Vector.constant(direction)
 
     def local(self, x: Array) -> Array:

@@ -130,14 +130,14 @@ class RigidBody(Attachable):
     def place(self, X: Array) -> Vector:
         return Vector.of(self._field.start, (1.0, *X.tolist()))
 
-    def turn(self, direction: Array) -> Vector:
+    def turn(self, direction: Array, X: Array) -> Vector:
         return Vector.of(self._field.start + 3, direction.tolist())
 
     def local(self, x: Array) -> Array:
         X: Array = self.rotation.T @ (x - self.position)
         return X
 
-    def local_direction(self, d: Array) -> Array:
+    def local_direction(self, d: Array, X: Array) -> Array:
         D: Array = self.rotation.T @ d
         return D
 

@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva import _core
 from visviva.base.errors import InputError, nearest
 from visviva.body import formulation as forms
-from visviva.body.element import masses, nodal_masses, solid_rule
+from visviva.body.element import geometry, masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
-from visviva.body.solid_fields import QUANTITIES, Fields, at_nodes, evaluated, of_cells, quantity, smoothed
-from visviva.body.solid_term import own_energy, solid_term
+from visviva.body.mesh_body import MeshBody
+from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
+from visviva.body.solid_term import Elements, own_energy, rayleigh
+from visviva.component.announcements import Wetting
 from visviva.component.component import settings
-from visviva.component.meshed import Meshed
-from visviva.component.point import Attachable
 from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
-from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
-from visviva.mesh.locate import locate
 from visviva.mesh.mesh import Mesh
 from visviva.model.callback import callback_of
-from visviva.model.field import Role, Vectors
-from visviva.model.form import Form, Vector
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -42,7 +38,7 @@ Plane = Literal["strain", "stress", "axisymmetric"]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Solid(Attachable, Meshed):
+class Solid(MeshBody):
     """A body of finite elements, in the total Lagrangian description of the paper's section 2.2.
 
     Parameters
@@ -103,10 +99,6 @@ class Solid(Attachable, Meshed):
     stiffness_damping: Number = 0.0
     tangent: Literal["exact", "start"] | None = None
 
-    has_directions = False
-    is_carried_thin = False
-    """Whether it is immersed and thinner than the cells around."""
-
     def __post_init__(self) -> None:
         for name in ("density", "mass_damping", "stiffness_damping"):
             if getattr(self, name) < 0:
@@ -122,7 +114,14 @@ class Solid(Attachable, Meshed):
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
             )
-        forms.check(self)
+        forms.check(
+            self.label,
+            self.formulation,
+            self.grid,
+            self.material,
+            stress_free_across=self.plane == "stress",
+            heated=self._is_heated,
+        )
         if not callable(self.thermal_strain) and not self.thermal_strain > -1:
             raise InputError(
                 f"{self.label}: thermal_strain = {self.thermal_strain:g} leaves no volume; it must exceed -1"
@@ -144,72 +143,26 @@ class Solid(Attachable, Meshed):
         return grid
 
     @property
-    def used_tangent(self) -> str:
-        """What it was given, or what thin immersed solids have by default."""
-        thin = self.is_carried_thin and self.material.energy is None
-        return self.tangent or ("start" if thin else "exact")
+    def _is_heated(self) -> bool:
+        return callable(self.thermal_strain) or bool(self.thermal_strain)
 
-    # --- sets ----------------------------------------------------------------------------------------------
-    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
-        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
-
-        Raises
-        ------
-        InputError
-            If there is no such set or node, or none in it.
-        """
-        if isinstance(chosen, str):
-            everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
-            found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
-        else:
-            found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
-        if len(found) == 0:
-            raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
-        if found[0] < 0 or found[-1] >= self.grid.n_nodes:
-            raise InputError(f"{self.label}: there is no node {found[0 if found[0] < 0 else -1]}")
-        return found
-
-    def faces(self, chosen: str | Faces) -> Faces:
-        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given.
-
-        Raises
-        ------
-        InputError
-            If there is no such set, or none in it.
-        """
-        return chosen_faces(self.grid, chosen, self.label)
-
-    # --- geometry ------------------------------------------------------------------------------------------
+    # --- geometry, mass and stiffness ----------------------------------------------------------------------
     @property
     def axisymmetric(self) -> bool:
-        """Whether a plane mesh stands for a revolution."""
         return self.plane == "axisymmetric"
 
-    @cached_property
-    def nodal_mass(self) -> Array:
-        """Share (n,) of every node in the mass: row sums of the mass matrix."""
+    @property
+    def modulus(self) -> float:
+        lam, mu = self.material.lame
+        return 3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu)
+
+    def _masses_of_nodes(self) -> Array:
         cells = self.grid.cells.items()
         return nodal_masses(
-            self.grid.n_nodes, ((nodes, self.cell_masses(cell, nodes)) for cell, nodes in cells)
+            self.grid.n_nodes, ((nodes, self._cell_masses(cell, nodes)) for cell, nodes in cells)
         )
 
-    def nodal_volume(self, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Share (n,) of every node in the reference volume, positive, of the chosen cells (n_cells,) or all."""
-        first, parts = 0, []
-        for cell, nodes in self.grid.cells.items():
-            volume = masses(self.grid.points, nodes, cell, 1.0, axisymmetric=self.axisymmetric, lumped=True)
-            if cells is not None:
-                volume = volume * cells[first : first + len(nodes), None]
-            parts.append((nodes, volume))
-            first += len(nodes)
-        return nodal_masses(self.grid.n_nodes, parts)
-
-    @property
-    def mass(self) -> float:
-        """Total mass."""
-        return float(self.nodal_mass.sum())
-
-    def cell_masses(self, cell: str, nodes: Ints) -> Array:
+    def _cell_masses(self, cell: str, nodes: Ints) -> Array:
         """Masses (m, pairs) of cells between pairs of their nodes."""
         return masses(
             self.grid.points,
@@ -221,19 +174,8 @@ class Solid(Attachable, Meshed):
             lumped=self.lumped,
         )
 
-    def initial_velocities(self) -> Array:
-        """Velocities (n, d) of the nodes at the start."""
-        X, v = self.points, self.sampled(self.velocity)
-        if np.any(self.angular_velocity):
-            w = self.nodal_mass if self.density > 0 else np.ones(len(X))
-            v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())
-        if self.dimension == 2 and np.any(v[:, 2] != 0):
-            raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
-        return v[:, : self.dimension]
-
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
-        self.is_carried_thin = False  # until what immerses it in this system says so
         d = self.dimension
         self.motion = model.field(
             self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
@@ -242,38 +184,117 @@ class Solid(Attachable, Meshed):
             role = Role.MOTION if self.stiffness_damping > 0 else Role.STATE
             zero = np.zeros((self.grid.n_cells, d, d))
             own = np.repeat(np.arange(len(zero)), d * d)
-            self.inner = model.field(
+            self._inner = model.field(
                 self, "enhanced", zero, role=role, scale=model.length, stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
-            self.pressure_numbers, own = forms.pressure_numbers(self.grid)
+            self._pressure_numbers, own = forms.pressure_numbers(self.grid)
             bulk = self.material.split().bulk
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
             if bulk > forms.STIFFEST * self.material.lame[1]:
                 own[:] = -1
             role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
-            self.inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
+            self._inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
-        self.terms: list[Any] = []  # of the core, one per cell type
-        self.volumes: list[Array] = []  # (m, q) of their quadrature points
-        self.own_energy = own_energy(self)
-        self.callback = (
-            callback_of(self.own_energy) if self.own_energy else None
-        )  # the core does not keep it alive
+        thin = (
+            any(around.is_thin for around in model.announced(self, Wetting)) and self.material.energy is None
+        )
+        self._starts_stress = (self.tangent or ("start" if thin else "exact")) == "start"
+        self._energy = own_energy(
+            self.label,
+            self.material,
+            self.formulation,
+            in_plane=self.dimension == 2 and not self.axisymmetric,
+            across_free=self.plane == "stress",
+        )
+        # the core does not keep it alive
+        self._callback = callback_of(self._energy) if self._energy else None
+        self._elements: list[Elements] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
-            term, volume = solid_term(self, model, cell, nodes, first)
-            model.batch(term)
-            self.terms.append(term)
-            self.volumes.append(volume)
+            self._elements.append(self._made(model, cell, nodes, first))
+            model.batch(self._elements[-1].term)
             first += len(nodes)
+        self.volumes = [elements.volume for elements in self._elements]
 
-    def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
-        """First unknown of each node."""
-        return np.asarray(self.motion.start + self.dimension * np.asarray(nodes), dtype=np.int32)
+    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
+        """Elements with their nodes (m, k), numbered from `first`, and their term."""
+        points, d = self.grid.points, self.dimension
+        g = geometry(points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
+        index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
+        kind = self.material.kind
+        mass = self._cell_masses(cell, nodes) if self.density > 0 else None
+        if self.formulation == "enhanced":
+            modes = self._inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
+            index = np.hstack([index, modes.reshape(len(nodes), d)])
+            g = forms.enhanced(points, nodes, cell, g)
+            mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
+        elif self.formulation == "mixed":
+            split = self.material.split()
+            kind, parameters = split.kind, np.tile(split.constants, (len(nodes), 1))
+            index = np.hstack([index, self._inner.start + self._pressure_numbers[cell]])
+        index = np.ascontiguousarray(index, dtype=np.int32)
+        arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
+        term = _core.SolidTerm(int(kind), self.material.small, index, *arrays)
+        term.name = self.label
+        thermal = self._thermal(cell, nodes) if self._is_heated else None
+        self._complete(term, cell, nodes, thermal)
+        self._book(model, term, first)
+        return Elements(cell=cell, nodes=nodes, first=first, thermal=thermal, term=term, volume=g.volume)
 
-    def thermal(self, cell: str, nodes: Ints) -> Array:
+    @property
+    def _is_damped(self) -> bool:
+        return self.mass_damping > 0 or self.stiffness_damping > 0
+
+    def _damping(self, n: int) -> Array | None:
+        """Constants (n, 3) of damping."""
+        if not self._is_damped:
+            return None
+        constants = rayleigh(
+            self.material,
+            self.formulation,
+            self.mass_damping,
+            self.stiffness_damping,
+            across_free=self.plane == "stress",
+        )
+        return np.tile(constants, (n, 1))
+
+    def _complete(self, term: Any, cell: str, nodes: Ints, thermal: Array | None) -> None:
+        """Tell the term what it has beside the strains of its cells."""
+        term.set_plane_stress(self.plane == "stress" and self._callback is None)
+        term.start_stress = self._starts_stress
+        if thermal is not None:
+            term.set_thermal(thermal)
+        if self.formulation == "F-bar":
+            middle = forms.centre(self.grid.points, nodes, cell, axisymmetric=self.axisymmetric)
+            hoop = None if middle.hoop is None else middle.hoop[:, 0]
+            term.set_centre(middle.gradients[:, 0], hoop)
+        elif self.formulation == "mixed":
+            split = self.material.split()
+            rule = solid_rule(self.grid.points, nodes, cell)
+            shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
+            compliance = forms.pressure_compliance(
+                self.grid,
+                cell,
+                nodes,
+                bulk=split.bulk,
+                shear=self.material.lame[1],
+                thickness=self.thickness,
+                axisymmetric=self.axisymmetric,
+            )
+            term.set_pressure(shapes, compliance, split.measure, self._inner.multiplier)
+        if self._callback is not None:
+            term.set_callback(self._callback)
+
+    def _book(self, model: Model, term: Any, first: int) -> None:
+        """Tell the term its places in the ledger."""
+        kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
+        dissipated = model.account(self, "damping", "dissipation") if self._is_damped else -1
+        strain = model.account(self, "strain", "potential")
+        term.book_solid(strain, kinetic, dissipated, model.index(self), first)
+
+    def _thermal(self, cell: str, nodes: Ints) -> Array:
         """Thermal strains (m, q) at the points of elements."""
         N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
         if not callable(self.thermal_strain):
@@ -287,77 +308,15 @@ class Solid(Attachable, Meshed):
             )
         return strain.reshape(len(nodes), len(N))
 
-    @property
-    def total_mass(self) -> float:
-        return self.mass
-
-    def mass_moment(self, x: Array) -> Array:
-        moment: Array = self.nodal_mass @ self.positions(x)
-        return moment
-
-    def weigh(self, model: Model, acceleration: Array) -> None:
-        m = self.nodal_mass
-        if np.any(m > 0):
-            force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
-            model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
-
-    # --- attachment ----------------------------------------------------------------------------------------
-    def place(self, X: Array) -> Vector:
-        nodes, N = locate(self.grid, X[: self.dimension], self.label)
-        return self.combination(nodes, N)
-
-    def turn(self, direction: Array) -> Vector:
-        raise InputError(
-            f"{self.label} has no directions of its own: attach points to it, or frames to its faces by "
-            "vv.RigidCoupling or vv.DistributedCoupling"
-        )
-
-    def combination(self, nodes: Any, weights: Any) -> Vector:
-        """Weighted sum of nodal positions as a vector form."""
-        kept = [
-            (int(u), float(w)) for u, w in zip(self.node_unknowns(nodes), weights, strict=True) if w != 0.0
-        ]
-        parts = [Form(tuple((u + c, w) for u, w in kept)) for c in range(self.dimension)]
-        x, y, z = (*parts, Form())[:3]
-        return Vector((x, y, z))
-
-    def local(self, x: Array) -> Array:
-        return x
-
-    def by_node(self, values: Array) -> Array:
-        """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
-        p = values[self.motion.start : self.motion.start + self.motion.size].reshape(-1, self.dimension)
-        return np.pad(p, ((0, 0), (0, 3 - self.dimension)))
-
-    def vectors(self, model: Model) -> Vectors:
-        n = self.grid.n_nodes
-        return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
-
-    def positions(self, x: Array) -> Array:
-        """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
-        return self.by_node(x)
-
     # --- what it shows -------------------------------------------------------------------------------------
-    def displacements(self, x: Array) -> Array:
-        """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
-        return self.positions(x) - self.points
-
-    def velocities(self, v: Array) -> Array:
-        """Velocities (n, 3) of the nodes at the rates `v` of the system."""
-        return self.by_node(v)
-
-    def volume(self, x: Array) -> float:
-        """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
-        return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
-
-    def moving(self, x: Array, v: Array) -> Array:
-        return self.velocities(v)
+    def _evaluated(self, x: Array) -> Iterator[Evaluated]:
+        return evaluated(self._elements, x, self.material, self.formulation, self._energy)
 
     def widths(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return smoothed(self, tuple(names), x)
+        return smoothed(self.grid, tuple(names), self._evaluated(x))
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.
@@ -371,7 +330,7 @@ class Solid(Attachable, Meshed):
         """
         if cell is None and len(self.grid.cells) > 1:
             raise InputError(f"{self.label} has the cells {', '.join(self.grid.cells)}; say of which")
-        parts = [part for name, _, _, _, part in evaluated(self, x) if cell in (None, name)]
+        parts = [part for name, _, _, _, part in self._evaluated(x) if cell in (None, name)]
         if not parts:
             raise InputError(f"{self.label} has no cells {cell!r}{nearest(str(cell), self.grid.cells)}")
         F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
@@ -397,20 +356,15 @@ class Solid(Attachable, Meshed):
         >>> float(bar.nodal("von_mises", stretched).round(12).max())
         0.2
         """
-        return at_nodes(self, name, x)
+        return self.smoothed([name], x)[name]
 
     def at_points(self, name: str, x: Array) -> Array:
-        """A field at all quadrature points, (n_points, components), element after element."""
         width, function = quantity(name)
-        return np.concatenate([function(part).reshape(-1, width) for *_, part in evaluated(self, x)])
-
-    def mean(self, name: str, x: Array) -> Array:
-        """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
-        return of_cells(self, name, x)
+        return np.concatenate([function(part).reshape(-1, width) for *_, part in self._evaluated(x)])
 
     def trouble(self, x: Array) -> str:
         J, worst = SQUEEZED, ""
-        for _, nodes, cells, _, part in evaluated(self, x):
+        for _, nodes, cells, _, part in self._evaluated(x):
             least = part.J.min(axis=1)
             e = int(np.argmin(least))
             if least[e] < J:
@@ -421,18 +375,12 @@ class Solid(Attachable, Meshed):
         return worst
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""
         total = np.zeros((self.grid.n_nodes, 3))
-        first = 0
-        for (_, nodes), term in zip(self.each_cell(), self.terms, strict=True):
-            force = term.forces(np.ascontiguousarray(x, dtype=float), 0, len(nodes))[:, : nodes.shape[1]]
+        for part in self._elements:
+            n, k = part.nodes.shape
+            force = part.term.forces(np.ascontiguousarray(x, dtype=float), 0, n)[:, :k]
             if cells is not None:
-                force *= cells[first : first + len(nodes), None, None]
+                force *= cells[part.first : part.first + n, None, None]
             for c in range(self.dimension):
-                total[:, c] -= np.bincount(nodes.ravel(), force[:, :, c].ravel(), len(total))
-            first += len(nodes)
+                total[:, c] -= np.bincount(part.nodes.ravel(), force[:, :, c].ravel(), len(total))
         return total
-
-    def each_cell(self) -> Iterator[tuple[str, Ints]]:
-        """Cell types with the nodes of their cells."""
-        yield from self.grid.cells.items()

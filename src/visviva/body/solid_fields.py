@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -15,15 +15,21 @@ from visviva.body.element import is_curved
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.geometry import determinant
 from visviva.mesh.quadrature import stiffness_rule
+from visviva.model.callback import AcrossFree
 
 if TYPE_CHECKING:
-    from visviva.body.solid import Solid
+    from visviva.body.solid_term import Elements
+    from visviva.material.material import Material
+    from visviva.mesh.mesh import Mesh
+    from visviva.model.callback import Function
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 FULL = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
 """Places of a symmetric tensor's entries among its six components 11, 22, 33, 12, 23, 31."""
+Evaluated = tuple[str, Ints, slice, Array, "Fields"]
+"""Cell type, nodes (m, k), numbers, volumes (m, q) and fields (m, q, ...) of some elements."""
 CHUNK = 4096  # elements whose fields are held at a time; a multiple of eight
 
 
@@ -164,34 +170,39 @@ def quantity(name: str) -> tuple[int, Callable[[Fields], Array]]:
     return QUANTITIES[name]
 
 
-def evaluated(solid: Solid, x: Array) -> Iterator[tuple[str, Ints, slice, Array, Fields]]:
-    """Cell type, nodes (m, k), numbers, volumes (m, q), fields (m, q, ...): some thousand elements at a time."""
+def evaluated(
+    parts: Sequence[Elements], x: Array, material: Material, formulation: str, energy: Function | None
+) -> Iterator[Evaluated]:
+    """Fields of the elements of all types, some thousand at a time; of the `energy` of a user's material too."""
     x = np.ascontiguousarray(x, dtype=float)
-    first = 0
-    for (cell, nodes), term, volume in zip(solid.each_cell(), solid.terms, solid.volumes, strict=True):
-        step = len(nodes) if solid.material.energy is not None else CHUNK  # a user's function is called once
-        for start in range(0, len(nodes), step):
-            stop = min(start + step, len(nodes))
-            part = of_points(term.fields(x, start, stop), solid.material.small)
-            if solid.material.energy is not None:
-                part = of_user(solid, cell, nodes[start:stop], part)
-            yield cell, nodes[start:stop], slice(first + start, first + stop), volume[start:stop], part
-        first += len(nodes)
+    for part in parts:
+        n = len(part.nodes)
+        step = n if material.energy is not None else CHUNK  # a user's function is called once
+        for start in range(0, n, step):
+            some = slice(start, min(start + step, n))
+            fields = of_points(part.term.fields(x, some.start, some.stop), material.small)
+            if isinstance(energy, AcrossFree):
+                fields = across_free(fields, energy, 0.0 if part.thermal is None else part.thermal[some])
+            elif material.energy is not None and formulation == "F-bar":
+                fields = responding(fields, material)
+            numbers = slice(part.first + some.start, part.first + some.stop)
+            yield part.cell, part.nodes[some], numbers, part.volume[some], fields
 
 
-def of_user(solid: Solid, cell: str, nodes: Ints, part: Fields) -> Fields:
-    """Fields with what the core does not know of a user's energy: F33 of plane stress, the stress of F-bar."""
+def across_free(part: Fields, energy: AcrossFree, thermal: Array | float) -> Fields:
+    """Fields with the F33 of plane stress, which the core does not know of a user's energy."""
+    stretch = 1 + thermal + np.zeros(part.J.shape)
+    C = components(part.C) / stretch[..., None] ** 2
+    F = part.F.copy()
+    F[..., 2, 2] = stretch * np.sqrt(energy.settled(C.reshape(-1, 6).T)[2].reshape(part.J.shape))
+    return replace(part, F=F)
+
+
+def responding(part: Fields, material: Material) -> Fields:
+    """Fields with a user's stress of the F of F-bar, which the core does not know either."""
+    energy, S, _ = material.respond(components(part.C).reshape(-1, 6))
     shape = part.J.shape
-    if solid.plane == "stress" and solid.own_energy is not None:
-        stretch = 1 + solid.thermal(cell, nodes)
-        C = components(part.C) / stretch[..., None] ** 2
-        F = part.F.copy()
-        F[..., 2, 2] = stretch * np.sqrt(solid.own_energy.settled(C.reshape(-1, 6).T)[2].reshape(shape))
-        return replace(part, F=F)
-    if solid.formulation == "F-bar":
-        energy, S, _ = solid.material.respond(components(part.C).reshape(-1, 6))
-        return replace(part, second_piola=S.reshape(*shape, 6)[..., FULL], energy=energy.reshape(shape))
-    return part
+    return replace(part, second_piola=S.reshape(*shape, 6)[..., FULL], energy=energy.reshape(shape))
 
 
 def of_points(values: Array, small: bool) -> Fields:
@@ -200,12 +211,7 @@ def of_points(values: Array, small: bool) -> Fields:
     return Fields(F, values[..., 9:15][..., FULL], values[..., 15], small)
 
 
-def at_nodes(solid: Solid, name: str, x: Array) -> Array:
-    """A quantity (n_nodes,) or (n_nodes, components), smoothed as by `smoothed`."""
-    return smoothed(solid, (name,), x)[name]
-
-
-def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+def smoothed(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> dict[str, Array]:
     """Quantities at the nodes, (n_nodes,) or (n_nodes, components) each.
 
     In every element the polynomial of least squares through the values at its quadrature points is taken to
@@ -214,23 +220,23 @@ def smoothed(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
     the smoothed Cauchy stress.
     """
     wanted = list(dict.fromkeys("cauchy" if name in OF_STRESS else name for name in names))
-    found = _fitted(solid, wanted, x)
+    found = _fitted(grid, wanted, points)
     return {
         name: OF_STRESS[name](found["cauchy"][:, FULL]) if name in OF_STRESS else found[name]
         for name in names
     }
 
 
-def _fitted(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
+def _fitted(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> dict[str, Array]:
     """Means over the elements at each node of polynomials fitted in each element."""
     chosen = [quantity(name) for name in names]
     ends = np.cumsum([0, *(width for width, _ in chosen)])
-    total, weight = np.zeros((solid.grid.n_nodes, ends[-1])), np.zeros(solid.grid.n_nodes)
-    for cell, nodes, _, volume, fields in evaluated(solid, x) if chosen else ():
+    total, weight = np.zeros((grid.n_nodes, ends[-1])), np.zeros(grid.n_nodes)
+    for cell, nodes, _, volume, fields in points if chosen else ():
         values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
         taken = np.einsum(
             "aq,eqc->eac",
-            extrapolation(cell, is_curved(solid.grid.points, nodes, cell)),
+            extrapolation(cell, is_curved(grid.points, nodes, cell)),
             np.concatenate(values, axis=2),
         )
         size = volume.sum(axis=1)
@@ -241,16 +247,6 @@ def _fitted(solid: Solid, names: Sequence[str], x: Array) -> dict[str, Array]:
     mean = total / (weight[:, None] if chosen else 1.0)
     columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
     return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
-
-
-def of_cells(solid: Solid, name: str, x: Array) -> Array:
-    """Means (n_cells,) or (n_cells, components) of a quantity over the elements."""
-    width, function = quantity(name)
-    mean = np.empty((solid.grid.n_cells, width))
-    for _, _, cells, volume, fields in evaluated(solid, x):
-        values = function(fields).reshape(*volume.shape, width)
-        mean[cells] = np.einsum("eq,eqc->ec", volume, values) / volume.sum(axis=1)[:, None]
-    return mean[:, 0] if width == 1 else mean
 
 
 @cache

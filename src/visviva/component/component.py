@@ -36,8 +36,8 @@ settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_def
 class Component(metaclass=Validated):
     """Base of everything that a system is composed of.
 
-    A component takes part in a system in two rounds: `declare` makes its fields, `contribute` adds its terms,
-    where it may use the points of any other component.
+    A component takes part in a system in three rounds: `announce` tells what it does to others, `declare` makes its
+    fields, `contribute` adds its terms, where it may use the points of any other component.
     """
 
     name: str | None = None
@@ -49,6 +49,9 @@ class Component(metaclass=Validated):
     def label(self) -> str:
         """How messages call it."""
         return f"{type(self).__name__} '{self.name}'" if self.name else type(self).__name__
+
+    def announce(self, model: Model) -> None:
+        """Tell, by `Model.announce`, what it will do to others that act on that when they declare or contribute."""
 
     def declare(self, model: Model) -> None:
         """Make the fields."""

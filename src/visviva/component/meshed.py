@@ -22,8 +22,8 @@ class Meshed(Component):
 
     @property
     def dimension(self) -> int:
-        """Of the mesh: 2 or 3."""
-        return self.grid.dimension
+        """Components of its nodes' positions: 2 or 3."""
+        return int(self.grid.points.shape[1])
 
     @property
     def points(self) -> Array:
@@ -52,8 +52,8 @@ class Meshed(Component):
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
         raise NotImplementedError
 
-    def moving(self, x: Array, v: Array) -> Array:
-        """Velocities (n, 3) of what is at the nodes, at the unknowns and rates of the system."""
+    def velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of what is at the nodes, at the unknowns `x` and rates `v` of the system."""
         raise NotImplementedError
 
     def widths(self) -> Mapping[str, int]:

@@ -27,22 +27,23 @@ class Attachable(Component):
     """A component that others can be attached to: its material points are linear forms of its unknowns."""
 
     has_directions = True
+    moves_rigidly = True  # one frame carries all its points; otherwise directions depend on where they are
     is_massless = False  # frames that go with another component
 
     def place(self, X: Array) -> Vector:
         """Position of the material point `X` (3,), given in the component's own coordinates."""
         raise NotImplementedError
 
-    def turn(self, direction: Array) -> Vector:
-        """A material direction (3,), given in the component's own coordinates."""
+    def turn(self, direction: Array, X: Array) -> Vector:
+        """A material direction (3,) at the material point `X` (3,), both given in the component's own coordinates."""
         raise InputError(f"{self.label} has no directions to attach a frame to; attach a point instead")
 
     def local(self, x: Array) -> Array:
         """Own coordinates of the material point that is at `x` initially."""
         raise NotImplementedError
 
-    def local_direction(self, d: Array) -> Array:
-        """Own coordinates of a direction given in space initially."""
+    def local_direction(self, d: Array, X: Array) -> Array:
+        """Own coordinates at the material point `X` of a direction given in space initially."""
         return d
 
     def vectors(self, model: Model) -> Vectors | None:
@@ -87,8 +88,8 @@ class Attachable(Component):
 
     def frame_at(self, x: Any, axis: Any = (0.0, 0.0, 1.0), first: Any = None) -> Frame:
         """Frame at `x` with third direction `axis` (and the first close to `first`), in space initially."""
-        axes = np.array([self.local_direction(d) for d in triad(axis, first)])
-        return self.frame(self.local(place(self.label, "x", x)), axes)
+        X = self.local(place(self.label, "x", x))
+        return self.frame(X, np.array([self.local_direction(d, X) for d in triad(axis, first)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +126,7 @@ class Frame(Point):
     def directors(self) -> tuple[Vector, Vector, Vector]:
         """The three directions in space as vector forms."""
         try:
-            a, b, c = (self.component.turn(axis) for axis in self.axes)
+            a, b, c = (self.component.turn(axis, self.X) for axis in self.axes)
         except AttributeError:
             refuse_uncomposed(self.component)
             raise

@@ -11,7 +11,6 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
-from visviva.body.solid import Solid
 from visviva.component.component import Component, settings
 from visviva.component.point import Attachable
 from visviva.component.values import Number
@@ -24,10 +23,10 @@ from visviva.contact.contact_check import (
     refuse_overlap,
 )
 from visviva.contact.contact_fields import record
-from visviva.contact.contact_surface import Surface, points_of, positions, skin, surface_of
+from visviva.contact.contact_surface import Surface, mesh_bodies, points_of, positions, skin, surface_of
 from visviva.contact.doubles import refuse_doubles
 from visviva.contact.obstacle import frame_surface
-from visviva.contact.resolve import resolve
+from visviva.contact.resolve import resolve, side_of
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
@@ -180,6 +179,13 @@ class Contact(Component):
             if value is not None and not value > 0:
                 raise InputError(f"{self.label}: {name} = {value:g} is not positive")
 
+    def announce(self, model: Model) -> None:
+        for body in dict.fromkeys(
+            (self.first, self.second)
+        ):  # so that others of the same surfaces are refused
+            if body is not None:
+                model.announce(body, self)
+
     def declare(self, model: Model) -> None:
         model.index(self.first)
         if self.second is not None:
@@ -191,7 +197,11 @@ class Contact(Component):
         self._see()
         self.moved = 0.0  # how far a node was moved at most so that nothing overlaps
         if self.initial == "resolve":
-            self.moved = resolve(self, model, *self._gaps(model.length)[:2])
+            gaps, size, _ = self._gaps(model.length)
+            sides = [side_of(self._surface, self.first, self.first_faces)]
+            if self._facing is not None:
+                sides.append(side_of(self._facing, self.second, self.second_faces))
+            self.moved = resolve(self.label, sides, model, gaps, size)
             self._see()
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":
@@ -238,7 +248,7 @@ class Contact(Component):
             normal / self._surface.areas,
             self._surface.areas,
             self.impact == "conserving",
-            not isinstance(self.first, Solid),
+            self._is_rigid,
             self._share_left,
             self.initial == "press",
             self.friction,
@@ -260,6 +270,11 @@ class Contact(Component):
             self._condense(model)
 
     @property
+    def _is_rigid(self) -> bool:
+        """Whether the first surface is that of a rigid body, or a point."""
+        return not mesh_bodies(self.first)
+
+    @property
     def _share_left(self) -> float:
         """Share of the velocity of approach that an impact of rigid bodies leaves."""
         if self.restitution is None:
@@ -267,8 +282,8 @@ class Contact(Component):
         return float(self.restitution)
 
     def _condense(self, model: Model) -> None:
-        assert isinstance(self.first, Solid)
-        nodes = self.first.node_unknowns(self.first.faces(self.first_faces).nodes)
+        (body,) = mesh_bodies(self.first)
+        nodes = body.node_unknowns(body.faces(self.first_faces).nodes)
         for pressure, node in zip(self.pressure.unknowns, nodes, strict=True):
             model.press(int(pressure), int(node), self._surface.dimension)
 
@@ -325,7 +340,7 @@ class Contact(Component):
         if self._started or self.initial == "press" or state.time > 0:
             return
         self._started = True
-        state.core.search()
+        state.core.find_neighbours()
         state.take_stock()
         refuse_overlap(self, self.places)
 
@@ -348,22 +363,16 @@ class Contact(Component):
     @property
     def _inertia(self) -> float:
         """Mass by area that a traction at a vertex moves at once: a part of that of a layer of facets."""
-        area = self._surface.areas.sum()
-        masses = [
-            body.density * self.size if isinstance(body, Solid) else body.total_mass / area
-            for body in (self.first, self.second)
-            if body is not None
+        area, meshes = self._surface.areas.sum(), mesh_bodies(self.first, self.second)
+        masses = [body.density * self.size for body in meshes]
+        masses += [
+            c.total_mass / area for c in (self.first, self.second) if c is not None and c not in meshes
         ]
         return AT_ONCE * min((m for m in masses if m > 0), default=0.0)
 
     @property
     def _moduli(self) -> list[float]:
-        moduli = []
-        for body in (self.first, self.second):
-            if isinstance(body, Solid):
-                lam, mu = body.material.lame
-                moduli.append(3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu))
-        return moduli
+        return [body.modulus for body in mesh_bodies(self.first, self.second)]
 
     def _default_stiffness(self, size: float, multipliers: bool) -> float:
         moduli = self._moduli
@@ -435,7 +444,7 @@ class Contact(Component):
 
     @property
     def collides(self) -> bool:
-        return self.enforcement == "multipliers" and not isinstance(self.first, Solid)
+        return self.enforcement == "multipliers" and self._is_rigid
 
     def unfit_for_modes(self) -> str:
         presses = self.pressures > 0

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
-from visviva.body.solid import Solid
-from visviva.body.solid_faces import face_points
+from visviva.contact.contact_surface import mesh_bodies
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def check_multipliers(contact: Contact) -> None:
             f"{label}: multipliers='dual' are those of mortar contact between surfaces; here vertices have one each: "
             "leave it out, they can be condensed as they are"
         )
-    if condensed and not isinstance(contact.first, Solid):
+    if condensed and not isinstance(contact.first, MeshBody):
         raise InputError(
             f"{label}: condensed=True needs nodes of a solid on the first surface, which {contact.first.label} has "
             "not; exchange first and second, or leave it out"
@@ -77,7 +77,7 @@ def check_restitution(contact: Contact) -> None:
             f"{label}: restitution = {share:g} with initial='press', which pushes out what an impact leaves as well; "
             "move the bodies apart and leave out initial"
         )
-    if isinstance(contact.first, Solid):
+    if isinstance(contact.first, MeshBody):
         raise InputError(
             f"{label}: restitution = {share:g} is for rigid bodies and points, and {contact.first.label} is a solid, "
             "whose waves take the energy of an impact; leave it out"
@@ -105,7 +105,7 @@ def check_sides(contact: Contact) -> None:
     for body, faces, side in sides:
         if body is None:
             continue
-        if isinstance(body, Solid):
+        if isinstance(body, MeshBody):
             check_faces(body, body.faces(faces), contact.label)
         elif isinstance(body, RigidBody) and body.shape is None:
             raise InputError(f"{contact.label}: {body.label} has no surface; give it a shape")
@@ -113,12 +113,12 @@ def check_sides(contact: Contact) -> None:
             raise InputError(
                 f"{contact.label}: {body.label} touches with its whole shape; leave out {side}_faces = {faces!r}"
             )
-    solids = [body for body in (first, second) if isinstance(body, Solid)]
-    if len({body.axisymmetric for body in solids}) > 1:
-        raise InputError(f"{contact.label}: one of {solids[0].label} and {solids[1].label} is axisymmetric")
+    meshes = mesh_bodies(first, second)
+    if len({body.axisymmetric for body in meshes}) > 1:
+        raise InputError(f"{contact.label}: one of {meshes[0].label} and {meshes[1].label} is axisymmetric")
     if first is not second:
         return
-    if not isinstance(first, Solid):
+    if not isinstance(first, MeshBody):
         raise InputError(f"{contact.label}: {first.label} cannot touch itself")
     shared = np.intersect1d(first.faces(contact.first_faces).nodes, first.faces(contact.second_faces).nodes)
     if len(shared):
@@ -128,16 +128,16 @@ def check_sides(contact: Contact) -> None:
         )
 
 
-def check_faces(solid: Solid, faces: Faces, label: str) -> None:
+def check_faces(body: MeshBody, faces: Faces, label: str) -> None:
     """Refuse faces that look into the cells they belong to."""
-    for kind, points in zip(faces.cells, face_points(solid, faces), strict=True):
-        centres = solid.points[points.nodes].mean(axis=1)
-        inner = np.pad(solid.grid.centres[faces.owners[kind]], ((0, 0), (0, 3 - solid.dimension)))
+    for kind, points in zip(faces.cells, body.face_points(faces), strict=True):
+        centres = body.points[points.nodes].mean(axis=1)
+        inner = np.pad(body.grid.centres[faces.owners[kind]], ((0, 0), (0, 3 - body.dimension)))
         outwards = np.einsum("mc,mc->m", points.normal.mean(axis=1), centres - inner)
         if np.any(outwards < 0):
             place = ", ".join(f"{c:.4g}" for c in centres[np.argmin(outwards)])
             raise InputError(
-                f"{label}: the face of {solid.label} near ({place}) looks into the solid; reverse its nodes"
+                f"{label}: the face of {body.label} near ({place}) looks into the solid; reverse its nodes"
             )
 
 

@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
+from visviva.component.meshed import Meshed
+from visviva.contact.contact_surface import mesh_bodies
 
 if TYPE_CHECKING:
+    from visviva.component.component import Component
     from visviva.contact.contact import Contact
+    from visviva.mesh.faces import Faces
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,7 +36,7 @@ def record(contact: Contact, x: Array) -> Array:
     state = np.where(pressing, 1.0 + contact.slipping, 0.0)
     first = np.column_stack([contact.pressures, contact.gaps, state, contact.tractions])
     opposite, body = contact.opposite, contact.second
-    if opposite is None or not isinstance(body, Solid):
+    if opposite is None or not isinstance(body, MeshBody):
         return first
     second = np.zeros((len(opposite.forms), 6))
     second[:, GAP] = np.nan
@@ -55,17 +59,17 @@ class Painting:
     ----------
     contacts : sequence of Contact
     starts : mapping
-        First point of each solid.
+        First point of each mesh.
     n_points : int
         Points of all surfaces.
     """
 
-    def __init__(self, contacts: Sequence[Contact], starts: Mapping[Solid, int], n_points: int) -> None:
+    def __init__(self, contacts: Sequence[Contact], starts: Mapping[Meshed, int], n_points: int) -> None:
         self.parts = [list(sides(contact, starts)) for contact in contacts]
         width = 6 if any(contact.friction > 0 for contact in contacts) else 3
         self._blank = np.full((n_points, width), np.nan)
-        for solid in {body for c in contacts for body in (c.first, c.second) if isinstance(body, Solid)}:
-            points = starts[solid] + np.arange(solid.grid.n_nodes)
+        for mesh in {body for c in contacts for body in mesh_bodies(c.first, c.second)}:
+            points = starts[mesh] + np.arange(mesh.grid.n_nodes)
             self._blank[points] = 0.0
             self._blank[points, GAP] = np.nan
 
@@ -92,12 +96,12 @@ class Painting:
         return {name: found[:, chosen].copy() for name, chosen in named}
 
 
-def sides(contact: Contact, starts: Mapping[Solid, int]) -> Iterator[tuple[Ints, slice]]:
+def sides(contact: Contact, starts: Mapping[Meshed, int]) -> Iterator[tuple[Ints, slice]]:
     """Points of the solids on either side, and the rows of the record that belong to them."""
     n = len(contact.places)
-    chosen = [(contact.first, contact.first_faces, slice(n))]
-    if contact.opposite is not None and isinstance(contact.second, Solid):
+    chosen: list[tuple[Component, str | Faces, slice]] = [(contact.first, contact.first_faces, slice(n))]
+    if contact.opposite is not None and contact.second is not None:
         chosen.append((contact.second, contact.second_faces, slice(n, None)))
     for body, faces, rows in chosen:
-        if isinstance(body, Solid):
+        if isinstance(body, MeshBody):
             yield starts[body] + body.faces(faces).nodes, rows

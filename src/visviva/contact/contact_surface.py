@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
-from visviva.body.solid import Solid
+from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
@@ -160,33 +161,38 @@ def vertices_of(faces: Faces) -> sp.csr_array:
 
 
 def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface:
-    """The surface of a solid given by faces, or the whole one of a rigid body or the ground."""
-    if isinstance(component, Solid):
-        return _of_solid(component, component.faces(faces))
+    """The surface of a mesh given by faces, or the whole one of a rigid body or the ground."""
+    if isinstance(component, MeshBody):
+        return _of_mesh(component, component.faces(faces))
     return _of_shape(component, faces, label)
 
 
-def _of_solid(solid: Solid, faces: Faces) -> Surface:
-    weights, unknowns = vertices_of(faces), solid.node_unknowns(faces.nodes)
+def mesh_bodies(*bodies: Component | None) -> list[MeshBody]:
+    """Those that deform; contact knows others by their shape."""
+    return [body for body in bodies if isinstance(body, MeshBody)]
+
+
+def _of_mesh(body: MeshBody, faces: Faces) -> Surface:
+    weights, unknowns = vertices_of(faces), body.node_unknowns(faces.nodes)
     ranges = pairwise(weights.indptr)
     forms = [[(int(unknowns[weights.indices[k]]), float(weights.data[k])) for k in range(*r)] for r in ranges]
-    return replace(of_nodes(solid, faces, forms), places=np.asarray(weights @ solid.points[faces.nodes]))
+    return replace(of_nodes(body, faces, forms), places=np.asarray(weights @ body.points[faces.nodes]))
 
 
-def of_nodes(solid: Solid, faces: Faces, forms: list[list[tuple[int, float]]]) -> Surface:
-    """The surface of a solid whose nodes are these forms."""
+def of_nodes(body: MeshBody, faces: Faces, forms: list[list[tuple[int, float]]]) -> Surface:
+    """The surface of a body whose nodes are these forms."""
     nodes = faces.nodes
     rows: list[tuple[int, ...]] = []
-    number = np.full(solid.grid.n_nodes, -1)
+    number = np.full(body.grid.n_nodes, -1)
     number[nodes] = np.arange(len(nodes))
     for kind, cells in faces.cells.items():
         for part in SUBFACETS[kind]:
             facets = np.full((len(cells), 4), -1)
             facets[:, : len(part)] = number[cells[:, list(part)]]
             rows.extend(map(tuple, facets.tolist()))
-    places = solid.points[nodes]
+    places = body.points[nodes]
     return Surface(
-        forms, True, np.zeros_like(places), np.array(rows), places, solid.dimension, solid.axisymmetric
+        forms, True, np.zeros_like(places), np.array(rows), places, body.dimension, body.axisymmetric
     )
 
 
@@ -237,8 +243,8 @@ def positions(surface: Surface, x: Array) -> Array:
 
 def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Surface, float]:
     """Where a component touches exact shapes and facets, and the radius of balls about these points."""
-    if isinstance(component, Solid):
-        return _of_solid(component, component.faces(faces)), 0.0
+    if isinstance(component, MeshBody):
+        return _of_mesh(component, component.faces(faces)), 0.0
     feelers = component.feelers()
     if feelers is None:
         raise InputError(f"{label}: nothing says where {component.label} touches; give it a shape")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from visviva.base.errors import InputError
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component
 from visviva.contact.tying import Tie
 from visviva.mesh.faces import Faces
@@ -22,17 +22,15 @@ Side = tuple[Component, str | Faces]
 
 def refuse_doubles(contact: Contact, model: Model) -> None:
     """Refuse surfaces that are in contact twice, which doubles penalties and makes multipliers redundant, or tied."""
-    before = model.components[: model.index(contact)]
-    for other in before:
-        if isinstance(other, type(contact)) and _meet(_sides(contact), _sides(other)):
+    number = model.index(contact)
+    for other in model.announced(contact.first, type(contact)):
+        if model.index(other) < number and _meet(_sides(contact), _sides(other)):
             raise InputError(
                 f"{contact.label} holds surfaces of {contact.first.label} and {_sides(contact)[1][0].label} apart that "
                 f"{other.label} does as well: leave one of them out, or give them other faces"
             )
-    for tie in model.components:
-        if isinstance(tie, Tie) and _meet(
-            _sides(contact), [(tie.first, _tied(tie)), (tie.second, tie.second_faces)]
-        ):
+    for tie in model.announced(contact.first, Tie):
+        if _meet(_sides(contact), [(tie.first, _tied(tie)), (tie.second, tie.second_faces)]):
             raise InputError(
                 f"{contact.label} holds faces of {tie.first.label} and {tie.second.label} apart that {tie.label} "
                 "ties to each other: give the contact other faces, those that are free"
@@ -61,7 +59,7 @@ def _share(one: Side, two: Side) -> bool:
     (body, faces), (other, others) = one, two
     if body is not other:
         return False
-    if isinstance(body, Solid):
+    if isinstance(body, MeshBody):
         return not _nodes(body.faces(faces)).isdisjoint(_nodes(body.faces(others)))
     return "all" in (faces, others) or faces == others
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.body.coupling import RigidCoupling
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.contact.contact_surface import Surface, positions, vertices_of
-from visviva.load.support import Support
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.contact.contact import Contact
+    from visviva.component.component import Component
+    from visviva.mesh.faces import Faces
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
@@ -33,64 +33,43 @@ ROUNDS = 20
 
 @dataclass(frozen=True)
 class Side:
-    """A surface, and the solid with its nodes that move with it; None for what stays."""
+    """A surface, and the body with its nodes that move with it; None for what stays."""
 
     surface: Surface
-    solid: Solid | None
+    body: MeshBody | None
     nodes: Ints
     weights: sp.csr_array  # of the nodes in the vertices
 
     def ease(self, model: Model) -> Array:
         """How easily the nodes, or other vertices, (n, 3) move: the inverse of their mass, nothing for what is held."""
-        if self.solid is None:
+        if self.body is None:
             return np.zeros_like(self.surface.constant)
-        solid, nodes = self.solid, self.nodes
-        weight = solid.nodal_mass if solid.density > 0 else np.ones(solid.grid.n_nodes)
+        body, nodes = self.body, self.nodes
+        weight = body.nodal_mass if body.density > 0 else np.ones(body.grid.n_nodes)
         ease = np.tile(1 / weight[nodes][:, None], (1, 3))
-        ease[:, solid.dimension :] = 0.0
-        for c in model.components:
-            if isinstance(c, Support) and c.solid is solid:
-                held = c.holds()
-                directions = np.ones(3, dtype=bool) if held is None else held
-                ease[np.ix_(np.isin(nodes, c._chosen), directions)] = 0.0
-            elif isinstance(c, RigidCoupling) and c.solid is solid:
-                ease[np.isin(nodes, c._nodes)] = 0.0
+        ease[:, body.dimension :] = 0.0
+        for holding in model.announced(body, Holding):
+            directions = np.ones(3, dtype=bool) if holding.directions is None else holding.directions
+            ease[np.ix_(np.isin(nodes, holding.nodes), directions)] = 0.0
         return ease
 
     def move(self, by: Array, model: Model) -> None:
         """Move the nodes in the reference configuration by (n, 3)."""
-        solid = self.solid
-        if solid is None or not np.any(by):
-            return
-        points = solid.grid.points.copy()
-        points[self.nodes] += by[:, : solid.dimension]
-        solid.grid = replace(solid.grid, points=points).check()
-        solid.__dict__.pop("nodal_mass", None)
-        motion = solid.motion
-        motion.values[:], motion.rates[:] = points.ravel(), solid.initial_velocities().ravel()
-        model.refresh(motion)
+        if self.body is not None and np.any(by):
+            self.body.move_reference(model, self.nodes, by)
 
 
-def sides_of(contact: Contact) -> Iterator[Side]:
-    """Both surfaces, or the only one."""
+def side_of(surface: Surface, body: Component | None, faces: str | Faces) -> Side:
+    """A surface of a body, on these of its faces if it is one on a mesh."""
     import scipy.sparse as sp
 
-    chosen = (
-        (contact._surface, contact.first, contact.first_faces),
-        (contact._facing, contact.second, contact.second_faces),
-    )
-    for surface, body, faces in chosen:
-        solid = body if isinstance(body, Solid) else None
-        if surface is None:
-            continue
-        if solid is None:
-            yield Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
-        else:
-            chosen_faces = solid.faces(faces)
-            yield Side(surface, solid, chosen_faces.nodes, vertices_of(chosen_faces))
+    if isinstance(body, MeshBody):
+        chosen = body.faces(faces)
+        return Side(surface, body, chosen.nodes, vertices_of(chosen))
+    return Side(surface, None, np.zeros(0, dtype=int), sp.eye_array(len(surface.forms), format="csr"))
 
 
-def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> float:
+def resolve(label: str, sides: Sequence[Side], model: Model, gaps: _core.Gaps, size: float) -> float:
     """Move nodes of solids until no gap is negative; returns the longest way of a node.
 
     It is the smallest move in the mean square, weighted by mass (without mass all nodes count the same), that opens
@@ -104,7 +83,7 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     """
     import scipy.sparse as sp
 
-    (x, _), sides = model.initial, list(sides_of(contact))
+    x, _ = model.initial
     X = np.concatenate([positions(side.surface, x) for side in sides])
     ease = np.concatenate([side.ease(model) for side in sides]).ravel()
     to_vertices = sp.block_diag([side.weights for side in sides], format="csr")
@@ -123,7 +102,7 @@ def resolve(contact: Contact, model: Model, gaps: _core.Gaps, size: float) -> fl
     if depth.max(initial=0.0) > RESOLVED * size or moved > size:
         place = ", ".join(f"{c:.4g}" for c in X[int(np.argmax(depth))])
         raise InputError(
-            f"{contact.label}: the overlap near ({place}) cannot be resolved by moving nodes by less than a facet's "
+            f"{label}: the overlap near ({place}) cannot be resolved by moving nodes by less than a facet's "
             f"size, {size:.3g}; move one of the bodies, or free the nodes that supports hold there"
         )
     starts = np.cumsum([0, *(len(side.surface.forms) for side in sides)])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.contact.contact_surface import SUBFACETS, of_nodes, skin
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
@@ -141,7 +141,7 @@ class MortarSurfaces:
     """Two surfaces and what is integrated over both; facets farther apart than `reach` do not see each other."""
 
     def __init__(
-        self, first: tuple[Solid, Faces], second: tuple[Solid, Faces], reach: float | None = None
+        self, first: tuple[MeshBody, Faces], second: tuple[MeshBody, Faces], reach: float | None = None
     ) -> None:
         self.first, self.second = (of_nodes(*side, numbered(side[1])) for side in (first, second))
         self.parents = Parents.of(first[1]), Parents.of(second[1])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -11,12 +10,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.body.coupling import RigidCoupling
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.contact.tie_integrals import MortarSurfaces
-from visviva.load.support import Support
 from visviva.mesh.faces import Faces
 from visviva.model.batch import book
 
@@ -80,8 +78,8 @@ class Tie(Component):
     1.0
     """
 
-    first: Solid
-    second: Solid
+    first: MeshBody
+    second: MeshBody
     first_faces: str | Faces = "all"
     second_faces: str | Faces = "all"
     multipliers: Literal["dual", "standard"] = "dual"
@@ -125,6 +123,10 @@ class Tie(Component):
         self._rows = solved(rows, self._tied) if self.multipliers == "dual" else rows
 
     # --- part in the system ---------------------------------------------------------------------------------
+    def announce(self, model: Model) -> None:
+        model.announce(self.first, self)
+        model.announce(self.second, self)
+
     def declare(self, model: Model) -> None:
         model.index(self.first), model.index(self.second)
         self._active = self._tied[:, None] & ~self._held(model)
@@ -138,18 +140,16 @@ class Tie(Component):
         """Components (n, d) of the nodes that supports hold; refuses nodes that are not free to follow."""
         d = self.first.dimension
         held = np.zeros((len(self._nodes), d), dtype=bool)
-        for c in model.components:
-            if isinstance(c, Support) and c.solid is self.first:
-                directions = c.holds()
-                mine = np.isin(self._nodes, c._chosen)
-                self._refuse(mine & (directions is None), c)
-                if directions is not None:
-                    held[mine] |= directions[:d]
-                    self._refuse(mine & held.all(axis=1), c)
-            elif isinstance(c, RigidCoupling) and c.solid is self.first:
-                self._refuse(np.isin(self._nodes, c._nodes), c)
-            elif isinstance(c, Tie) and c is not self and c.first is self.first:
-                self._refuse(np.isin(self._nodes, c._nodes[c._tied]), c)
+        for holding in model.announced(self.first, Holding):
+            mine = np.isin(self._nodes, holding.nodes)
+            if holding.directions is None:
+                self._refuse(mine, holding.by)
+            else:
+                held[mine] |= holding.directions[:d]
+                self._refuse(mine & held.all(axis=1), holding.by)
+        for tie in model.announced(self.first, Tie):
+            if tie is not self and tie.first is self.first:
+                self._refuse(np.isin(self._nodes, tie._nodes[tie._tied]), tie)
         return held
 
     def _refuse(self, conflict: Mask, other: Component) -> None:
@@ -192,13 +192,7 @@ class Tie(Component):
                 f"{self.moved:.3g} to lie on {self.second.label}, more than the reach {self._reach:.3g}. Refine the "
                 "surfaces, leave faces out that do not touch, or give a larger reach"
             )
-        points = self.first.grid.points.copy()
-        points[self._nodes] += shift
-        self.first.grid = replace(self.first.grid, points=points)
-        self.first.__dict__.pop("nodal_mass", None)
-        motion = self.first.motion
-        motion.values[:], motion.rates[:] = points.ravel(), self.first.initial_velocities().ravel()
-        model.refresh(motion)
+        self.first.move_reference(model, self._nodes, shift)
 
     @property
     def moved(self) -> float:

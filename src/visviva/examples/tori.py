@@ -35,8 +35,8 @@ def study(
         first=left, second=right, first_faces="outer", second_faces="outer", impact=impact, name="contact"
     )
     probes = {
-        "left_velocity": lambda s: left.nodal_mass @ left.velocities(s.v) / left.mass,
-        "right_velocity": lambda s: right.nodal_mass @ right.velocities(s.v) / right.mass,
+        "left_velocity": lambda s: left.nodal_mass @ left.velocities(s.x, s.v) / left.mass,
+        "right_velocity": lambda s: right.nodal_mass @ right.velocities(s.x, s.v) / right.mass,
         "largest_pressure": lambda s: float(contact.pressures.max()),
         "active_gaps": lambda s: float(np.count_nonzero(contact.pressures)),
     }

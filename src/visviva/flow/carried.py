@@ -13,11 +13,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.component.announcements import Wetting
 from visviva.component.component import settings
 from visviva.flow.fluid import Fluid
 from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
-from visviva.flow.overlap import Wetting
 from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
 from visviva.model.batch import book
@@ -73,11 +73,6 @@ class Carried(Wetting):
         if self.damping is not None and not 0.0 <= self.damping <= 0.5:
             raise InputError(f"{self.label}: damping = {self.damping} is not a number from 0 to 0.5")
 
-    @property
-    def is_thin(self) -> bool:
-        """Whether it is thinner than the cells of the fluid around it."""
-        return False
-
     def _places(self) -> Array:
         """Its points (n, d) at the start."""
         raise NotImplementedError
@@ -107,9 +102,7 @@ class Carried(Wetting):
         model.index(self.carried), model.index(self.fluid)
         self._gravity = np.zeros(self.fluid.dimension)
         self._within: Mask | None = None
-        if any(
-            isinstance(c, Carried) and c is not self and c.carried is self.carried for c in model.components
-        ):
+        if model.announced(self.carried, Carried) != [self]:
             raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
 
     def _follow(

@@ -47,6 +47,9 @@ class Condition(Component):
         """Whether fluid may pass at a velocity that the flow finds."""
         return False
 
+    def announce(self, model: Model) -> None:
+        model.announce(self.fluid, self)
+
     def wanted(self) -> Mask:
         """Components (n_nodes, d) of the velocity that it holds, if nobody of lower rank does."""
         return np.zeros(self.fluid.grid.points.shape, dtype=bool)
@@ -79,8 +82,7 @@ class Conditions:
     """
 
     def __init__(self, fluid: Fluid, model: Model) -> None:
-        mine = [c for c in model.components if isinstance(c, Condition) and c.fluid is fluid]
-        self.fluid, self.listed = fluid, sorted(mine, key=lambda c: c.rank)
+        self.fluid, self.listed = fluid, sorted(model.announced(fluid, Condition), key=lambda c: c.rank)
         self._refuse_overlap()
         self._refuse_uncovered()
         self.closed = not any(c.is_open for c in self.listed)

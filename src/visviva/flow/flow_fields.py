@@ -49,7 +49,7 @@ def nodal_pressures(fluid: Fluid, x: Array) -> Array:
 
 def gradients(fluid: Fluid, x: Array) -> Iterator[tuple[Batch, slice, Array, Array]]:
     """Gradients (m, q, 3, 3) ``dv_i/dx_j`` of the velocity and volumes (m, q), some thousand elements at a time."""
-    v = fluid.velocities(x)
+    v = fluid.by_node(x)
     for batch in fluid.batches:
         for start in range(0, len(batch.nodes), CHUNK):
             part = slice(start, min(start + CHUNK, len(batch.nodes)))
@@ -61,7 +61,7 @@ def gradients(fluid: Fluid, x: Array) -> Iterator[tuple[Batch, slice, Array, Arr
 
 def nodal_gradients(fluid: Fluid, x: Array) -> Array:
     """Gradients (n_nodes, 3, 3) at the nodes: of each element there, then the mean weighted by volumes."""
-    v, total, weight = fluid.velocities(x), np.zeros((fluid.grid.n_nodes, 3, 3)), np.zeros(fluid.grid.n_nodes)
+    v, total, weight = fluid.by_node(x), np.zeros((fluid.grid.n_nodes, 3, 3)), np.zeros(fluid.grid.n_nodes)
     for batch in fluid.batches:
         cell = CELLS[batch.cell]
         X = fluid.grid.points[batch.nodes]
@@ -84,8 +84,8 @@ def vorticity(fluid: Fluid, x: Array) -> Array:
 
 
 FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
-    "velocity": lambda fluid, x: fluid.velocities(x),
-    "speed": lambda fluid, x: np.asarray(np.linalg.norm(fluid.velocities(x), axis=1)),
+    "velocity": lambda fluid, x: fluid.by_node(x),
+    "speed": lambda fluid, x: np.asarray(np.linalg.norm(fluid.by_node(x), axis=1)),
     "pressure": lambda fluid, x: fluid.pressures(x),
     "vorticity": vorticity,
 }
@@ -112,7 +112,7 @@ def flow_field(name: str) -> Callable[[Fluid, Array], Array]:
 
 def courant(fluid: Fluid, x: Array, h: float) -> float:
     """Largest part of a cell, along the velocity at one of its nodes, that the fluid passes in a time `h`."""
-    v, fastest = fluid.velocities(x)[:, : fluid.dimension], 0.0
+    v, fastest = fluid.by_node(x)[:, : fluid.dimension], 0.0
     for batch in fluid.batches:
         along = np.einsum("mij,mkj->mki", batch.inverse, v[batch.nodes])
         squares = np.einsum("mki,ij,mkj->mk", along, batch.shape, along)

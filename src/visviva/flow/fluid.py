@@ -306,8 +306,8 @@ class Fluid(Meshed):
 
     def is_loaded(self, model: Model) -> bool:
         """Whether a force may act on its volume."""
-        weighing = any(isinstance(c, Gravity) for c in model.components)
-        return weighing or self._force is not None or bool(np.any(self.body_force))
+        weighed = bool(model.announced(self, Gravity))
+        return weighed or self._force is not None or bool(np.any(self.body_force))
 
     def _loader(self, places: Array) -> Any:
         d = self.dimension
@@ -319,11 +319,15 @@ class Fluid(Meshed):
         return load
 
     # --- what it shows -------------------------------------------------------------------------------------
-    def velocities(self, x: Array) -> Array:
-        """Velocities (n, 3) of the nodes at the unknowns `x` of the system."""
+    def by_node(self, values: Array) -> Array:
+        """What all unknowns of the system, or their rates, are for the velocities of the nodes (n, 3)."""
         d = self.dimension
-        v = x[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self.number]
+        v = values[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self.number]
         return np.pad(v, ((0, 0), (0, 3 - d)))
+
+    def velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) at the nodes at the unknowns `x`, which they are among, and rates `v`."""
+        return self.by_node(x)
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the nodes; where nothing fixes their level, their mean over the fluid is zero."""
@@ -333,9 +337,6 @@ class Fluid(Meshed):
 
     def positions(self, x: Array) -> Array:
         return self.points
-
-    def moving(self, x: Array, v: Array) -> Array:
-        return self.velocities(x)
 
     def gauges(self, state: State) -> dict[str, float]:
         from visviva.flow.flow_fields import courant

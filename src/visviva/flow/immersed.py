@@ -18,7 +18,7 @@ from visviva.component.component import Component, settings
 from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
-from visviva.flow.overlap import covered_by_solid, refuse_covering
+from visviva.flow.overlap import covered_by_mesh, refuse_covering
 from visviva.flow.sheet import normals
 from visviva.flow.transfer import Transfer
 from visviva.model.batch import book
@@ -93,7 +93,7 @@ class Immersed(Carried):
     >>> soft = vv.Solid(mesh=patch, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
     >>> around = vv.VelocityBoundary(fluid=flow, faces="all", velocity=lambda t, X: [1, -1, 0] * (X - [0.5, 0.5, 0]))
     >>> system = vv.System([flow, around, soft, vv.Immersed(solid=soft, fluid=flow)])
-    >>> soft.velocities(system.v)[0].round(9).tolist()
+    >>> soft.velocities(system.x, system.v)[0].round(9).tolist()
     [-0.1, 0.1, 0.0]
     """
 
@@ -131,7 +131,6 @@ class Immersed(Carried):
 
     def declare(self, model: Model) -> None:
         super().declare(model)
-        self.solid.is_carried_thin = self.is_thin
         size = self.solid.dimension * self.solid.grid.n_nodes
         self.force = model.multipliers(self, "force", size, instantaneous=False)
 
@@ -139,7 +138,7 @@ class Immersed(Carried):
         d, motion = self.solid.dimension, self.solid.motion
         places, follows = self._located(self.solid.grid.points), ~motion.fixed
         if not self.over_walls:
-            covered = covered_by_solid(self.fluid, self.solid)
+            covered = covered_by_mesh(self.fluid, self.solid.grid)
             refuse_covering(self.label, self.solid, self.fluid, covered)
         motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)
@@ -188,7 +187,7 @@ class Immersed(Carried):
                 f"{thin}, so that its nodes go ahead by {self.used_damping:g} of a step's change of velocity, an error "
                 "of that part of a step in time; damping=0 leaves that out"
             )
-        if self.solid.tangent is None and self.solid.used_tangent == "start":
+        if self.solid.tangent is None and self.solid.material.energy is None:
             found.append(
                 f"{thin}, so that its tangents take their stress from the start of a step (tangent='exact')"
             )

@@ -24,6 +24,8 @@ TOLERANCE = 1e-8
 """How far outside a cell, in its reference coordinates, a place still counts as inside."""
 NEAREST = 12
 """So many cells whose centres are nearest are tried before all whose boxes hold a place."""
+BULGE = 0.5
+"""Cells do not reach further out of the box of their nodes than by this share of their size, however curved."""
 
 
 def inverse(cell: Cell, corners: Array, x: Array) -> Array:
@@ -31,14 +33,16 @@ def inverse(cell: Cell, corners: Array, x: Array) -> Array:
     xi, on_way = np.tile(cell.centre, (len(x), 1)), np.ones(len(x), dtype=bool)
     for _ in range(30):
         here, nodes = xi[on_way], corners[on_way]
-        gap = x[on_way] - np.einsum("nk,nkd->nd", cell.N(here), nodes)
-        J = np.einsum("nkd,nkj->ndj", nodes, cell.dN(here))
+        N, dN = cell.N_dN(here)
+        gap = x[on_way] - np.einsum("nk,nkd->nd", N, nodes)
+        J = np.swapaxes(nodes, 1, 2) @ dN
         lost = ~(np.abs(np.linalg.det(J)) > 0) | (np.abs(here).max(axis=1) > 10)
-        J[lost] = np.eye(x.shape[1])
+        if lost.any():
+            J[lost] = np.eye(x.shape[1])
         step = np.linalg.solve(J, gap[:, :, None])[:, :, 0]
         xi[on_way] = np.where(lost[:, None], np.nan, here + step)
         on_way[on_way] = ~lost  # what is lost stays out: its numbers are none
-        if not np.any(np.abs(step[~lost]) > 1e-13):
+        if not np.any(np.abs(step[~lost]) > 1e-13 * np.maximum(1.0, np.abs(here[~lost]))):
             break
     return xi
 
@@ -75,7 +79,7 @@ class Location:
         corners = [self.mesh.points[rows] for rows in self.mesh.cells.values()]
         low = np.concatenate([c.min(axis=1) for c in corners])
         high = np.concatenate([c.max(axis=1) for c in corners])
-        margin = 0.1 * (high - low).max(axis=1, keepdims=True)
+        margin = BULGE * (high - low).max(axis=1, keepdims=True)
         return low - margin, high + margin
 
     def find(self, places: Array) -> tuple[Ints, Array]:
@@ -84,6 +88,8 @@ class Location:
         _, near = self._tree.query(places)
         self._try(places, np.arange(len(places)), near, cells, xi)
         lost, k = np.flatnonzero(cells < 0), min(NEAREST, self.mesh.n_cells)
+        if len(lost) == 0:
+            return cells, xi
         _, near = self._tree.query(places[lost], k=k)
         near = np.reshape(near, (len(lost), k))
         for j in range(1, k):
@@ -92,15 +98,18 @@ class Location:
             if np.all(cells[lost] >= 0):
                 return cells, xi
         low, high = self._boxes
-        for row in np.flatnonzero(cells < 0):
+        for row, tried in zip(lost, near, strict=True):
             inside = np.flatnonzero(np.all((low <= places[row]) & (places[row] <= high), axis=1))
-            for cell in inside:
+            for cell in np.setdiff1d(inside, tried) if cells[row] < 0 else ():
                 if cells[row] < 0:
                     self._try(places, np.array([row]), np.array([cell]), cells, xi)
         return cells, xi
 
     def _try(self, places: Array, rows: Ints, candidates: Ints, cells: Ints, xi: Array) -> None:
         """Enter the places `rows` that lie in their candidate."""
+        low, high = self._boxes
+        near = np.all((low[candidates] <= places[rows]) & (places[rows] <= high[candidates]), axis=1)
+        rows, candidates = rows[near], candidates[near]
         for name, first in self._first.items():
             mine = (candidates >= first) & (candidates < first + len(self.mesh.cells[name]))
             chosen, cell = rows[mine], CELLS[name]
@@ -163,9 +172,10 @@ class Place:
     def _fill(self, name: str, mine: Ints, rows: Ints, xi: Array) -> None:
         cell, nodes = CELLS[name], self.fluid.grid.cells[name][rows]
         k, p = nodes.shape[1], cell.n_corners
-        J = np.einsum("nkd,nkj->ndj", self.fluid.grid.points[nodes], cell.dN(xi))
-        self.nodes[mine, :k], self.weights[mine, :k] = nodes, cell.N(xi)
-        self.gradients[mine, :k] = cell.dN(xi) @ np.linalg.inv(J)
+        N, dN = cell.N_dN(xi)
+        J = np.swapaxes(self.fluid.grid.points[nodes], 1, 2) @ dN
+        self.nodes[mine, :k], self.weights[mine, :k] = nodes, N
+        self.gradients[mine, :k] = dN @ np.linalg.inv(J)
         self.pressure_weights[mine, :p] = linear(cell).N(xi)
         self._pressures[mine, :p] = self.fluid.pressure_number[name][rows]
 
@@ -185,7 +195,7 @@ class Place:
 
     def velocities(self, x: Array) -> Array:
         """Velocities (n, 3) at the unknowns `x` of the system."""
-        return self.of_nodes(self.fluid.velocities(x))
+        return self.of_nodes(self.fluid.by_node(x))
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the unknowns `x` of the system."""

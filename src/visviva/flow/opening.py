@@ -45,7 +45,7 @@ class Open(FluidBoundary):
 
     def trouble(self, x: Array) -> str:
         """Where fluid comes in much faster than anything moved at the start."""
-        v, usual = self.fluid.velocities(x)[:, : self.fluid.dimension], float(np.max(self.fluid.flow.scale))
+        v, usual = self.fluid.by_node(x)[:, : self.fluid.dimension], float(np.max(self.fluid.flow.scale))
         fastest, place = 0.0, np.zeros(3)
         for p in flow_faces(self.fluid.grid, self.chosen):
             outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)

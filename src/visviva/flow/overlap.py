@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
-from visviva.body.solid import Solid
-from visviva.component.component import Component
+from visviva.component.announcements import Wetting
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
 from visviva.mesh.cells import CELLS
@@ -20,6 +20,7 @@ from visviva.model.field import Owner
 
 if TYPE_CHECKING:
     from visviva.flow.fluid import Fluid
+    from visviva.mesh.mesh import Mesh
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
@@ -32,18 +33,9 @@ INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
 
 
-class Wetting(Component):
-    """What lets a body feel the fluid that it lies in."""
-
-    @property
-    def carried(self) -> Component:
-        """The body."""
-        raise NotImplementedError
-
-
 def places_within(body: Owner, dimension: int) -> Array:
     """Places (n, d) that lie inside of a body at the start; none of what has no volume."""
-    if isinstance(body, Solid) and body.dimension == dimension == body.grid.points.shape[1]:
+    if isinstance(body, MeshBody) and body.dimension == dimension == body.grid.dimension:
         return np.asarray(body.grid.centres)
     if isinstance(body, RigidBody) and body.shape is not None:
         X = below(*body.shape.surface())
@@ -69,24 +61,23 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
     InputError
         With the component, the place, and what to take instead.
     """
-    wet = [c.carried for c in model.components if isinstance(c, Wetting)]
     for body in model.components:
-        if any(body is other for other in wet):
+        if model.announced(body, Wetting):
             continue
         places = places_within(body, fluid.dimension)
         cells = fluid.location.find(places)[0] if len(places) else np.zeros(0, dtype=int)
         if np.any(cells >= 0):
-            kind = "Immersed(solid=...)" if isinstance(body, Solid) else "ImmersedBody(body=...)"
+            kind = "Immersed(solid=...)" if isinstance(body, MeshBody) else "ImmersedBody(body=...)"
             raise InputError(
                 f"{body.label} lies within {fluid.label}, at {places[np.argmax(cells >= 0)].round(6).tolist()} for "
                 f"instance, and neither feels the other: add vv.{kind}, move it, or allow it by Fluid(dry=True)"
             )
 
 
-def covered_by_solid(fluid: Fluid, solid: Solid) -> Array:
-    """Places (n, d) of the fluid's boundary that lie inside of a solid at the start."""
-    places = fluid.wall_places(solid.grid.points.mean(axis=0))
-    search = Location(solid.grid)
+def covered_by_mesh(fluid: Fluid, grid: Mesh) -> Array:
+    """Places (n, d) of the fluid's boundary that lie inside of a mesh."""
+    places = fluid.wall_places(grid.points.mean(axis=0))
+    search = Location(grid)
     cells, xi = search.find(places)
     within = np.zeros(len(places), dtype=bool)
     for name, mine, _ in search.parts(cells):

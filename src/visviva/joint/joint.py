@@ -52,7 +52,7 @@ class Side:
 
     def _director(self, k: int) -> Vector:
         assert isinstance(self.point, Frame)
-        return self.point.component.turn(self.point.axes[k])
+        return self.point.component.turn(self.point.axes[k], self.point.X)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

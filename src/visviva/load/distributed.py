@@ -11,8 +11,8 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
-from visviva.body.solid import Solid
-from visviva.body.solid_faces import Points, cell_points
+from visviva.body.mesh_body import MeshBody
+from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
 from visviva.component.values import VectorOrFunction
 from visviva.load.force import guarded
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 class Distribution:
     """Force per volume or area of a solid: a vector (3,) times a function of time, or a function ``f(t, X)``."""
 
-    def __init__(self, label: str, what: str, solid: Solid, value: Any, times: Any) -> None:
+    def __init__(self, label: str, what: str, solid: MeshBody, value: Any, times: Any) -> None:
         self.label, self.what, self.solid, self.value, self.times = label, what, solid, value, times
         self._function = guarded(label, what, value) if callable(value) else None
         if self._function is not None and times is not None:
@@ -111,7 +111,7 @@ class BodyForce(Component):
     >>> system = vv.System([block, vv.BodyForce(solid=block, force=spin)])
     """
 
-    solid: Solid
+    solid: MeshBody
     force: VectorOrFunction
     times: OfTime | None = None
 
@@ -119,4 +119,4 @@ class BodyForce(Component):
         self._distribution = Distribution(self.label, "body force", self.solid, self.force, self.times)
 
     def contribute(self, model: Model) -> None:
-        self._distribution.contribute(model, self, list(cell_points(self.solid)))
+        self._distribution.contribute(model, self, list(self.solid.cell_points()))

@@ -20,6 +20,10 @@ class Gravity(Component):
     acceleration: Vector3 = (0.0, 0.0, -9.81)
     name: str | None = "gravity"
 
+    def announce(self, model: Model) -> None:
+        for component in model.components:
+            model.announce(component, self)
+
     def contribute(self, model: Model) -> None:
         for component in model.components:
             component.weigh(model, self.acceleration)

@@ -10,7 +10,8 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import forward_rate
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Holding
 from visviva.component.component import Component, settings
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
@@ -30,7 +31,7 @@ EVERY: Directions = (True, True, True)
 class Support(Component):
     """Base of supports: `nodes` of a `solid`, by the name of a set of nodes or faces, 'all', or numbers."""
 
-    solid: Solid
+    solid: MeshBody
     nodes: Nodes
 
     def __post_init__(self) -> None:
@@ -42,12 +43,15 @@ class Support(Component):
     def _numbers(self, model: Model, directions: Any) -> Ints:
         """Numbers in the solid's field of these components of the nodes, node by node."""
         model.index(self.solid)
-        d = self.solid.dimension
-        return (d * self._chosen[:, None] + np.flatnonzero(directions[:d])).ravel()
+        first = self.solid.node_unknowns(self._chosen) - self.solid.motion.start
+        return (first[:, None] + np.flatnonzero(directions[: self.solid.dimension])).ravel()
 
-    def holds(self) -> NDArray[np.bool_] | None:
-        """Components (3,) that stay as they are at each of the nodes; None where that is not so simple."""
+    def _holds(self) -> NDArray[np.bool_] | None:
+        """See `Holding.directions`."""
         return None
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, Holding(self, self._chosen, self._holds()))
 
     def _refuse_nothing(self, directions: Any) -> None:
         if not any(directions[: self.solid.dimension]):
@@ -80,7 +84,7 @@ class Fixed(Support):
         super().__post_init__()
         self._refuse_nothing(self.directions)
 
-    def holds(self) -> NDArray[np.bool_] | None:
+    def _holds(self) -> NDArray[np.bool_] | None:
         return np.array(self.directions)
 
     def contribute(self, model: Model) -> None:
@@ -120,9 +124,13 @@ class SymmetryPlane(Support):
             raise InputError(f"{self.label}: a plane solid cannot be held along {self.normal.tolist()}")
         self._along = np.array(n)
 
-    def holds(self) -> NDArray[np.bool_] | None:
+    def _holds(self) -> NDArray[np.bool_] | None:
         axis = np.abs(self._along) > 1e-12
         return axis if axis.sum() == 1 else None
+
+    def announce(self, model: Model) -> None:
+        super().announce(model)
+        model.announce(self.solid, self)  # for probes of its reactions
 
     def contribute(self, model: Model) -> None:
         axis = np.abs(self._along) > 1e-12

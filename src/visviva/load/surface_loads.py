@@ -10,8 +10,8 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
-from visviva.body.solid import Solid
-from visviva.body.solid_faces import FacePoints, face_points, nodal_forces
+from visviva.body.mesh_body import MeshBody
+from visviva.body.mesh_points import FacePoints
 from visviva.component.component import Component, settings
 from visviva.component.values import FaceSet, Number, VectorOrFunction
 from visviva.load.distributed import Distribution
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 class OnFaces(Component):
     """Base of what acts on `faces` of a `solid`, by the name of their set, or 'all' for the whole boundary."""
 
-    solid: Solid
+    solid: MeshBody
     faces: FaceSet
 
     def __post_init__(self) -> None:
@@ -68,7 +68,7 @@ class Traction(OnFaces):
         self._distribution = Distribution(self.label, "traction", self.solid, self.traction, self.times)
 
     def contribute(self, model: Model) -> None:
-        self._distribution.contribute(model, self, list(face_points(self.solid, self._faces)))
+        self._distribution.contribute(model, self, list(self.solid.face_points(self._faces)))
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -105,12 +105,14 @@ class Pressure(OnFaces):
 
     def contribute(self, model: Model) -> None:
         if not self.follower:
-            nodes, force = nodal_forces(self.solid, self._faces, lambda p: -p.normal)
+            nodes, force = self._faces.nodes, np.zeros((self.solid.grid.n_nodes, 3))
+            for p in self.solid.face_points(self._faces):
+                force += p.spread(-p.normal, len(force))
             first = self.solid.node_unknowns(nodes)
-            model.nodal_loads(self, "pressure", first, force[:, : self.solid.dimension], self.pressure)
+            model.nodal_loads(self, "pressure", first, force[nodes, : self.solid.dimension], self.pressure)
             return
         signal = model.signal(self.pressure)
-        for p in face_points(self.solid, self._faces):
+        for p in self.solid.face_points(self._faces):
             index = element_unknowns(self.solid, p)
             layout, weights = self._normals(p)
             term = strain_batch(layout, Law(LawKind.FOLLOWER), index, weights, (0.0, 0.0), signal)
@@ -132,7 +134,7 @@ class Pressure(OnFaces):
         return edge_normals(k), np.tile(np.hstack([p.N, p.N, flat, -flat]), (m, 1))
 
 
-def element_unknowns(solid: Solid, p: FacePoints) -> NDArray[np.int32]:
+def element_unknowns(solid: MeshBody, p: FacePoints) -> NDArray[np.int32]:
     """Unknowns (m q, d k) of the faces' nodes, once for each quadrature point."""
     d, (m, k) = solid.dimension, p.nodes.shape
     each = (solid.node_unknowns(p.nodes)[:, :, None] + np.arange(d)).reshape(m, d * k)
@@ -199,7 +201,7 @@ class ElasticFoundation(OnFaces):
 
     def contribute(self, model: Model) -> None:
         d = self.solid.dimension
-        for p in face_points(self.solid, self._faces):
+        for p in self.solid.face_points(self._faces):
             extra = (self.normal - self.tangential) * p.size
             self._act(model, p, p.normal[:, :, :d], extra, LawKind.QUADRATIC)
             for direction in np.eye(d):

@@ -84,7 +84,7 @@ class FlowRate(Reading):
         return flux_weights(self.fluid.grid, self.fluid.faces(self.faces))
 
     def __call__(self, system: System) -> float:
-        v = self.fluid.velocities(system.x)[:, : self.fluid.dimension]
+        v = self.fluid.velocities(system.x, system.v)[:, : self.fluid.dimension]
         return float(np.sum(self._weights * v))
 
 

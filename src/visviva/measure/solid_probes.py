@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
-from visviva.body.solid import Solid
-from visviva.body.solid_fields import quantity
+from visviva.base.errors import InputError, nearest
+from visviva.body.element import masses, nodal_masses
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import settings
 from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
@@ -83,12 +83,12 @@ class FieldAt(Reading):
     [0.2, 0.0, 0.0]
     """
 
-    solid: Solid
+    solid: MeshBody
     field: str = "von_mises"
     at: Vector3 = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        quantity(self.field)
+        width_of(self.solid, self.field)
         _ = self._place
 
     @cached_property
@@ -97,7 +97,7 @@ class FieldAt(Reading):
 
     def __call__(self, system: System) -> Any:
         nodes, weights = self._place
-        return np.tensordot(weights, self.solid.nodal(self.field, system.x)[nodes], axes=1)
+        return np.tensordot(weights, self.solid.smoothed([self.field], system.x)[self.field][nodes], axes=1)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -112,18 +112,17 @@ class Extreme(Reading):
     which : {'max', 'min'}
     """
 
-    solid: Solid
+    solid: MeshBody
     field: str = "von_mises"
     which: Literal["max", "min"] = "max"
 
     def __post_init__(self) -> None:
-        quantity(self.field)
+        width_of(self.solid, self.field)
 
     def __call__(self, system: System) -> Any:
-        width = quantity(self.field)[0]
         values = self.solid.at_points(self.field, system.x)
         found = values.max(axis=0) if self.which == "max" else values.min(axis=0)
-        return float(found[0]) if width == 1 else found
+        return float(found[0]) if width_of(self.solid, self.field) == 1 else found
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -143,7 +142,7 @@ class Volume(Reading):
     1.0
     """
 
-    solid: Solid
+    solid: MeshBody
 
     def __call__(self, system: System) -> float:
         return self.solid.volume(system.x)
@@ -163,7 +162,7 @@ class SupportForce(Reading):
         A set of the mesh, or numbers of nodes; all if not given.
     """
 
-    solid: Solid
+    solid: MeshBody
     nodes: Nodes | None = None
 
     def __post_init__(self) -> None:
@@ -180,9 +179,8 @@ class SupportForce(Reading):
         held = np.zeros(len(system.x))
         held[solid.motion.start : solid.motion.start + solid.motion.size] = solid.motion.fixed
         force = solid.by_node(held * system.holding_forces())
-        for plane in system.components:
-            if isinstance(plane, SymmetryPlane) and plane.solid is solid:
-                np.add.at(force, *plane.reactions(system))
+        for plane in system.model.announced(solid, SymmetryPlane):
+            np.add.at(force, *plane.reactions(system))
         if self.nodes is not None:
             chosen = np.zeros((solid.grid.n_nodes, 1))
             chosen[solid.nodes(self.nodes)] = 1.0
@@ -219,7 +217,7 @@ class SectionForce(Reading):
         The plane; only elements on either side are told by it, so the section follows their faces.
     """
 
-    solid: Solid
+    solid: MeshBody
     point: Vector3
     normal: Vector3
 
@@ -244,7 +242,7 @@ class SectionForce(Reading):
         """Nodes of elements on both sides."""
         count = np.zeros((2, self.solid.grid.n_nodes), dtype=bool)
         first = 0
-        for _, nodes in self.solid.each_cell():
+        for nodes in self.solid.grid.cells.values():
             side = self._behind[first : first + len(nodes)]
             count[0, nodes[side]] = count[1, nodes[~side]] = True
             first += len(nodes)
@@ -254,8 +252,10 @@ class SectionForce(Reading):
     @cached_property
     def _share(self) -> Array:
         """Share (n, 1) of the elements in front in the volume at each node."""
-        share: Array = self.solid.nodal_volume(~self._behind) / self.solid.nodal_volume()
-        return share[:, None]
+        front, whole = (
+            nodal_volume(self.solid, cells) for cells in (~self._behind, np.ones_like(self._behind))
+        )
+        return np.asarray(front / whole)[:, None]
 
     def by_node(self, system: System) -> Array:
         """Forces (n, 3) on the nodes of the section by what is in front of it."""
@@ -279,6 +279,30 @@ class SectionTorque(SectionForce):
         about = x[self._shared].mean(axis=0) if self.about is None else self.about
         torque: Array = np.cross(x - about, self.by_node(system)).sum(axis=0)
         return torque
+
+
+def nodal_volume(body: MeshBody, cells: NDArray[np.bool_]) -> Array:
+    """Share (n,) of every node in the reference volume, positive, of the chosen cells (n_cells,)."""
+    first, parts = 0, []
+    for cell, nodes in body.grid.cells.items():
+        volume = masses(body.grid.points, nodes, cell, 1.0, axisymmetric=body.axisymmetric, lumped=True)
+        parts.append((nodes, volume * cells[first : first + len(nodes), None]))
+        first += len(nodes)
+    return nodal_masses(body.grid.n_nodes, parts)
+
+
+def width_of(body: MeshBody, field: str) -> int:
+    """Number of components of a field.
+
+    Raises
+    ------
+    InputError
+        With the nearest valid name.
+    """
+    widths = body.widths()
+    if field not in widths:
+        raise InputError(f"there is no field {field!r}{nearest(field, widths)}")
+    return widths[field]
 
 
 def along(vector: Array, direction: Array | None) -> Any:

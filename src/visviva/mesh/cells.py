@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import product
 
 import numpy as np
@@ -123,19 +123,46 @@ class Cell:
 
     def N(self, xi: ArrayLike) -> Array:
         """Shape functions (q, n_nodes) at reference points `xi` (q, dimension)."""
-        x = np.asarray(xi, dtype=float)
-        return np.asarray(np.prod(x[:, None, :] ** np.array(self.powers), axis=2) @ self.coefficients)
+        return np.asarray(self._products(xi, self._factors[0]) @ self.coefficients)
 
     def dN(self, xi: ArrayLike) -> Array:
         """Derivatives (q, n_nodes, dimension) of the shape functions at points `xi` (q, dimension)."""
-        x, p = np.asarray(xi, dtype=float)[:, None, :], np.array(self.powers)
-        factors = x**p
-        result = np.empty((len(x), self.n_nodes, self.dimension))
-        for k in range(self.dimension):
-            derived = factors.copy()
-            derived[:, :, k] = p[:, k] * x[:, :, k] ** np.maximum(p[:, k] - 1, 0)
-            result[:, :, k] = np.prod(derived, axis=2) @ self.coefficients
-        return result
+        return self.N_dN(xi)[1]
+
+    def N_dN(self, xi: ArrayLike) -> tuple[Array, Array]:
+        """Shape functions and their derivatives at points, as `N` and `dN` give them."""
+        values = self._products(xi, self._factors) @ self.coefficients
+        return values[:, 0], values[:, 1:].transpose(0, 2, 1).copy()
+
+    @cached_property
+    def _n_powers(self) -> int:
+        """Powers of a coordinate in the monomials, the zeroth included."""
+        return 1 + max(map(max, self.powers))
+
+    @cached_property
+    def _factors(self) -> Ints:
+        """Places (1 + dimension, n_monomials, dimension) of the factors of monomials and their derivatives.
+
+        They are those in a row of the table that `_products` makes: for every coordinate its powers, then their
+        derivatives.
+        """
+        powers, d, n = np.array(self.powers), self.dimension, self._n_powers
+        derived = n * np.eye(d, dtype=np.int64)[:, None, :]
+        return np.asarray(
+            powers + 2 * n * np.arange(d) + np.concatenate([np.zeros((1, 1, d), np.int64), derived])
+        )
+
+    def _products(self, xi: ArrayLike, factors: Ints) -> Array:
+        """Products (q, ...) of the factors (..., dimension) at points `xi` (q, dimension)."""
+        x = np.asarray(xi, dtype=float)
+        n = self._n_powers
+        table = np.zeros((*x.shape, 2, n))
+        table[:, :, 0, 0], table[:, :, 0, 1], table[:, :, 1, 1] = 1.0, x, 1.0
+        for p in range(2, n):
+            table[:, :, 0, p] = table[:, :, 0, p - 1] * x
+            table[:, :, 1, p] = p * table[:, :, 0, p - 1]
+        found = table.reshape(len(x), 2 * n * self.dimension)[:, factors]
+        return np.asarray(reduce(np.multiply, (found[..., k] for k in range(self.dimension))))
 
 
 LINE = Family(((-1,), (1,)), ((0, 1),))

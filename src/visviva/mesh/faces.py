@@ -108,16 +108,29 @@ def chosen_faces(mesh: Mesh, chosen: str | Faces, label: str) -> Faces:
     return found
 
 
+def stacked(parts: Iterable[Faces]) -> Faces:
+    """All faces of several sets that have none in common."""
+    listed = list(parts)
+    names = dict.fromkeys(name for part in listed for name in part.cells)
+    return Faces(
+        {name: np.concatenate([part.cells[name] for part in listed if name in part.cells]) for name in names},
+        {
+            name: np.concatenate([part.owners[name] for part in listed if name in part.cells])
+            for name in names
+        },
+    )
+
+
 def union(parts: Iterable[Faces]) -> Faces:
     """All faces of several sets; what is in several of them is there once."""
-    listed = list(parts)
-    cells, owners = {}, {}
-    for name in dict.fromkeys(name for part in listed for name in part.cells):
-        nodes = np.concatenate([part.cells[name] for part in listed if name in part.cells])
-        owner = np.concatenate([part.owners[name] for part in listed if name in part.cells])
-        first, _ = equal_rows(np.column_stack([owner, np.sort(nodes, axis=1)]))
-        cells[name], owners[name] = nodes[np.sort(first)], owner[np.sort(first)]
-    return Faces(cells, owners)
+    every, once = stacked(parts), {}
+    for name, nodes in every.cells.items():
+        first, _ = equal_rows(np.column_stack([every.owners[name], np.sort(nodes, axis=1)]))
+        once[name] = np.sort(first)
+    return Faces(
+        {name: every.cells[name][rows] for name, rows in once.items()},
+        {name: every.owners[name][rows] for name, rows in once.items()},
+    )
 
 
 def all_faces(cells: Mapping[str, Ints]) -> Faces:

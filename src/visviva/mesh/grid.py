@@ -19,7 +19,7 @@ from visviva.mesh.cells import (
     cell_type,
 )
 from visviva.mesh.convert import joined, welded
-from visviva.mesh.faces import Faces, union
+from visviva.mesh.faces import Faces, stacked
 from visviva.mesh.mesh import Mesh
 
 Names = Sequence[tuple[str | None, str | None]]
@@ -82,7 +82,7 @@ class Grid:
                 if np.all(offsets[face.nodes, coordinate] == end * self.order):
                     nodes = self.rows[owner][:, face.nodes]
                     found.append(Faces({face.type: nodes}, {face.type: owner}))
-        return union(found)
+        return stacked(found)  # a cell has one face on a side at most
 
     def mesh(self, points: Array, names: Names) -> Mesh:
         """The mesh with nodes at `points` and sets of faces by the names of its sides, None for no set."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from visviva.model.term import Term
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(eq=False)
@@ -70,6 +71,7 @@ class Model:
     length: float = 1.0
     is_driven: bool = False  # by functions of time in constraints
     has_servo: bool = False
+    _announced: dict[int, list[object]] = field(default_factory=dict)  # by number of the component
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
@@ -85,6 +87,15 @@ class Model:
                 f"{component.label} is used by another component but is not part of the system; add it"
             )
         return number
+
+    # --- what components tell about each other ---------------------------------------------------------------
+    def announce(self, about: Owner, what: object) -> None:
+        """Tell what is done to a component; all have told before the first makes its fields."""
+        self._announced.setdefault(self.index(about), []).append(what)
+
+    def announced(self, about: Owner, kind: type[T]) -> list[T]:
+        """What of a kind others have announced about a component, in the order of those others."""
+        return [what for what in self._announced.get(self.index(about), ()) if isinstance(what, kind)]
 
     # --- unknowns ------------------------------------------------------------------------------------------
     def field(

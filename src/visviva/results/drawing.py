@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from visviva.base.errors import InputError, nearest
-from visviva.body.solid import Solid
 from visviva.body.solid_fields import QUANTITIES
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable
@@ -44,7 +43,7 @@ class Drawing:
     Attributes
     ----------
     surfaces : tuple of Surface
-        Named after the components, points of rigid bodies in their own coordinates.
+        Named after the components, points of bodies in their own coordinates.
 
     Raises
     ------
@@ -80,21 +79,26 @@ class Drawing:
             *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
         self._n_bodies, self._n_lines = len(bodies), len(named)
-        vectors = [v for c, _ in bodies for v in placement(c)]
+        placed = [
+            placement(c) if c.moves_rigidly else [c.place(X) for X in points] for c, (points, _) in bodies
+        ]
+        self._ends = np.cumsum([len(v) for v in placed])
+        self._rigid = [c.moves_rigidly for c, _ in bodies]
+        vectors = [v for part in placed for v in part]
         vectors += [end for _, line in named for end in line] + list(free.values())
         self._map, self._constant = stacked(vectors, len(system.x))
         self._start = self.points(system.model.initial[0])
         self._contacts = [c for c in system.components if isinstance(c, Contact)]
         self._starts = np.cumsum([0, *(len(surface.points) for surface in self.surfaces)])
         places = zip(self._meshes, self._starts[self._n_bodies :].tolist(), strict=False)
-        starts = {component: start for component, start in places if isinstance(component, Solid)}
+        starts = dict(places)
         self._painting = of_contact.Painting(self._contacts, starts, int(self._starts[-1]))
         shown = [name for name in fields if self._painting.is_blank or name not in of_contact.FIELDS]
         self.fields = self._known(shown)
 
     def _known(self, fields: Sequence[str]) -> dict[str, int]:
         """Those of the fields that some component has, with their numbers of components."""
-        everything = {*QUANTITIES, *FIELDS}
+        everything = {*QUANTITIES, *FIELDS, *(name for c in self._meshes for name in c.widths())}
         for name in fields:
             if name not in everything:
                 raise InputError(f"there is no field {name!r}{nearest(name, everything)}")
@@ -113,7 +117,7 @@ class Drawing:
 
     def velocities(self, x: Array, v: Array) -> list[Array]:
         """Velocities of the points of every surface at the unknowns `x` and rates `v`."""
-        return self._placed(self._map @ v, [c.moving(x, v) for c in self._meshes])
+        return self._placed(self._map @ v, [c.velocities(x, v) for c in self._meshes])
 
     def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
         """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
@@ -141,11 +145,10 @@ class Drawing:
     def _placed(self, mapped: Array, meshes: list[Array]) -> list[Array]:
         """Vectors at the points of every surface, from the mapped ones and those of the meshes."""
         values = mapped.reshape(-1, 3)
-        n, m = 4 * self._n_bodies, 4 * self._n_bodies + 2 * self._n_lines
-        moved = [
-            s.points @ frame[1:] + frame[0]
-            for s, frame in zip(self.surfaces, values[:n].reshape(-1, 4, 3), strict=False)
-        ]
+        n = int(self._ends[-1]) if self._n_bodies else 0
+        m = n + 2 * self._n_lines
+        of_bodies = zip(self.surfaces, np.split(values, self._ends)[:-1], self._rigid, strict=False)
+        moved = [s.points @ part[1:] + part[0] if rigid else part for s, part, rigid in of_bodies]
         return [*moved, *meshes, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
 
 
@@ -165,11 +168,11 @@ def named_lines(system: System) -> Iterator[tuple[str, Line]]:
 
 
 def placement(component: Attachable) -> list[Vector]:
-    """Origin and three directions of a component; directions of space where it has none of its own."""
+    """Origin and three directions of what moves rigidly; directions of space where it has none of its own."""
     origin = component.place(np.zeros(3))
     if not component.has_directions:
         return [origin, *(Vector.constant(e) for e in np.eye(3))]
-    return [origin, *(component.turn(e) for e in np.eye(3))]
+    return [origin, *(component.turn(e, np.zeros(3)) for e in np.eye(3))]
 
 
 def stacked(vectors: Sequence[Vector], n_unknowns: int) -> tuple[sparse.csr_array, Array]:

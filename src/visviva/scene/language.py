@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -39,6 +40,13 @@ CHOICES: dict[str, type[Any]] = {
 """Kinds of values among which an argument chooses, by their names in the schema."""
 
 
+@cache
+def classes() -> tuple[tuple[str, type[Any]], ...]:
+    """All public classes of visviva with their names."""
+    found = ((name, getattr(visviva, name)) for name in visviva.__all__)
+    return tuple((name, item) for name, item in found if isinstance(item, type))
+
+
 def public(base: type[T]) -> dict[str, type[T]]:
     """Public classes of visviva derived from `base`, by name.
 
@@ -47,8 +55,7 @@ def public(base: type[T]) -> dict[str, type[T]]:
     >>> "RigidBody" in public(Component), "Component" in public(Component)
     (True, False)
     """
-    found = ((name, getattr(visviva, name)) for name in visviva.__all__)
-    return {n: c for n, c in found if isinstance(c, type) and issubclass(c, base) and c is not base}
+    return {name: cls for name, cls in classes() if issubclass(cls, base) and cls is not base}
 
 
 def components() -> dict[str, type[Component]]:

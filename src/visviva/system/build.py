@@ -35,14 +35,15 @@ def build_core(system: System) -> _core.System:
     core.set_nodes(nodes(model))
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
-    core.set_local(system.local)
     core.set_prescribed(*supplied)
     if model.drives:
         core.set_drives(*columns(model.drives))
+    if (system.local >= 0).any():
+        core.condense_elements(system.local)
     if model.dependences and not system.newton.null_space:  # which takes constraints block by block
-        core.set_dependences(*columns(model.dependences))
+        core.eliminate_slaves(*columns(model.dependences))
     if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
-        core.set_nodal_multipliers(*columns(model.nodal_multipliers))
+        core.condense_contact(*columns(model.nodal_multipliers))
     core.finalize()
     return core
 

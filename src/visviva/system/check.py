@@ -195,7 +195,7 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     )
     if tangents and len(system.free_unknowns):
         report.tangent = compare_tangent(system)
-    system.core.touch()
+    system.core.invalidate()
     return report
 
 
@@ -213,7 +213,7 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
     report.moves, far = told_moves(system, x, v, edited)
     if far and not project:
         system.x[:], system.v[:] = x, v
-        system.core.touch()
+        system.core.invalidate()
         raise InputError(
             f"the initial state does not fit the constraints and would be moved far: {'; '.join(far[:SHOWN])}; give "
             "one that fits, or accept what it is moved to with project=True (--project)"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.body.solid import Solid
+from visviva.body.mesh_body import MeshBody
 from visviva.component.point import Attachable
 from visviva.scheme.schemes import EnergyMomentum, load_step
 
@@ -110,7 +110,7 @@ def refuse_massless(system: System) -> None:
     >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
     >>> refuse_massless(vv.System([vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1, poisson=0.3), density=1.0)]))
     """
-    bodies: list[Attachable] = [c for c in system.components if isinstance(c, Solid) and c.density == 0]
+    bodies: list[Attachable] = [c for c in system.components if isinstance(c, MeshBody) and c.density == 0]
     if found := free_bodies(system, bodies, EnergyMomentum().step(system.time, 1.0)):
         raise InputError(
             f"{', and '.join(found)} has no mass, and nothing holds it: forces, such as those of a contact, would move "
@@ -177,7 +177,7 @@ def _resistance(system: System, motions: Array, step: Any) -> Array:
     """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
     import scipy.sparse as sp
 
-    system.core.search()  # bodies may rest on what they touch
+    system.core.find_neighbours()  # bodies may rest on what they touch
     row, col, unknown = system.pattern
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)

@@ -31,7 +31,7 @@ def bring_back(system: System, arrays: Arrays, histories_alone: bool = False) ->
     """
     if not histories_alone:
         _recall(system, arrays, "at_tangent")
-        system.core.remember(np.ascontiguousarray(arrays["memory"]))
+        system.core.restore(np.ascontiguousarray(arrays["memory"]))
     _recall(system, arrays, "now")
 
 
@@ -57,7 +57,7 @@ def undisturbed(system: System) -> Iterator[None]:
     core, memory = system.core, memory_of(system)
     state = [(u, u.copy()) for u in (core.x, core.v, core.a, core.w)]
     flags = {name: getattr(system, name) for name in ("_last", "is_edited", "is_given", "has_acceleration")}
-    core.keep_shown()
+    core.keep_evaluation()
     system.is_undisturbed = True
     try:
         yield
@@ -67,6 +67,6 @@ def undisturbed(system: System) -> Iterator[None]:
             u[:] = kept
         core.discard()
         bring_back(system, memory)
-        core.show_again()
+        core.restore_evaluation()
         for name, flag in flags.items():
             setattr(system, name, flag)

@@ -97,6 +97,8 @@ class System(metaclass=Named):
                     f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
                 )
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
+        for c in self.components:
+            c.announce(self.model)
         for c in sorted(
             self.components, key=lambda c: not isinstance(c, Attachable)
         ):  # joints attach to bodies
@@ -255,11 +257,11 @@ class System(metaclass=Named):
 
     def touch(self) -> None:
         """Tell the core that the state was changed from outside; if it was not, nothing happens."""
-        if self.core.is_as_left:
+        if self.core.is_unchanged:
             return
         self._last = None
         self.is_edited = self.is_given = True
-        self.core.touch()
+        self.core.invalidate()
 
     def describe(self, unknown: int) -> tuple[str, str]:
         """Component and unknown of a number, in words."""
@@ -449,7 +451,7 @@ class System(metaclass=Named):
 
     def _take_stock_again(self) -> None:
         """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
-        self.core.leave()
+        self.core.mark_state()
         work = self.core.work.copy()
         self.take_stock()
         self.core.work[:] = work
@@ -457,7 +459,7 @@ class System(metaclass=Named):
     def take_stock(self) -> None:
         """Fill the core's sums with the present state."""
         step = load_step(self.time, 0.0)
-        self.core.take_stock(step, self.signals(step), self.has_inertia)
+        self.core.evaluate_ledger(step, self.signals(step), self.has_inertia)
 
     @property
     def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:
@@ -485,7 +487,7 @@ class System(metaclass=Named):
     def residual(self, step: Any, signals: Array | None = None) -> Array:
         """Residual by unknown at the present trial state."""
         residual = np.zeros(len(self.x))
-        self.core.search()
+        self.core.find_neighbours()
         self.core.assemble(step, self.signals(step) if signals is None else signals, residual, None)
         return residual
 
@@ -506,7 +508,7 @@ class System(metaclass=Named):
 
         import scipy.sparse as sp
 
-        self.core.search()
+        self.core.find_neighbours()
         row, col, unknown = self.pattern
         values = np.zeros(len(col))
         residual = np.zeros(len(self.x))

@@ -66,7 +66,7 @@ class Commutator : public Preconditioning {
 
     double memory() const override {
         return factors_.memory() + 16.0 * static_cast<double>(row_.size()) +
-               (solver_ ? solver_->memory() : 0);
+               (solver_ ? solver_->report().memory : 0);
     }
     const char* name() const override {
         return is_stabilised_ ? "velocities by incomplete factors, pressures by SIMPLE"
@@ -153,7 +153,7 @@ class Commutator : public Preconditioning {
             solver_->analyze(pattern_, blocks_);
         }
         if (pattern_.n == 0 || solver_->factor(values_.data(), {})) return true;
-        return message = "the pressures: " + solver_->message(), false;
+        return message = "the pressures: " + solver_->report().message, false;
     }
 
     std::vector<LinearChoice> choices() {
@@ -203,7 +203,7 @@ class Commutator : public Preconditioning {
     // s becomes -S^-1 s
     void complement() {
         if (pressure_.empty()) return;
-        solver_->solve(s_.data(), {}, t_.data());  // -P^-1 s
+        solver_->solve(s_.data(), {}, t_.data(), 0);  // -P^-1 s
         s_ = t_;
         if (is_stabilised_) return;
         std::fill(rest_.begin(), rest_.end(), 0.0);
@@ -217,7 +217,7 @@ class Commutator : public Preconditioning {
                 for (int c = 0; c < m; ++c)
                     s_[i] += row_[k * m + c] * inverse_[slot(node_[k]) + c] * image_[slot(node_[k]) + c];
         }
-        solver_->solve(s_.data(), {}, t_.data());
+        solver_->solve(s_.data(), {}, t_.data(), 0);
         for (std::size_t i = 0; i < s_.size(); ++i) s_[i] = -t_[i];
     }
 

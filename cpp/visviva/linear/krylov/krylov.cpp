@@ -19,27 +19,31 @@ class Krylov : public LinearSolver {
           preconditioning_(make_preconditioning(choice)),
           matrix_(choice.tolerance >= single_suffices,
                   choice.preconditioner == Preconditioner::saddle ||
-                      choice.preconditioner == Preconditioner::augmented) {}
+                      choice.preconditioner == Preconditioner::augmented) {
+        describe();
+    }
 
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks);
         preconditioning_ = make_preconditioning(choice_);
+        describe();
         for (auto* v : {&b_, &x_, &r_}) v->assign(matrix_.size(), 0.0);
     }
 
     bool factor(const double* values, const Place&) override {
-        message_.clear();
-        if (!matrix_.fill(values)) return message_ = "the tangent holds values that are not finite", false;
+        report_.message.clear();
+        if (!matrix_.fill(values))
+            return report_.message = "the tangent holds values that are not finite", false;
         return build();
     }
 
-    bool solve(const double* r, const Place&, double* d) override {
-        message_.clear();
-        tolerance_ = std::max(aim_, choice_.tolerance), aim_ = 0;
-        n_iterations_ = 0;
+    bool solve(const double* r, const Place&, double* d, double tolerance) override {
+        report_.message.clear();
+        tolerance_ = std::max(tolerance, choice_.tolerance);
+        report_.n_iterations = 0;
         matrix_.gather(r, b_.data());
         const double size = norm(b_);
-        if (!std::isfinite(size)) return message_ = "the right-hand side is not finite", false;
+        if (!std::isfinite(size)) return report_.message = "the right-hand side is not finite", false;
         std::fill(x_.begin(), x_.end(), 0.0);
         bool solved = size == 0 || iterate(size);
         if (!solved && preconditioning_->kept()) {  // it was made for an earlier matrix
@@ -53,46 +57,45 @@ class Krylov : public LinearSolver {
         return true;
     }
 
-    void aim(double residual) override { aim_ = residual; }
     void forget() override { preconditioning_->forget(); }
-    int n_iterations() const override { return n_iterations_; }
-    double memory() const override {
-        return 8.0 * static_cast<double>(matrix_.blocks().value.size()) + preconditioning_->memory();
-    }
-    std::string message() const override { return message_; }
-    std::string name() const override {
+
+  private:
+    void describe() {
         const char* method = choice_.method == KrylovMethod::cg      ? "conjugate gradients, "
                              : choice_.method == KrylovMethod::gmres ? "GMRES, "
                                                                      : "BiCGStab, ";
-        return std::string(method) + preconditioning_->name();
+        report_.name = std::string(method) + preconditioning_->name();
+        report_.memory =
+            8.0 * static_cast<double>(matrix_.blocks().value.size()) + preconditioning_->memory();
     }
 
-  private:
     bool build() {
-        if (preconditioning_->build(matrix_)) return true;
-        return message_ = preconditioning_->message, false;
+        const bool built = preconditioning_->build(matrix_);
+        describe();
+        if (!built) report_.message = preconditioning_->message;
+        return built;
     }
 
     // Runs of the method, each from the true residual, until that is small enough.
     bool iterate(double size) {
         double now = 1, before = 2;
         const char* trouble = nullptr;
-        n_iterations_ = 0;
+        report_.n_iterations = 0;
         r_ = b_;
         if (preconditioning_->starts_exact())
             preconditioning_->apply(b_.data(), x_.data()), now = residual() / size;
-        for (; now > tolerance_ && n_iterations_ < choice_.max_iterations && !trouble;) {
+        for (; now > tolerance_ && report_.n_iterations < choice_.max_iterations && !trouble;) {
             if (choice_.method != KrylovMethod::gmres && now > 0.9 * before) break;
             KrylovRun run{matrix_,
                           *preconditioning_,
                           0.9 * tolerance_ * size,
-                          choice_.max_iterations - n_iterations_,
+                          choice_.max_iterations - report_.n_iterations,
                           x_,
                           r_,
                           basis_};
             start(run);
             trouble = run.trouble;
-            n_iterations_ += std::max(run.iterations, 1);
+            report_.n_iterations += std::max(run.iterations, 1);
             before = now, now = residual() / size;
         }
         return now <= tolerance_ || failed(trouble, now);
@@ -112,7 +115,7 @@ class Krylov : public LinearSolver {
     // What solutions of less than the full tolerance would have taken to it.
     int iterations_to_tolerance() const {
         return static_cast<int>(
-            std::lround(n_iterations_ * std::log(choice_.tolerance) / std::log(tolerance_)));
+            std::lround(report_.n_iterations * std::log(choice_.tolerance) / std::log(tolerance_)));
     }
 
     double residual() {
@@ -124,8 +127,9 @@ class Krylov : public LinearSolver {
     bool failed(const char* trouble, double residual) {
         char text[200];
         std::snprintf(text, sizeof text, "%s: %s after %d iterations, with %.1e of the residual left",
-                      name().c_str(), trouble ? trouble : "no convergence", n_iterations_, residual);
-        return message_ = text, false;
+                      report_.name.c_str(), trouble ? trouble : "no convergence", report_.n_iterations,
+                      residual);
+        return report_.message = text, false;
     }
 
     LinearChoice choice_;
@@ -133,9 +137,7 @@ class Krylov : public LinearSolver {
     NodeMatrix matrix_;
     std::vector<double> b_, x_, r_;
     std::vector<std::vector<double>> basis_;
-    int n_iterations_ = 0;
-    double aim_ = 0, tolerance_ = 0;
-    std::string message_;
+    double tolerance_ = 0;
 };
 
 }  // namespace

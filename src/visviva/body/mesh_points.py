@@ -1,10 +1,9 @@
-"""Quadrature points of solids and their faces in the reference configuration, for loads and couplings."""
+"""Quadrature points of meshes and their faces in the reference configuration, for loads and couplings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,8 @@ from visviva.body.element import depth
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import jacobians, measure
+from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
-
-if TYPE_CHECKING:
-    from visviva.body.solid import Solid
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -68,49 +65,46 @@ class FacePoints(Points):
     normal: Array
 
 
-def cell_points(solid: Solid) -> Iterator[Points]:
-    """Quadrature points of the elements of a solid for volume forces, type by type."""
-    points = solid.grid.points
-    for kind, nodes in solid.grid.cells.items():
+def cell_points(grid: Mesh, *, thickness: float = 1.0, axisymmetric: bool = False) -> Iterator[Points]:
+    """Quadrature points of cells for volume forces, type by type."""
+    points = in_space(grid)
+    for kind, nodes in grid.cells.items():
         xi, w = mass_rule(kind)
         N = CELLS[kind].N(xi)
-        size = w * measure(jacobians(points, nodes, CELLS[kind].dN(xi)))
-        if solid.dimension == 2:
-            size = size * depth(points, nodes, N, solid.thickness, solid.axisymmetric)
-        yield Points(nodes=nodes, N=N, X=np.einsum("mkc,qk->mqc", solid.points[nodes], N), size=size)
+        size = w * measure(jacobians(grid.points, nodes, CELLS[kind].dN(xi)))
+        if grid.points.shape[1] == 2:
+            size = size * depth(points, nodes, N, thickness, axisymmetric)
+        yield Points(nodes=nodes, N=N, X=np.einsum("mkc,qk->mqc", points[nodes], N), size=size)
 
 
-def face_points(solid: Solid, faces: Faces) -> Iterator[FacePoints]:
-    """Quadrature points of faces of a solid, type by type.
+def face_points(
+    grid: Mesh, faces: Faces, *, thickness: float = 1.0, axisymmetric: bool = False
+) -> Iterator[FacePoints]:
+    """Quadrature points of faces, type by type.
 
     Examples
     --------
     >>> import visviva as vv
-    >>> mesh = vv.BoxMesh(size=(1, 2, 3), counts=(2, 2, 2))
-    >>> block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3))
+    >>> block = vv.BoxMesh(size=(1, 2, 3), counts=(2, 2, 2)).build()
     >>> round(sum(float(p.size.sum()) for p in face_points(block, block.faces("x1"))), 12)
     6.0
     """
-    points = solid.points
+    points, plane = in_space(grid), grid.points.shape[1] == 2
     for kind, nodes in faces.cells.items():
         xi, w = mass_rule(kind)
         N, dN = CELLS[kind].N(xi), CELLS[kind].dN(xi)
         tangents = np.einsum("mkc,qkt->mqtc", points[nodes], dN)
-        plane = solid.dimension == 2
         across = np.array([0.0, 0.0, 1.0]) if plane else tangents[:, :, 1]
         outward = np.cross(tangents[:, :, 0], across)
         size = np.linalg.norm(outward, axis=2)
         area = w * size
         if plane:
-            area = area * depth(points, nodes, N, solid.thickness, solid.axisymmetric)
+            area = area * depth(points, nodes, N, thickness, axisymmetric)
         X = np.einsum("mkc,qk->mqc", points[nodes], N)
         normal = outward / size[:, :, None]
         yield FacePoints(nodes=nodes, N=N, X=X, size=area, dN=dN, weights=w, normal=normal)
 
 
-def nodal_forces(solid: Solid, faces: Faces, traction: Callable[[FacePoints], Array]) -> tuple[Ints, Array]:
-    """Loaded nodes (n,) and consistent forces (n, 3) of tractions (m, q, 3) per reference area."""
-    total = np.zeros((solid.grid.n_nodes, 3))
-    for p in face_points(solid, faces):
-        total += p.spread(traction(p), len(total))
-    return faces.nodes, total[faces.nodes]
+def in_space(grid: Mesh) -> Array:
+    """Positions (n, 3) of the nodes."""
+    return np.pad(grid.points, ((0, 0), (0, 3 - grid.points.shape[1])))

@@ -1,9 +1,7 @@
-#include "visviva/linear/reduce/condensed.hpp"
+#include "visviva/linear/reduce/element_condensation.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
-
-#include "visviva/linear/reduce/reduced.hpp"
 
 namespace visviva {
 
@@ -13,16 +11,23 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 
 }  // namespace
 
-Condensation::Condensation(const Csr& full, const std::vector<int>& element) : full_(&full), local_(full.n) {
-    for (int i = 0; i < full.n; ++i) local_[i] = element[full.unknown[i]] >= 0;
-    kept_ = number_left(full, local_, left_);
+ElementCondensation::ElementCondensation(std::vector<int> element)
+    : Reduction(", unknowns of elements condensed",
+                "an element does not resist its own enhanced strains or pressures"),
+      element_(std::move(element)) {}
+
+void ElementCondensation::analyze(const Csr& full, const std::vector<char>&, const std::vector<int>&) {
+    *this = ElementCondensation(std::move(element_));  // nothing of an earlier pattern stays
+    local_.resize(full.n);
+    for (int i = 0; i < full.n; ++i) local_[i] = element_[full.unknown[i]] >= 0;
+    number_left(full, local_);
     find_pattern();
-    describe(element);
+    describe_all();
 }
 
 // The pattern without rows and columns of local unknowns: elements couple all they touch, so nothing is
 // added.
-void Condensation::find_pattern() {
+void ElementCondensation::find_pattern() {
     const Csr& f = *full_;
     left_.row.assign(1, 0);
     for (int i = 0; i < f.n; ++i) {
@@ -34,11 +39,11 @@ void Condensation::find_pattern() {
     values_.resize(left_.col.size());
 }
 
-void Condensation::describe(const std::vector<int>& element) {
-    const int n = static_cast<int>(element.size());
+void ElementCondensation::describe_all() {
+    const int n = static_cast<int>(element_.size());
     for (int u = 0, end = 0; u < n; u = end) {
-        for (end = u + 1; end < n && element[end] == element[u];) ++end;
-        if (element[u] < 0) continue;
+        for (end = u + 1; end < n && element_[end] == element_[u];) ++end;
+        if (element_[u] < 0) continue;
         elements_.push_back(
             {u, end - u, 0, 0, outer_.size(), place_.size(), inverse_.size(), follow_.size()});
         describe(elements_.back());
@@ -47,7 +52,7 @@ void Condensation::describe(const std::vector<int>& element) {
 }
 
 // Where an element finds its matrices, and where what it leaves goes.
-void Condensation::describe(Element& e) {
+void ElementCondensation::describe(Element& e) {
     const Csr& f = *full_;
     const int first = f.equation[e.unknown];
     e.own = place(f, first, first) - f.row[first];
@@ -69,13 +74,13 @@ void Condensation::describe(Element& e) {
     inverse_.resize(inverse_.size() + e.n * e.n), follow_.resize(follow_.size() + e.n * e.n_outer);
 }
 
-std::int64_t Condensation::place(const Csr& csr, int row, int col) const {
+std::int64_t ElementCondensation::place(const Csr& csr, int row, int col) const {
     const std::int64_t at = place_of(csr, row, col);
     if (at < 0) throw std::invalid_argument("an element does not couple all that it touches");
     return at;
 }
 
-void Condensation::copy(const double* values) {
+void ElementCondensation::copy(const double* values) {
     const Csr& f = *full_;
     double* to = values_.data();
     for (int i = 0; i < f.n; ++i)
@@ -83,17 +88,17 @@ void Condensation::copy(const double* values) {
             if (!local_[f.col[k]]) *to++ = values[k];
 }
 
-bool Condensation::eliminate(const double* values) {
+bool ElementCondensation::reduce(const double* values) {
     copy(values);
-    singular_ = -1;
+    message_.clear();
     for (const Element& e : elements_) {
-        if (!eliminate(e, values)) return singular_ = e.unknown, false;
+        if (!eliminate(e, values)) return fail_at(e.unknown);
         subtract(e);
     }
     return true;
 }
 
-bool Condensation::eliminate(const Element& e, const double* values) {
+bool ElementCondensation::eliminate(const Element& e, const double* values) {
     const Csr& f = *full_;
     const int first = f.equation[e.unknown];
     Rows own(e.n, e.n), others(e.n, e.n_outer);
@@ -113,7 +118,7 @@ bool Condensation::eliminate(const Element& e, const double* values) {
 }
 
 // values_ -= C X, row by row
-void Condensation::subtract(const Element& e) {
+void ElementCondensation::subtract(const Element& e) {
     const auto& runs = runs_[&e - elements_.data()];
     std::vector<double> row(e.n_outer);
     for (int i = 0; i < e.n_outer; ++i) {
@@ -130,7 +135,7 @@ void Condensation::subtract(const Element& e) {
     }
 }
 
-void Condensation::condense(std::vector<double>& r) const {
+void ElementCondensation::condense(std::vector<double>& r) {
     std::vector<double> y;
     for (const Element& e : elements_) {
         y.assign(e.n, 0.0);
@@ -143,7 +148,7 @@ void Condensation::condense(std::vector<double>& r) const {
     }
 }
 
-void Condensation::recover(const double* r, double* d) const {
+void ElementCondensation::recover(const double* r, double* d) const {
     for (const Element& e : elements_)
         for (int a = 0; a < e.n; ++a) {
             double sum = 0;
@@ -152,11 +157,6 @@ void Condensation::recover(const double* r, double* d) const {
             for (int j = 0; j < e.n_outer; ++j) sum += x[j] * d[full_->unknown[outer_[e.outer + j]]];
             d[e.unknown + a] = -sum;
         }
-}
-
-std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation> condensation,
-                                             std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Reduced<Condensation>>(std::move(condensation), std::move(solver));
 }
 
 }  // namespace visviva

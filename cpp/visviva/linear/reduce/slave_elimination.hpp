@@ -3,7 +3,7 @@
 // dx = T dx_left, its column where the forces on them go; what is left is L^T K T, with L = T where the
 // column is the row.
 #pragma once
-#include "visviva/linear/linear.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
 
@@ -12,27 +12,18 @@ struct Dependence {
     int unknown, multiplier;
 };
 
-class Elimination {
+class SlaveElimination : public Reduction {
   public:
     /// Fixed unknowns among the others do not move. A dependence that meets an earlier one (it depends on
     /// what that gives, or gives what that depends on) stays among the equations.
-    /// node[unknown]: first unknown of its mesh node; patterns couple nodes, whether their entries vanish or
-    /// not.
-    Elimination(const Csr& full, const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
-                const std::vector<int>& node);
+    explicit SlaveElimination(std::vector<Dependence> dependences);
 
-    const Csr& left() const { return left_; }
-    const std::vector<int>& kept() const { return kept_; }
-    static constexpr const char* name = ", tied nodes eliminated";
-    static constexpr const char* singular = "";  // it always succeeds
-    bool eliminate(const double* values);  // which stay where they are until the last solution with them
-    const std::vector<double>& values() const { return values_; }
-    /// r by unknown becomes the residual of what is left; `recover` completes its solution d of K d = -r.
-    void condense(std::vector<double>& r);
-    void recover(const double* r, double* d) const;
-    int singular_unknown() const { return -1; }
+    void analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>& node) override;
+    bool reduce(const double* values) override;
+    void condense(std::vector<double>& r) override;
+    void recover(const double* r, double* d) const override;
+    /// How many unknowns have left.
     int n() const { return static_cast<int>(given_.size()); }
-    std::size_t n_unknowns() const { return full_->equation.size(); }
 
   private:
     struct Part {
@@ -56,8 +47,7 @@ class Elimination {
         std::vector<int> col;
         std::vector<double> value;
     };
-    void choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
-                const std::vector<int>& node);
+    void choose(const std::vector<char>& fixed, const std::vector<int>& node);
     void expand();
     void read_factors();
     double moves(const Part& p) const { return p.link < 0 ? 1.0 : links_[p.link].moves; }
@@ -67,9 +57,7 @@ class Elimination {
     void multiply(Row& row);
     double along(int row, const std::vector<double>& d) const;
 
-    const Csr* full_;
-    Csr left_;
-    std::vector<int> kept_;  // full equation -> equation of what is left, or -1
+    std::vector<Dependence> dependences_;
     std::vector<Given> given_;
     std::vector<Link> links_;
     std::vector<std::vector<Part>> parts_;  // full equation -> what it moves with; empty: a multiplier
@@ -78,12 +66,9 @@ class Elimination {
     std::vector<int> touched_;              // full equations that couple with given unknowns
     std::vector<Row> rows_;                 // those that rows which are not plain are made of
     std::vector<int> row_of_;               // full equation -> its row, or -1
-    std::vector<double> values_, own_;      // own_: what given unknowns move by themselves, by equation
+    std::vector<double> own_;               // what given unknowns move by themselves, by equation
     std::vector<std::int64_t> place_;
     const double* full_values_ = nullptr;
 };
-
-/// Eliminates, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<Elimination>, std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

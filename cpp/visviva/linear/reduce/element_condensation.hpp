@@ -2,32 +2,20 @@
 // equations before these are solved: K_uu - K_ua K_aa^-1 K_au, and their increments follow from those of the
 // others.
 #pragma once
-#include "visviva/linear/linear.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
 
-class Condensation {
+class ElementCondensation : public Reduction {
   public:
     /// element[unknown]: to which element the unknown is local, or -1. An element's own unknowns follow each
     /// other; they couple with what this element couples, and with no other element's.
-    Condensation(const Csr& full, const std::vector<int>& element);
+    explicit ElementCondensation(std::vector<int> element);
 
-    /// The pattern of what is left, in which local unknowns have no equation.
-    const Csr& left() const { return left_; }
-    const std::vector<int>& kept() const {
-        return kept_;
-    }  // full equation -> equation of what is left, or -1
-    static constexpr const char* name = ", unknowns of elements condensed";
-    static constexpr const char* singular =
-        "an element does not resist its own enhanced strains or pressures";
-    /// False where the equations of an element's own unknowns are singular; see `singular_unknown`.
-    bool eliminate(const double* values);
-    const std::vector<double>& values() const { return values_; }
-    /// r by unknown becomes the residual of what is left; `recover` completes its solution d of K d = -r.
-    void condense(std::vector<double>& r) const;
-    void recover(const double* r, double* d) const;
-    int singular_unknown() const { return singular_; }
-    std::size_t n_unknowns() const { return full_->equation.size(); }
+    void analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>& node) override;
+    bool reduce(const double* values) override;
+    void condense(std::vector<double>& r) override;
+    void recover(const double* r, double* d) const override;
 
   private:
     struct Element {
@@ -40,28 +28,22 @@ class Condensation {
         int first, size;  // outer unknowns of consecutive equations
     };
     void find_pattern();
-    void describe(const std::vector<int>& element);
+    void describe_all();
     void describe(Element& e);
     bool eliminate(const Element& e, const double* values);
     void subtract(const Element& e);
     std::int64_t place(const Csr& csr, int row, int col) const;
     void copy(const double* values);
 
-    const Csr* full_;
-    Csr left_;
+    std::vector<int> element_;
     std::vector<char> local_;  // by equation of the full system
-    std::vector<int> kept_;    // full equation -> equation of what is left, or -1
     std::vector<Element> elements_;
     std::vector<int> outer_;            // equations of the full system that elements couple with
     std::vector<std::int64_t> column_;  // beside outer_: where own columns start in that row
     std::vector<std::vector<Run>> runs_;
     std::vector<std::int64_t> place_;  // per outer row and run: where it starts in values_
     // A = K_aa^-1 [n][n], X = K_aa^-1 K_au [n][n_outer], C = K_ua [n_outer][n]
-    std::vector<double> inverse_, follow_, lead_, values_;
-    int singular_ = -1;
+    std::vector<double> inverse_, follow_, lead_;
 };
-
-/// Condenses, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_condensed(std::shared_ptr<Condensation>, std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

@@ -1,30 +1,32 @@
-#include "visviva/linear/reduce/eliminated.hpp"
+#include "visviva/linear/reduce/slave_elimination.hpp"
 
 #include <algorithm>
 
-#include "visviva/linear/reduce/reduced.hpp"
-
 namespace visviva {
 
-Elimination::Elimination(const Csr& full, const std::vector<Dependence>& dependences,
-                         const std::vector<char>& fixed, const std::vector<int>& node)
-    : full_(&full), own_(full.n, 0.0) {
-    choose(dependences, fixed, node);
+SlaveElimination::SlaveElimination(std::vector<Dependence> dependences)
+    : Reduction(", tied nodes eliminated", ""), dependences_(std::move(dependences)) {}
+
+void SlaveElimination::analyze(const Csr& full, const std::vector<char>& fixed,
+                               const std::vector<int>& node) {
+    *this = SlaveElimination(std::move(dependences_));  // nothing of an earlier pattern stays
+    full_ = &full, own_.assign(full.n, 0.0);
+    choose(fixed, node);
     std::vector<char> gone(full.n, 0);
     for (const Given& g : given_) gone[g.equation] = gone[g.multiplier] = 1;
-    kept_ = number_left(full, gone, left_);
+    number_left(full, gone);
     expand();
     find_pattern();
 }
 
-void Elimination::choose(const std::vector<Dependence>& dependences, const std::vector<char>& fixed,
-                         const std::vector<int>& node) {
+// Patterns couple nodes, whether their entries vanish or not.
+void SlaveElimination::choose(const std::vector<char>& fixed, const std::vector<int>& node) {
     enum : char { none, depends, supports };
     const Csr& f = *full_;
     std::vector<char> listed(fixed.size(), 0);
-    for (const Dependence& d : dependences) listed[d.unknown] = 1;
+    for (const Dependence& d : dependences_) listed[d.unknown] = 1;
     std::vector<char> role(f.n, none);
-    for (const Dependence& d : dependences) {
+    for (const Dependence& d : dependences_) {
         if (fixed[d.unknown]) continue;
         const int unknown = f.equation[d.unknown], multiplier = f.equation[d.multiplier];
         if (unknown < 0 || role[unknown] != none) continue;
@@ -50,7 +52,7 @@ void Elimination::choose(const std::vector<Dependence>& dependences, const std::
 }
 
 // The transformation T and its transpose.
-void Elimination::expand() {
+void SlaveElimination::expand() {
     const Csr& f = *full_;
     parts_.resize(f.n), feeds_.resize(left_.n), plain_.assign(left_.n, 1);
     for (int i = 0; i < f.n; ++i)
@@ -74,7 +76,7 @@ void Elimination::expand() {
     }
 }
 
-void Elimination::make_rows(std::vector<int>& seen) {
+void SlaveElimination::make_rows(std::vector<int>& seen) {
     const Csr& f = *full_;
     row_of_.assign(f.n, -1);
     for (int k = 0; k < left_.n; ++k)
@@ -91,7 +93,7 @@ void Elimination::make_rows(std::vector<int>& seen) {
         }
 }
 
-void Elimination::find_pattern() {
+void SlaveElimination::find_pattern() {
     const Csr& f = *full_;
     left_.row.assign(1, 0);
     std::vector<int> seen(left_.n, -1), cols;
@@ -115,7 +117,7 @@ void Elimination::find_pattern() {
     values_.resize(left_.col.size()), place_.assign(left_.n, -1);
 }
 
-void Elimination::read_factors() {
+void SlaveElimination::read_factors() {
     for (const Given& g : given_)
         for (int k = g.begin; k < g.end; ++k) {
             links_[k].moves = -full_values_[links_[k].row] / full_values_[g.row];
@@ -123,7 +125,7 @@ void Elimination::read_factors() {
         }
 }
 
-void Elimination::multiply(Row& row) {
+void SlaveElimination::multiply(Row& row) {
     const Csr& f = *full_;
     for (std::size_t k = 0; k < row.col.size(); ++k) place_[row.col[k]] = static_cast<std::int64_t>(k);
     std::fill(row.value.begin(), row.value.end(), 0.0);
@@ -131,7 +133,7 @@ void Elimination::multiply(Row& row) {
         for (const Part& p : parts_[f.col[e]]) row.value[place_[p.equation]] += moves(p) * full_values_[e];
 }
 
-bool Elimination::eliminate(const double* values) {
+bool SlaveElimination::reduce(const double* values) {
     const Csr& f = *full_;
     full_values_ = values;
     read_factors();
@@ -155,14 +157,14 @@ bool Elimination::eliminate(const double* values) {
     return true;
 }
 
-double Elimination::along(int row, const std::vector<double>& d) const {
+double SlaveElimination::along(int row, const std::vector<double>& d) const {
     double sum = 0;
     for (auto e = full_->row[row]; e < full_->row[row + 1]; ++e) sum += full_values_[e] * d[full_->col[e]];
     return sum;
 }
 
 // With dx = T dx_left + own: r_left = L^T (r + K own)
-void Elimination::condense(std::vector<double>& r) {
+void SlaveElimination::condense(std::vector<double>& r) {
     const Csr& f = *full_;
     for (const Given& g : given_) own_[g.equation] = -r[f.unknown[g.multiplier]] / full_values_[g.row];
     for (int i : touched_) r[f.unknown[i]] += along(i, own_);
@@ -171,7 +173,7 @@ void Elimination::condense(std::vector<double>& r) {
             r[f.unknown[links_[k].other]] += links_[k].loads * r[f.unknown[g.equation]];
 }
 
-void Elimination::recover(const double* r, double* d) const {
+void SlaveElimination::recover(const double* r, double* d) const {
     const Csr& f = *full_;
     for (const Given& g : given_) {
         double sum = own_[g.equation];
@@ -187,11 +189,6 @@ void Elimination::recover(const double* r, double* d) const {
         lambda[k] = -sum / full_values_[given_[k].col];
     }
     for (std::size_t k = 0; k < given_.size(); ++k) d[f.unknown[given_[k].multiplier]] = lambda[k];
-}
-
-std::unique_ptr<LinearSolver> make_eliminated(std::shared_ptr<Elimination> elimination,
-                                              std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Reduced<Elimination>>(std::move(elimination), std::move(solver));
 }
 
 }  // namespace visviva

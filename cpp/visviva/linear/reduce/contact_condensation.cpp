@@ -1,24 +1,26 @@
-#include "visviva/linear/reduce/exchange.hpp"
+#include "visviva/linear/reduce/contact_condensation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "visviva/linear/reduce/reduced.hpp"
-
 namespace visviva {
 
-Exchange::Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed,
-                   const std::vector<char>& fixed)
-    : full_(&full), owner_(full.n, -1), gone_(full.n, 0) {
-    choose(listed, fixed);
-    kept_ = number_left(full, gone_, left_);
+ContactCondensation::ContactCondensation(std::vector<NodalMultiplier> multipliers)
+    : Reduction(", pressures condensed", "a contact pressure has no force on its own node"),
+      multipliers_(std::move(multipliers)) {}
+
+void ContactCondensation::analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>&) {
+    *this = ContactCondensation(std::move(multipliers_));  // nothing of an earlier pattern stays
+    full_ = &full, owner_.assign(full.n, -1), gone_.assign(full.n, 0);
+    choose(fixed);
+    number_left(full, gone_);
     find_forces();
     find_pattern();
 }
 
-void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed) {
+void ContactCondensation::choose(const std::vector<char>& fixed) {
     const Csr& f = *full_;
-    for (const NodalMultiplier& m : listed) {
+    for (const NodalMultiplier& m : multipliers_) {
         Node node{};
         node.multiplier = f.equation[m.multiplier], node.n = m.size;
         bool fits = node.multiplier >= 0;
@@ -35,7 +37,7 @@ void Exchange::choose(const std::vector<NodalMultiplier>& listed, const std::vec
 }
 
 // Patterns are symmetric: the row of a multiplier tells what feels it.
-void Exchange::find_forces() {
+void ContactCondensation::find_forces() {
     const Csr& f = *full_;
     feeds_.resize(f.n);
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
@@ -55,7 +57,7 @@ void Exchange::find_forces() {
     }
 }
 
-void Exchange::find_pattern() {
+void ContactCondensation::find_pattern() {
     const Csr& f = *full_;
     std::vector<int> seen(left_.n, -1);
     int mark = 0;
@@ -93,7 +95,7 @@ void Exchange::find_pattern() {
 }
 
 // A row of the full system by the columns of a node.
-void Exchange::gather(int row, const Node& node, double* out) {
+void ContactCondensation::gather(int row, const Node& node, double* out) {
     const Csr& f = *full_;
     for (std::size_t k = 0; k < node.col.size(); ++k)
         place_[node.col[k]] = static_cast<std::int64_t>(k), out[k] = 0;
@@ -101,7 +103,7 @@ void Exchange::gather(int row, const Node& node, double* out) {
         if (const int col = kept_[f.col[e]]; col >= 0) out[place_[col]] = full_values_[e];
 }
 
-bool Exchange::read(Node& node) {
+bool ContactCondensation::read(Node& node) {
     constexpr double rounding = 1e-13;
     node.own = full_values_[node.square], node.squared = 0;
     for (int i = 0; i < node.n; ++i) {
@@ -116,7 +118,7 @@ bool Exchange::read(Node& node) {
 
 // The node's rows: what is across the force stays, along it stands the constraint, scaled to its stiffness
 // there.
-void Exchange::replace(Node& node) {
+void ContactCondensation::replace(Node& node) {
     double* rows[largest_node];
     for (int i = 0; i < node.n; ++i) {
         rows[i] = values_.data() + left_.row[kept_[node.equation[i]]];
@@ -141,11 +143,11 @@ void Exchange::replace(Node& node) {
                                        node.along[k]);
 }
 
-bool Exchange::eliminate(const double* values) {
+bool ContactCondensation::reduce(const double* values) {
     const Csr& f = *full_;
-    full_values_ = values, rough_ = false, singular_ = -1;
+    full_values_ = values, rough_ = false, message_.clear();
     for (Node& node : nodes_) {
-        if (!read(node)) return singular_ = f.unknown[node.multiplier], false;
+        if (!read(node)) return fail_at(f.unknown[node.multiplier]);
         replace(node);
     }
     for (int i = 0; i < f.n; ++i) {
@@ -171,13 +173,13 @@ bool Exchange::eliminate(const double* values) {
     return true;
 }
 
-double Exchange::along(const Node& node, const double* r) const {
+double ContactCondensation::along(const Node& node, const double* r) const {
     double sum = 0;
     for (int i = 0; i < node.n; ++i) sum += node.b[i] * r[full_->unknown[node.equation[i]]] / node.squared;
     return sum;
 }
 
-void Exchange::condense(std::vector<double>& r) const {
+void ContactCondensation::condense(std::vector<double>& r) {
     const Csr& f = *full_;
     for (const Node& node : nodes_) {
         if (node.squared == 0) continue;
@@ -189,7 +191,7 @@ void Exchange::condense(std::vector<double>& r) const {
     }
 }
 
-void Exchange::recover(const double* r, double* d) const {
+void ContactCondensation::recover(const double* r, double* d) const {
     const Csr& f = *full_;
     for (const Node& node : nodes_) {
         double& multiplier = d[f.unknown[node.multiplier]];
@@ -203,7 +205,7 @@ void Exchange::recover(const double* r, double* d) const {
     }
 }
 
-void Exchange::add_product(const double* d, double* r) const {
+void ContactCondensation::add_product(const double* d, double* r) const {
     const Csr& f = *full_;
     for (int i = 0; i < f.n; ++i) {
         double sum = 0;
@@ -212,64 +214,43 @@ void Exchange::add_product(const double* d, double* r) const {
     }
 }
 
-double Exchange::size(const double* d) const {
+double ContactCondensation::size(const double* d) const {
     double largest = 0;
     for (int i = 0; i < full_->n; ++i)
         if (!gone_[i]) largest = std::max(largest, std::abs(d[full_->unknown[i]]));
     return largest;
 }
 
-namespace {
+bool ContactCondensation::solve(const double* r, const Place& place, double* d, LinearSolver& rest,
+                                double tolerance) {
+    message_.clear();
+    return Reduction::solve(r, place, d, rest, tolerance) && (!rough_ || refine(r, place, d, rest));
+}
 
-class Exchanged : public Reduced<Exchange> {
-  public:
-    Exchanged(std::shared_ptr<Exchange> exchange, std::unique_ptr<LinearSolver> solver)
-        : Reduced(exchange, std::move(solver)), exchange_(std::move(exchange)) {}
-
-    bool solve(const double* r, const Place& place, double* d) override {
-        refused_ = false;
-        return Reduced::solve(r, place, d) && (!exchange_->is_rough() || refine(r, place, d));
+// Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
+bool ContactCondensation::refine(const double* r, const Place& place, double* d, LinearSolver& rest) {
+    constexpr int most = 30;
+    constexpr double rounding = 1e-15, good = 1e-9;
+    const double whole = size(d);
+    double before = whole;
+    for (int k = 0; k < most && rest.report().n_iterations == 0; ++k) {
+        residual_.assign(r, r + full_->equation.size());
+        more_.assign(residual_.size(), 0.0);
+        add_product(d, residual_.data());
+        if (!Reduction::solve(residual_.data(), place, more_.data(), rest, 0)) return false;
+        const double now = size(more_.data());
+        if (now < before)
+            for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
+        if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
+        if (!(now < before)) break;
+        before = now;
     }
-    std::string message() const override {
-        return refused_ ? "condensed pressures press too much on each other's nodes; keep them among the "
-                          "equations, "
-                          "Contact(condensed=False)"
-                        : Reduced::message();
-    }
-
-  private:
-    // Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
-    bool refine(const double* r, const Place& place, double* d) {
-        constexpr int most = 30;
-        constexpr double rounding = 1e-15, good = 1e-9;
-        const double whole = exchange_->size(d);
-        double before = whole;
-        for (int k = 0; k < most && n_iterations() == 0; ++k) {
-            rest_.assign(r, r + exchange_->n_unknowns());
-            more_.assign(exchange_->n_unknowns(), 0.0);
-            exchange_->add_product(d, rest_.data());
-            if (!Reduced::solve(rest_.data(), place, more_.data())) return false;
-            const double now = exchange_->size(more_.data());
-            if (now < before)
-                for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
-            if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
-            if (!(now < before)) break;
-            before = now;
-        }
-        refused_ = n_iterations() == 0;
-        return !refused_;
-    }
-
-    std::shared_ptr<Exchange> exchange_;
-    std::vector<double> rest_, more_;
-    bool refused_ = false;
-};
-
-}  // namespace
-
-std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<Exchange> exchange,
-                                             std::unique_ptr<LinearSolver> solver) {
-    return std::make_unique<Exchanged>(std::move(exchange), std::move(solver));
+    if (rest.report().n_iterations > 0) return true;
+    message_ =
+        "condensed pressures press too much on each other's nodes; keep them among the equations, "
+        "Contact(condensed=False)";
+    singular_unknown_ = -1;
+    return false;
 }
 
 }  // namespace visviva

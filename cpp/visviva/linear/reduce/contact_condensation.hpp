@@ -3,7 +3,7 @@
 // contact with dual multipliers). What they do besides to the nodes of other such multipliers is left out of
 // the equations and made up for by refining the solution with the whole matrix.
 #pragma once
-#include "visviva/linear/linear.hpp"
+#include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
 
@@ -12,30 +12,21 @@ struct NodalMultiplier {
     int multiplier, unknown, size;
 };
 
-class Exchange {
+class ContactCondensation : public Reduction {
   public:
     /// What presses on a node that is another one's, or is partly fixed, stays among the equations.
-    Exchange(const Csr& full, const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed);
+    explicit ContactCondensation(std::vector<NodalMultiplier> multipliers);
 
-    const Csr& left() const { return left_; }
-    const std::vector<int>& kept() const { return kept_; }
-    static constexpr const char* name = ", pressures condensed";
-    static constexpr const char* singular = "a contact pressure has no force on its own node";
-    /// False where a multiplier has neither a force on its node nor an equation of its own.
-    bool eliminate(const double* values);  // which stay where they are until the last solution with them
-    const std::vector<double>& values() const { return values_; }
-    /// r by unknown becomes the residual of what is left; `recover` completes its solution d of K d = -r.
-    void condense(std::vector<double>& r) const;
-    void recover(const double* r, double* d) const;
-    int singular_unknown() const { return singular_; }
+    void analyze(const Csr& full, const std::vector<char>& fixed, const std::vector<int>& node) override;
+    /// Fails where a multiplier has neither a force on its node nor an equation of its own.
+    bool reduce(const double* values) override;
+    void condense(std::vector<double>& r) override;
+    void recover(const double* r, double* d) const override;
+    bool solve(const double* r, const Place& place, double* d, LinearSolver& rest, double tolerance) override;
+    /// How many multipliers have left.
     int n() const { return static_cast<int>(nodes_.size()); }
-    std::size_t n_unknowns() const { return full_->equation.size(); }
     /// Whether forces on the nodes of other multipliers were left out.
     bool is_rough() const { return rough_; }
-    /// r += K d with the whole matrix, both by unknown.
-    void add_product(const double* d, double* r) const;
-    /// The largest of an increment's entries that are no multipliers.
-    double size(const double* d) const;
 
   private:
     static constexpr int largest_node = 3;
@@ -50,30 +41,29 @@ class Exchange {
         double b[largest_node] = {}, squared = 0, own = 0, scale = 1;
         std::vector<double> along, constraint;
     };
-    void choose(const std::vector<NodalMultiplier>& listed, const std::vector<char>& fixed);
+    void choose(const std::vector<char>& fixed);
     void find_forces();
     void find_pattern();
     bool read(Node& node);
     void gather(int row, const Node& node, double* out);
     void replace(Node& node);
     double along(const Node& node, const double* r) const;
+    bool refine(const double* r, const Place& place, double* d, LinearSolver& rest);
+    // r += K d with the whole matrix, both by unknown.
+    void add_product(const double* d, double* r) const;
+    // The largest of an increment's entries that are no multipliers.
+    double size(const double* d) const;
 
-    const Csr* full_;
-    Csr left_;
-    std::vector<int> kept_;   // full equation -> equation of what is left, or -1
+    std::vector<NodalMultiplier> multipliers_;
     std::vector<int> owner_;  // full equation -> the node it is of, or -1
     std::vector<char> gone_;  // full equation: a multiplier that has left
     std::vector<Node> nodes_;
     std::vector<std::vector<std::pair<int, std::int64_t>>>
-        feeds_;  // full equation <- nodes, and the force's place
-    std::vector<double> values_;
+        feeds_;                        // full equation <- nodes, and the force's place
     std::vector<std::int64_t> place_;  // by equation left
     const double* full_values_ = nullptr;
     bool rough_ = false;
-    int singular_ = -1;
+    std::vector<double> residual_, more_;  // while a solution is refined
 };
-
-/// Exchanges, and lets another solver solve what is left.
-std::unique_ptr<LinearSolver> make_exchanged(std::shared_ptr<Exchange>, std::unique_ptr<LinearSolver>);
 
 }  // namespace visviva

@@ -1,0 +1,139 @@
+// Which gaps of a contact carry pressure, and how much.
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/contact/contact_term.hpp"
+
+namespace visviva {
+
+namespace {
+
+// Part of a vertex' area that the other surface must cover: with less, the weighted gap also vanishes because
+// the cover does, and Newton's method converges to that while the multiplier grows without bound.
+constexpr double least_cover = 1e-3;
+
+}  // namespace
+
+bool ContactTerm::is_covered(int A, const std::vector<double>& area) const {
+    return area[A] > least_cover * options_.area[A];
+}
+
+// At the start of the step; what is held must not open by rounding.
+bool ContactTerm::closed(int A) const {
+    const double rounding = rebounds() ? touching * search_.reach() * area0_[A] : 0;
+    return area0_[A] > 0 && gap0_[A] <= rounding;
+}
+
+// How fast closed gaps close when the step begins.
+void ContactTerm::find_rates(const Context& c) {
+    gaps_->skin().increments(c.vectors.v0, V0_);
+    if (rates_at_ == X0_ && rates_of_ == V0_) return;
+    rates_at_ = X0_, rates_of_ = V0_;
+    std::vector<char> wanted(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) wanted[A] = closed(A);
+    segments([&] { gaps_->gradients(X0_.data(), wanted, at_start_); });
+    for (int A = 0; A < gaps_->n(); ++A)
+        rate0_[A] = wanted[A] ? as_vector(at_start_[A].gradient).dot(stencil_of(A, V0_)) : 0.0;
+}
+
+// What a gap has to change by so that the scheme's rate at the end is the restitution times that of closing.
+double ContactTerm::rebound(int A, const Context& c) const {
+    const double* v1 = c.step.motion[2];
+    return -(options_.restitution + v1[1]) / v1[0] * std::min(rate0_[A], 0.0);
+}
+
+// The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
+// give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
+double ContactTerm::least_gap(int A, const Context& c) const {
+    if (c.step.is_static()) return 0;
+    if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
+    const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
+    const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
+    return holds ? std::min(gap0_[A], 0.0) : 0.0;
+}
+
+// Without inertia what just touches holds: bodies may rest on nothing else.
+double ContactTerm::slack(int A, const Context& c) const {
+    return c.step.is_static() ? touching * area1_[A] * size(A) : 0;
+}
+
+bool ContactTerm::wants_pressure(int A, const Context& c) const {
+    if (area1_[A] == 0 || !covered_[A] || (holds(c) && !closed(A))) return false;
+    const double lambda = c.vectors.x1[options_.multiplier[A]];
+    const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
+    // rounding shall not change what was chosen in this step
+    const double rounding = !active_.is_chosen() ? 0 : 1e-12 * k * area1_[A] * size(A);
+    return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
+}
+
+// Once covered in the iterations of a step, a vertex may carry until its end. Conserving impact asks for its
+// start alone.
+void ContactTerm::find_covered(const Context& c) {
+    const bool by_start = holds(c);
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (!active_.is_chosen()) covered_[A] = is_covered(A, area0_);
+        if (!by_start && is_covered(A, area1_)) covered_[A] = 1;
+    }
+}
+void ContactTerm::update_active_set(const Context& c) {
+    find_covered(c);
+    active_.update([&](int A) { return wants_pressure(A, c); });
+}
+
+// In statics bodies may be held by contact alone: the augmentation keeps their tangents regular. With inertia
+// multipliers serve as they are, so that a change of the active set changes nothing but their rows and
+// columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
+double ContactTerm::augmentation(int A, const Context& c) const {
+    const bool plain = !c.step.is_static() && (!has_friction() || rebounds());
+    return plain || c.backwards ? 0 : options_.stiffness[A];
+}
+
+// The pressure at a gap, not negative once the active set has settled.
+void ContactTerm::press(int A, const Context& c, double gap_theta) {
+    const double k = options_.stiffness[A];
+    S_[A] = dS_gap_[A] = R_[A] = 0;
+    const bool alone = gaps_->stencil(A).empty() || (area0_[A] == 0 && area1_[A] == 0);
+    if (!has_multipliers() && alone) {
+        active_.set(A, false);  // no gap of nothing is closed
+        return;
+    }
+    if (!has_multipliers() && is_discrete(c.step)) {
+        press_discretely(A, c);
+    } else if (!has_multipliers()) {
+        if (gap_theta < slack(A, c)) S_[A] = -k * gap_theta, dS_gap_[A] = -k;
+    } else {
+        const double lambda = c.vectors.x1[options_.multiplier[A]], closing = gap1_[A] - least_gap(A, c);
+        const double c_A = augmentation(A, c);
+        if (active_[A])
+            S_[A] = lambda - c_A * closing, dS_gap_[A] = -c_A, R_[A] = -closing;
+        else
+            R_[A] = -lambda / k;
+        return;
+    }
+    active_.set(A, dS_gap_[A] != 0);
+}
+
+double ContactTerm::potential(int A, double gap) const {
+    const double depth = std::min(gap, 0.0);
+    return 0.5 * options_.stiffness[A] * depth * depth;
+}
+
+// S (gap1 - gap0) = W(gap0) - W(gap1) for W = k / 2 <-gap>^2, and what a damper takes of penetration; both
+// together do not pull.
+void ContactTerm::press_discretely(int A, const Context& c) {
+    const double k = options_.stiffness[A], a = std::min(gap0_[A], 0.0), b = std::min(gap1_[A], 0.0);
+    const double change = gap1_[A] - gap0_[A];
+    if (a == gap0_[A] && b == gap1_[A]) {
+        S_[A] = -0.5 * k * (a + b), dS_gap_[A] = -0.5 * k;
+    } else if (a != b) {
+        S_[A] = 0.5 * k * (a - b) * (a + b) / change;
+        dS_gap_[A] = -(k * b + S_[A]) / change;
+    }
+    if (options_.damping.empty() || c.step.is_static()) return;
+    const double rate = options_.damping[A] / c.step.h;
+    S_[A] -= rate * (b - a);
+    if (b < 0) dS_gap_[A] -= rate;
+    if (S_[A] <= 0) S_[A] = dS_gap_[A] = 0;
+}
+
+}  // namespace visviva

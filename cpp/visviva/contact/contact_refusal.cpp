@@ -1,0 +1,75 @@
+// Why a step that has converged may be no solution of contact: what has passed unseen.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "visviva/contact/contact_term.hpp"
+
+namespace visviva {
+
+namespace {
+
+constexpr double most_parts = 100;  // of a step, at which surfaces are looked at on their way
+
+}  // namespace
+
+Refusal ContactTerm::refuse(const Context& c) {
+    const Stopwatch watch(costs_.search);
+    gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
+    if (const int v = search_.lost(X1_); v >= 0)
+        return refused(v, "the surfaces moved farther in the step than their search had reached,");
+    std::vector<Approach> approach;
+    gaps_->approaches(X0_.data(), X1_.data(), approach);
+    auto ways = [](const Approach& a) { return a.way > 0 ? a.way / a.sight : 0; };
+    const auto fastest = std::max_element(approach.begin(), approach.end(),
+                                          [&](auto& a, auto& b) { return ways(a) < ways(b); });
+    const double parts = fastest == approach.end() ? 0 : std::ceil(2 * ways(*fastest));
+    if (parts > most_parts)
+        return refused(static_cast<int>(fastest - approach.begin()),
+                       "the surfaces come nearer by more than can be followed in a step,");
+    if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
+        return refused(A, "the surfaces pass through each other within the step,");
+    if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
+    if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
+        return refused(A, "the first surface comes in by one side and out by another, past an edge,");
+    return {};
+}
+
+Refusal ContactTerm::refused(int vertex, const std::string& why) const {
+    const Skin& skin = gaps_->skin();
+    const double* x = &X1_[3 * vertex];
+    char near[96];
+    std::snprintf(near, sizeof near, " near (%.4g, %.4g, %.4g)", x[0], x[1], x[2]);
+    const int form = skin.first[vertex];
+    return {form < skin.first[vertex + 1] ? skin.unknown[form] : -1, name + ": " + why + near};
+}
+
+double ContactTerm::depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const {
+    return is_covered(A, area) ? std::max(-gap[A] / area[A], 0.0) : 0;
+}
+
+// A gap at which the surfaces are deep in each other on the way, and neither where it began nor where it
+// ends, or so deep at its end that they soon do not see each other any more; -1: none. What comes nearer by
+// less than half of what is seen does not pass unseen.
+int ContactTerm::passes(const std::vector<Approach>& approach, int n_parts) {
+    // Parts of what is seen; in the middle of a body its far side is as close.
+    constexpr double shallow = 0.2, deep = 0.5 - 1e-6, back = 0.1;
+    auto gained = [&](int A, const std::vector<double>& gap, const std::vector<double>& area) {
+        return (depth(A, gap, area) - depth(A, gap0_, area0_)) / approach[A].sight;
+    };
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (gained(A, gap1_, area1_) > 0 && depth(A, gap1_, area1_) > deep * approach[A].sight) return A;
+    std::vector<double> X(X0_.size()), gap(gaps_->n()), area(gaps_->n());
+    for (int part = 1; part < n_parts; ++part) {
+        const double s = static_cast<double>(part) / n_parts;
+        for (std::size_t i = 0; i < X.size(); ++i) X[i] = (1 - s) * X0_[i] + s * X1_[i];
+        gaps_->values(X.data(), gap.data(), area.data());
+        for (int A = 0; A < gaps_->n(); ++A) {
+            const double on_the_way = gained(A, gap, area);
+            if (on_the_way > shallow && gained(A, gap1_, area1_) < on_the_way - back) return A;
+        }
+    }
+    return -1;
+}
+
+}  // namespace visviva

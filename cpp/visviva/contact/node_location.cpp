@@ -1,0 +1,241 @@
+// Where a vertex is with respect to the facets near it: the closest point, inside or outside, and by which
+// side it came in.
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/contact/node_to_segment.hpp"
+
+namespace visviva::node_to_segment {
+
+namespace {
+
+double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
+
+// How far x lies from its foot in the direction of the simplex' middle.
+double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
+    Vector3 y = Vector3::Zero(), middle = Vector3::Zero();
+    for (int i = 0; i < foot.n; ++i) y += foot.coordinate[i] * facet.corner[foot.vertex[i]];
+    for (int i = 0; i < facet.dim; ++i) middle += facet.corner[facet.vertex(foot.simplex, i)] / facet.dim;
+    return (x - y).dot((middle - y).normalized());
+}
+
+// How far a point lies beside a simplex, by the length of its first edge.
+double beside(const Found& found, const Vector3& x) {
+    const FacetShape& facet = found.facet;
+    const Vector3 &a = facet.corner[facet.vertex(found.foot.simplex, 0)],
+                  &b = facet.corner[facet.vertex(found.foot.simplex, 1)];
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    return (w - found.normal.dot(x - a) * found.normal).norm() / (b - a).norm();
+}
+
+}  // namespace
+
+// The closest simplex of all, or of those that face the vertex; where several meet at the closest point, the
+// one on whose side of it the vertex lies. Where the vertex belongs to a side, of what looks there.
+Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) const {
+    Found found;
+    Vector3 own;
+    if (!normals_.normal(X, A, own.data())) own.setZero();
+    constexpr double same = 1e-12;  // relative
+    const Vector3 outside = side >= 0 ? shape(X, side).normal(0) : Vector3::Zero();
+    const Kept& before = kept_[A];
+    Found kept;
+    double kept_aside = 0;  // beside the simplex, by its size
+    double least = options_.reach + options_.radius, aside = -HUGE_VAL;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape facet = shape(X, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s) {
+            const Vector3 n = facet.normal(s);
+            const bool faces = own.isZero() || own.dot(n) < facing;
+            if (n.isZero() || (only_facing && !faces)) continue;
+            if (side >= 0 && n.dot(outside) <= same_side) continue;
+            const Foot foot = closest(facet, s, At(X + 3 * A));
+            if (before == Kept{c.facet, s}) {
+                kept = {&c, facet, foot, {}, n, 0, faces};
+                kept_aside = beside(kept, At(X + 3 * A));
+            }
+            if (foot.distance > (1 + same) * least) continue;
+            const double side = towards(facet, foot, At(X + 3 * A));
+            if (foot.distance >= (1 - same) * least && side <= aside) continue;
+            least = foot.distance, aside = side;
+            found = {&c, facet, foot, {}, n, 0, faces};
+        }
+    }
+    return kept.candidate && kept_aside <= same_place ? kept : found;
+}
+
+// Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
+// 2005).
+Vector3 NodeToSegment::at_vertex(const double* X, int vertex) const {
+    Vector3 sum = Vector3::Zero();
+    const At a(X + 3 * vertex);
+    for (int k = normals_.start[vertex]; k < normals_.start[vertex + 1]; ++k) {
+        const Corner& corner = normals_.corners[k];
+        Vector3 m;
+        double angle = 1;
+        if (skin_.dim == 2) {
+            const Vector3 e =
+                corner.next >= 0 ? At(X + 3 * corner.next) - a : a - At(X + 3 * corner.previous);
+            m = e.cross(Vector3::UnitZ());
+        } else {
+            const Vector3 u = At(X + 3 * corner.next) - a, w = At(X + 3 * corner.previous) - a;
+            m = u.cross(w), angle = std::atan2(m.norm(), u.dot(w));
+        }
+        if (m.norm() > 0) sum += angle * m.normalized();
+    }
+    return sum;
+}
+
+// A direction that points out of the body where the closest point is on an edge or at a vertex.
+Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& border) const {
+    const Foot& foot = found.foot;
+    const int f = found.candidate->facet, n = found.facet.n;
+    border = false;
+    if (std::find(foot.vertex, foot.vertex + foot.n, FacetShape::centre) != foot.vertex + foot.n) {
+        Vector3 sum = Vector3::Zero();
+        for (int s = 0; s < found.facet.n_simplices(); ++s) sum += found.facet.normal(s);
+        return sum;
+    }
+    if (foot.n == 1) {
+        const int v = skin_.corners(f)[foot.vertex[0]];
+        border = border_[v];
+        return at_vertex(X, v);
+    }
+    const int corner = (foot.vertex[0] + 1) % n == foot.vertex[1] ? foot.vertex[0] : foot.vertex[1];
+    const int other = across_[facet_corners * f + corner];
+    border = other < 0;
+    if (border) return found.normal;
+    const FacetShape beyond = shape(X, other);
+    for (int s = 0; s < beyond.n_simplices(); ++s) {
+        const int v = skin_.corners(other)[beyond.vertex(s, 0)],
+                  w = skin_.corners(other)[beyond.vertex(s, 1)];
+        const int a = skin_.corners(f)[foot.vertex[0]], b = skin_.corners(f)[foot.vertex[1]];
+        if (beyond.n == 3 || (v == a && w == b) || (v == b && w == a)) return found.normal + beyond.normal(s);
+    }
+    return found.normal;
+}
+
+// The signed distance and its gradient.
+PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const {
+    if (!found.candidate) return Reach::far;
+    const At x(X + 3 * A);
+    const FacetShape& facet = found.facet;
+    const Vector3& a = facet.corner[facet.vertex(found.foot.simplex, 0)];
+    const double above = found.normal.dot(x - a), d = found.foot.distance;
+    found.value = above;
+    if (found.foot.n == facet.dim) return Reach::near;
+    bool border;
+    const Vector3 out = outwards(X, found, border);
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    const double aside = beside(found, x);
+    const bool rolls = options_.radius > 0;  // off an edge, as balls are round themselves
+    if ((border && !rolls) || aside <= same_place) {
+        if (border && !rolls && aside > on_border) {
+            found.rim = found.foot;
+            const Jet gap = beyond_border(facet, found.rim, roundness, x);
+            found.value = gap.value, found.normal = gap.gradient.head<3>();
+        }
+        found.foot = whole(facet, found.foot.simplex, x);
+        return Reach::near;
+    }
+    found.value = w.dot(out) < 0 && !border ? -d : d;
+    found.normal = w / found.value;
+    return Reach::near;
+}
+
+// Whether it lies behind what is nearest, or by rounding before it.
+bool NodeToSegment::is_inside(const double* X, int A) const {
+    Found found;
+    return locate_nearest(X, A, found) == Reach::near && found.value < same_place * size(found.facet);
+}
+
+int NodeToSegment::nearest_side(const double* X, int A) const {
+    Found found;
+    return locate_nearest(X, A, found) == Reach::near ? found.candidate->facet : Sides::nearest;
+}
+
+// Whether what is found is beyond a side: of another one, or on what that shares with another one.
+bool NodeToSegment::leaves(const double* X, int A, const Found& found, int side) const {
+    const Foot& foot = found.foot;
+    if (!are_same(X, found.candidate->facet, side)) return true;
+    if (foot.n == found.facet.dim) return false;
+    const int* own = skin_.corners(found.candidate->facet);
+    return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
+        const int *corners = skin_.corners(c.facet), *end = corners + skin_.n_corners(c.facet);
+        const bool shares = std::all_of(foot.vertex, foot.vertex + foot.n, [&](int v) {
+            return v != FacetShape::centre && std::find(corners, end, own[v]) != end;
+        });
+        return shares && !are_same(X, c.facet, side);
+    });
+}
+
+bool NodeToSegment::are_same(const double* X, int side, int other) const {
+    return shape(X, side).normal(0).dot(shape(X, other).normal(0)) > same_side;
+}
+
+// The facet that the vertex passes last from before it to behind it, as both move straight.
+int NodeToSegment::entrance(const double* from, const double* to, int A) const {
+    const Vector3 start = nudged(from, A), end = nudged(to, A);
+    Vector3 own;
+    if (!normals_.normal(to, A, own.data())) own.setZero();
+    double latest = -1;
+    int side = Sides::nearest;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape one = shape(from, c.facet), two = shape(to, c.facet);
+        for (int s = 0; s < one.n_simplices(); ++s) {
+            const Vector3 n = two.normal(s);
+            const int first = one.vertex(s, 0);
+            const double before = one.normal(s).dot(start - one.corner[first]),
+                         after = n.dot(end - two.corner[first]);
+            if (!(before >= 0 && after < 0) || (!own.isZero() && own.dot(n) >= facing)) continue;
+            const double t = before / (before - after);
+            FacetShape there = two;
+            for (int i = 0; i <= FacetShape::centre; ++i)
+                there.corner[i] = one.corner[i] + t * (two.corner[i] - one.corner[i]);
+            const Foot foot = whole(there, s, start + t * (end - start));
+            const bool meets = std::all_of(foot.coordinate, foot.coordinate + there.dim,
+                                           [](double share) { return share > -between; });
+            if (meets && t > latest) latest = t, side = c.facet;
+        }
+    }
+    return side;
+}
+
+// What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
+// a thin body.
+PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, Found& found) const {
+    found = pick(X, A, false, Sides::nearest);
+    const Reach reach = sign(X, A, found);
+    if (found.faces || found.value >= 0) return reach;
+    found = pick(X, A, true, Sides::nearest);
+    return sign(X, A, found);
+}
+
+// What is nearest of a side, as if it went on.
+Found NodeToSegment::plane_of(const double* X, int A, int side) const {
+    Found found = pick(X, A, false, side);
+    if (found.candidate) found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
+    return found;
+}
+
+double NodeToSegment::depth(const double* X, int A, int side) const {
+    Found found = plane_of(X, A, side);
+    return sign(X, A, found) == Reach::near ? -found.value : HUGE_VAL;
+}
+
+// What lies inside beside an edge is pushed back to where it came in.
+PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
+    Reach reach = locate_nearest(X, A, found);
+    const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
+    if (came >= 0 && leaves(X, A, found, came)) {
+        found = plane_of(X, A, came);
+        reach = sign(X, A, found);
+    }
+    const bool deep =
+        reach == Reach::near && options_.radius - found.value > sight(A, found.candidate->facet);
+    return deep ? Reach::far : reach;
+}
+
+}  // namespace visviva::node_to_segment

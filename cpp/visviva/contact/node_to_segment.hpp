@@ -1,0 +1,95 @@
+// Node-to-segment gaps: the signed distance of a vertex to the closest point of facets, be it inside a facet,
+// on an edge or at a vertex, which is continuous wherever the vertex slides (paper section 4.2, ref. [14]).
+#pragma once
+#include <vector>
+
+#include "visviva/contact/closest.hpp"
+#include "visviva/contact/point_gaps.hpp"
+#include "visviva/contact/search.hpp"
+
+namespace visviva::node_to_segment {
+
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+
+constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
+constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
+constexpr double same_side = 0.5;    // least agreement of normals of one side of a body
+constexpr double between = 1e-10;    // so far beside a facet what comes in between two of them still meets it
+constexpr double on_border = 1e-9;   // and so close to a border as not beyond it
+// Radius, by a facet's size, with which bodies are rounded off beyond the borders of their surfaces: what
+// slides off is let go without a jump. From a sharp corner it would snap off.
+constexpr double roundness = 0.5;
+
+struct Candidate {
+    int facet;
+    int local[facet_corners];  // places of its corners in the stencil
+};
+
+struct Found {
+    const Candidate* candidate = nullptr;
+    FacetShape facet;
+    Foot foot;
+    Foot rim;        // on the border of the surface, if there are any vertices
+    Vector3 normal;  // of the simplex, later gradient of the signed distance
+    double value = 0;
+    bool faces = true;
+};
+
+class NodeToSegment : public PointGaps {
+  public:
+    NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
+    bool search(const double* from, const double* to) override;
+    bool settle(const double* X) override;
+    void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
+
+  protected:
+    Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
+    void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
+    double way(const double* from, const double* to, int vertex) const override;
+    bool is_inside(const double* X, int vertex) const override;
+    int nearest_side(const double* X, int vertex) const override;
+    int entrance(const double* from, const double* to, int vertex) const override;
+    double depth(const double* X, int vertex, int side) const override;
+    bool are_same(const double* X, int side, int other) const override;
+
+  private:
+    Reach locate(const double* X, int A, Found& found) const;
+    bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
+    bool turns() const { return options_.axis > 0; }  // balls that rub
+    int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
+    bool touches_itself() const { return !rest_.empty(); }
+    bool excluded(int vertex, int facet) const;
+    bool is_other_side(int vertex, int facet) const;
+    void make_stencil(int A, const std::vector<int>& facets);
+    FacetShape shape(const double* X, int facet) const;
+    double sight(int A, int facet) const;
+    double seen_inside(int A, int facet) const;
+    Found pick(const double* X, int A, bool only_facing, int side) const;
+    Reach locate_nearest(const double* X, int A, Found& found) const;
+    Found plane_of(const double* X, int A, int side) const;
+    bool leaves(const double* X, int A, const Found& found, int side) const;
+    Reach sign(const double* X, int A, Found& found) const;
+    void make_topology();
+    Vector3 outwards(const double* X, const Found& found, bool& border) const;
+    void differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
+                        Eigen::MatrixXd* H) const;
+    Vector3 at_vertex(const double* X, int vertex) const;
+
+    // The simplex that a vertex was above where the step began.
+    struct Kept {
+        int facet = -1, simplex = 0;
+        bool operator==(const Kept&) const = default;
+    };
+    std::vector<Kept> kept_;
+    std::vector<double> rest_;  // places, if the surface may touch itself
+    NormalField normals_;
+    BoxTree tree_;
+    bool built_ = false;
+    std::vector<std::vector<Candidate>> candidates_;
+    std::vector<int> across_;   // [facet][corner]: the facet beyond the edge to the next corner, or -1
+    std::vector<char> border_;  // of vertices
+    std::vector<std::vector<int>> near_;  // facets that a vertex shares with itself and its neighbours
+};
+
+}  // namespace visviva::node_to_segment

@@ -1,0 +1,92 @@
+// What a step adds to the ledger: energies, works, momenta, defects, and the losses of impacts.
+#include <algorithm>
+
+#include "visviva/system/system.hpp"
+
+namespace visviva {
+
+void System::set_accounts(int n_accounts, int n_components) {
+    sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
+    sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
+    sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
+    sums.release.assign(n_, 0.0);
+}
+
+void System::clear_sums() {
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
+        std::fill(s->begin(), s->end(), 0.0);
+    sums.impacts.clear();
+}
+
+// In a step with an impact dissipating schemes take a part of the kinetic energy that does not vanish with
+// its length: it is lost by the impact, with what other forces and constraints do as the velocities jump.
+void System::book_impacts(const Context& c, const double* v1) {
+    if (sums.impacts.empty() || island_.empty()) return;
+    std::vector<char> hit(n_ + 1, 0);
+    double pressed = 0, booked = 0;
+    for (const Impact& i : sums.impacts) {
+        for (int u : i.unknowns) hit[island_[u]] = 1;
+        pressed += i.pressed, booked += i.pressed + i.rubbed;
+    }
+    if (pressed <= 0) return;
+    std::vector<double> jump(n_ + 1, 0.0), momentum(n_ + 1, 0.0);
+    for (int u = 0; u < n_; ++u)
+        if (order_[u] == 2 && hit[island_[u]]) jump[u] = v1[u] - v[u];
+    const Vectors vectors{x.data(), x1_.data(), still_.data(), jump.data(), still_.data()};
+    for (const auto& [term, can] : terms_)
+        if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
+    double lost = 0;
+    for (int u = 0; u < n_; ++u) lost += 0.5 * jump[u] * momentum[u];
+    for (std::size_t k = 0; k < constraint_account_.size(); ++k)
+        if (hit[account_island_[k]]) lost -= sums.work[constraint_account_[k]];
+    for (const Impact& i : sums.impacts) sums.work[i.account] -= (lost - booked) * i.pressed / pressed;
+}
+
+void System::book(const Context& c, const double* v1) {
+    clear_sums();
+    for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
+}
+
+// The same with the work of prescribed motion, which goes along dx or against it.
+void System::book_step(const Context& c, const double* v1, double direction) {
+    // before the terms go on to the end; on the way back they find their branches there
+    if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
+    book(c, v1);
+    book_impacts(c, v1);
+    for (std::size_t k = 0; k < prescribed_.size(); ++k) {
+        const int u = prescribed_[k];
+        const double h = c.step.h, *x0 = c.vectors.x0, *x1 = c.vectors.x1;
+        const double through = supply_[k] == Supply::work    ? direction * dx[u]
+                               : supply_[k] == Supply::power ? h * (x0[u] + c.step.theta * (x1[u] - x0[u]))
+                                                             : h;
+        sums.work[prescribed_account_[k]] += r_[u] * through;
+    }
+}
+
+// Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its
+// beginning are those at the end of the step backwards: half of the work there and half of the work back,
+// taken off, is the trapezoidal rule along the path.
+void System::book_path(const Context& c) {
+    LedgerSums there = sums;
+    Step back = c.step;
+    back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
+    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
+    const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
+    for (const auto& [term, can] : terms_) term->begin(c.vectors.x1);
+    book_step({back, vectors, signals, true}, still_.data(), -1);
+    for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+    // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
+    for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];
+    sums = std::move(there);
+}
+
+void System::evaluate_ledger(const Step& step, const Signals& signals, bool moves) {
+    discard();
+    for (const auto& [term, can] : terms_) term->begin(x.data());
+    stale_begin_ = false;
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), v.data(), a.data(), v.data()};
+    book({step, vectors, signals}, moves ? v.data() : still_.data());
+}
+
+}  // namespace visviva

@@ -1,0 +1,238 @@
+"""Bodies on meshes that move: what loads, supports, contact, couplings, probes and pictures ask of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visviva.base.errors import InputError
+from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
+from visviva.component.meshed import Meshed
+from visviva.component.point import Attachable
+from visviva.component.values import Number, Vector3, VectorOrFunction
+from visviva.mesh.faces import Faces, chosen_faces
+from visviva.mesh.locate import locate
+from visviva.model.field import Field, Vectors
+from visviva.model.form import Form, Vector
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+class MeshBody(Attachable, Meshed):
+    """Base of bodies whose mesh moves along.
+
+    What derives from it gives its nodes positions among the unknowns of the field `motion`, in `declare`, and says
+    which masses they have, how stiff it is, and which forces its strains exert.
+
+    Attributes
+    ----------
+    motion : Field
+        Unknowns, once it is part of a system; `node_unknowns` tells those of the nodes' positions.
+    volumes : list of array, (m, q)
+        Of the quadrature points in the reference configuration, one for each type of cells.
+    density : float
+        Mass per reference volume.
+    thickness : float
+        Across a plane mesh.
+    velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
+        At the start.
+    angular_velocity : (3,)
+        Initial rotation about the centre of mass.
+    """
+
+    motion: Field
+    volumes: list[Array]
+    density: Number
+    thickness: Number
+    velocity: VectorOrFunction
+    angular_velocity: Vector3
+
+    has_directions = False
+    moves_rigidly = False
+
+    # --- what derives from it says -------------------------------------------------------------------------
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether a plane mesh stands for a revolution."""
+        return False
+
+    @property
+    def modulus(self) -> float:
+        """Young's modulus at small strains, by which contact is stiff unless it is told."""
+        raise NotImplementedError
+
+    def _masses_of_nodes(self) -> Array:
+        """Row sums (n,) of the mass matrix."""
+        raise NotImplementedError
+
+    def at_points(self, name: str, x: Array) -> Array:
+        """A field at all quadrature points, (n_points, components), element after element."""
+        raise NotImplementedError
+
+    def nodal_forces(self, x: Array, cells: Mask | None = None) -> Array:
+        """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""
+        raise NotImplementedError
+
+    # --- sets and their quadrature points ------------------------------------------------------------------
+    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
+
+        Raises
+        ------
+        InputError
+            If there is no such set or node, or none in it.
+        """
+        if isinstance(chosen, str):
+            everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
+            found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
+        else:
+            found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
+        if len(found) == 0:
+            raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
+        if found[0] < 0 or found[-1] >= self.grid.n_nodes:
+            raise InputError(f"{self.label}: there is no node {found[0 if found[0] < 0 else -1]}")
+        return found
+
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given.
+
+        Raises
+        ------
+        InputError
+            If there is no such set, or none in it.
+        """
+        return chosen_faces(self.grid, chosen, self.label)
+
+    def cell_points(self) -> Iterator[Points]:
+        """Quadrature points of the cells for forces on the volume, type by type."""
+        return cell_points(self.grid, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    def face_points(self, faces: Faces) -> Iterator[FacePoints]:
+        """Quadrature points of faces for forces on them, type by type."""
+        return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    # --- masses and the start ------------------------------------------------------------------------------
+    @cached_property
+    def nodal_mass(self) -> Array:
+        """Share (n,) of every node in the mass."""
+        return self._masses_of_nodes()
+
+    @property
+    def mass(self) -> float:
+        """Total mass."""
+        return float(self.nodal_mass.sum())
+
+    @property
+    def total_mass(self) -> float:
+        return self.mass
+
+    def mass_moment(self, x: Array) -> Array:
+        moment: Array = self.nodal_mass @ self.positions(x)
+        return moment
+
+    def weigh(self, model: Model, acceleration: Array) -> None:
+        m = self.nodal_mass
+        if np.any(m > 0):
+            force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
+            model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
+
+    def initial_velocities(self) -> Array:
+        """Velocities (n, d) of the nodes at the start."""
+        X, v = self.points, self.sampled(self.velocity)
+        if np.any(self.angular_velocity):
+            w = self.nodal_mass if self.density > 0 else np.ones(len(X))
+            v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())
+        if self.dimension == 2 and np.any(v[:, 2] != 0):
+            raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
+        return v[:, : self.dimension]
+
+    def move_reference(self, model: Model, nodes: Ints, by: Array) -> None:
+        """Move nodes (k,) by (k, d or 3) in the reference configuration, where they start free of stress.
+
+        For what fits surfaces to each other in `declare`: a body contributes what its reference is then.
+
+        Raises
+        ------
+        InputError
+            If cells are inverted by that.
+        """
+        d, points = self.dimension, self.grid.points.copy()
+        points[nodes] += by[:, :d]
+        self.grid = replace(self.grid, points=points).check()
+        self.__dict__.pop("nodal_mass", None)
+        place = self.node_unknowns(np.arange(len(points)))[:, None] - self.motion.start + np.arange(d)
+        self.motion.values[place], self.motion.rates[place] = points, self.initial_velocities()
+        model.refresh(self.motion)
+
+    # --- attachment ----------------------------------------------------------------------------------------
+    def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
+        """First unknown of each node."""
+        return np.asarray(self.motion.start + self.dimension * np.asarray(nodes), dtype=np.int32)
+
+    def place(self, X: Array) -> Vector:
+        nodes, N = locate(self.grid, X[: self.dimension], self.label)
+        return self.combination(nodes, N)
+
+    def turn(self, direction: Array, X: Array) -> Vector:
+        raise InputError(
+            f"{self.label} has no directions of its own: attach points to it, or frames to its faces by "
+            "vv.RigidCoupling or vv.DistributedCoupling"
+        )
+
+    def combination(self, nodes: Any, weights: Any) -> Vector:
+        """Weighted sum of nodal positions as a vector form."""
+        kept = [
+            (int(u), float(w)) for u, w in zip(self.node_unknowns(nodes), weights, strict=True) if w != 0.0
+        ]
+        parts = [Form(tuple((u + c, w) for u, w in kept)) for c in range(self.dimension)]
+        x, y, z = (*parts, Form())[:3]
+        return Vector((x, y, z))
+
+    def local(self, x: Array) -> Array:
+        return x
+
+    def vectors(self, model: Model) -> Vectors:
+        n = self.grid.n_nodes
+        return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def by_node(self, values: Array) -> Array:
+        """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
+        first = self.node_unknowns(np.arange(self.grid.n_nodes))
+        return np.pad(values[first[:, None] + np.arange(self.dimension)], ((0, 0), (0, 3 - self.dimension)))
+
+    def positions(self, x: Array) -> Array:
+        """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
+        return self.by_node(x)
+
+    def displacements(self, x: Array) -> Array:
+        """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
+        return self.positions(x) - self.points
+
+    def velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of the nodes at the unknowns `x` and rates `v` of the system."""
+        return self.by_node(v)
+
+    def volume(self, x: Array) -> float:
+        """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
+        return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
+
+    def mean(self, name: str, x: Array) -> Array:
+        """Means of a field over the elements, (n_cells,) or (n_cells, components)."""
+        values, means = self.at_points(name, x), []
+        for volume in self.volumes:
+            part, values = np.split(values, [volume.size])
+            part = part.reshape(*volume.shape, -1)
+            means.append(np.einsum("mq,mqc->mc", volume, part) / volume.sum(axis=1)[:, None])
+        mean = np.concatenate(means)
+        return mean[:, 0] if mean.shape[1] == 1 else mean

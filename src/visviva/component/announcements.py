@@ -1,0 +1,49 @@
+"""What components tell about each other before any makes its fields, see `Model.announce`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.component.component import Component
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Holding:
+    """Nodes of a body that do not move freely: supports and rigid couplings announce it about the body.
+
+    Attributes
+    ----------
+    by : Component
+        What holds them.
+    nodes : array of int, (k,)
+    directions : array of bool, (3,), or None
+        Components of their positions that stay as they are; None where that is not so simple.
+    """
+
+    by: Component
+    nodes: NDArray[np.int64]
+    directions: NDArray[np.bool_] | None
+
+
+class Wetting(Component):
+    """What lets a body feel the fluid that it lies in; it announces itself about the body."""
+
+    @property
+    def carried(self) -> Component:
+        """The body."""
+        raise NotImplementedError
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether the body is thinner than the cells of the fluid around it."""
+        return False
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.carried, self)
