@@ -91,6 +91,79 @@ def test_thin_bodies_start_near_each_other(name: str) -> None:
     vv.simulate(system, until=0.01, step=0.01)
 
 
+# --- small bodies beside thick ones -------------------------------------------------------------------------
+def small_ball(at: Any, velocity: Any) -> vv.RigidBody:
+    return vv.RigidBody(shape=vv.Sphere(radius=0.1), mass=1.0, position=at, velocity=velocity)
+
+
+def past_box(**options: Any) -> list[Component]:
+    """Along a face of a box, 0.25 clear of it; the box is 2 wide across."""
+    ball, wall = small_ball((-0.6, -3, 0), (0, 3, 0)), box((0.5, 2, 1), 0.0)
+    return [ball, wall, vv.Contact(first=ball, second=wall, stiffness=1e5, **options)]
+
+
+def past_edge(**options: Any) -> list[Component]:
+    ball, wall = small_ball((-0.7, -3, 0.45), (0, 3, 0)), box((1, 1, 1), 0.0)
+    return [ball, wall, vv.Contact(first=ball, second=wall, stiffness=1e5, **options)]
+
+
+def spinning_above(**options: Any) -> list[Component]:
+    brick = box((0.3, 0.2, 0.1), 0.6, angular_velocity=(3, 5, 2))
+    slab = box((4, 4, 0.2), 0.0)
+    return [brick, slab, vv.Contact(first=brick, second=slab, stiffness=1e5, **options)]
+
+
+def solid_past_solid(**options: Any) -> list[Component]:
+    """A ball of several elements past a box of one."""
+    sphere = vv.SphereMesh(radius=0.1, counts=(1, 2)).build().moved((-0.75, -1.5, 0.2))
+    cube = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(-0.5, -0.5, -0.5))
+    ball, wall = solid(sphere, velocity=(0, 3, 0)), solid(cube)
+    return [ball, wall, vv.Contact(first=ball, first_faces="outer", second=wall, **options)]
+
+
+BESIDE: dict[str, Callable[..., list[Component]]] = {
+    "ball past a box": past_box,
+    "ball past an edge": past_edge,
+    "brick spinning above a slab": spinning_above,
+    "solid ball past one element": solid_past_solid,
+}
+
+
+@pytest.mark.parametrize("options", [{}, {"enforcement": "penalty"}, {"impact": "conserving"}], ids=str)
+@pytest.mark.parametrize("name", BESIDE)
+def test_small_bodies_fly_freely_beside_thick_ones(name: str, options: Any) -> None:
+    """Facets on their rear see as far as the body they belong to, and not into what lies beyond it."""
+    parts = BESIDE[name](formulation="mortar", **options)
+    contact, system = contact_of(parts), vv.System(parts)
+    forces: list[float] = []
+    result = vv.simulate(
+        system, until=1.0, step=5e-3, observe=lambda _: forces.append(np.abs(contact.forces).max())
+    )
+    assert result.statistics.rejected == 0
+    assert max(forces) == 0.0
+
+
+def test_a_ball_meets_the_face_it_flies_at() -> None:
+    """Not before it is there, after 1.15 at the speed 1; from a wall as heavy as this it flies back."""
+    ball = small_ball((-1.5, 0.6, 0), (1, 0, 0))
+    wall = vv.RigidBody(shape=vv.Box(size=(0.5, 2, 1)), mass=1e6)
+    contact = vv.Contact(first=ball, second=wall, stiffness=1e5, formulation="mortar", impact="conserving")
+    system = vv.System([ball, wall, contact])
+    vv.simulate(system, until=1.14, step=1e-2)
+    assert not contact.pressures.any()
+    vv.simulate(system, until=1.3, step=1e-2)
+    assert ball.point().position.rate(system.v)[0] < -0.9
+
+
+def test_overlaps_are_told_where_they_are_in_space() -> None:
+    """The message gave the vertex in the ball's own coordinates, near its middle."""
+    for formulation in FORMULATIONS:
+        ball, table = small_ball((2, 1, 0.58), (0, 0, 0)), box((6, 4, 1), 0.0)
+        contact = vv.Contact(first=ball, second=table, stiffness=1e5, formulation=formulation)
+        with pytest.raises(InputError, match=r"overlap by 0.0\d+ near \([12]\.?\d*, [01]\.?\d*, 0\.[45]"):
+            vv.simulate(vv.System([ball, table, contact]), until=0.01, step=0.01)
+
+
 # --- how far facets see -------------------------------------------------------------------------------------
 def seen(surface: Surface, facing: Array) -> Array:
     """Sights of the facets whose normals are near a direction."""

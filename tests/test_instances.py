@@ -101,7 +101,7 @@ class HeldBar(Bar):
         super().contribute(model)
         if self.right is not None:
             f = self.right
-            values, rates = (lambda t: np.array([f(t)])), (lambda t: np.array([f.rate(t)]))
+            values, rates = (lambda t: np.array([f(t)])), (lambda t, step: np.array([f.rate(t, step)]))
             model.prescribe(self, self.heat, [self.heat.size - 1], values, rates)
 
 

@@ -173,6 +173,18 @@ def test_plane_sections_and_supports(plane: Any) -> None:
     assert section(system)[1] == pytest.approx(force, rel=1e-9)
 
 
+@pytest.mark.parametrize("cell", ["quad4", "tri6", "quad9"])
+def test_volume_of_a_revolution(cell: Any) -> None:
+    """A tube from radius 1 to 1.5, 2 high, that widens by 10 % and shortens to a half; its thickness does not count."""
+    mesh = vv.RectangleMesh(size=(0.5, 2.0), counts=(2, 4), cell=cell).build().moved((1.0, 0.0))
+    tube = vv.Solid(mesh=mesh, material=STEEL, plane="axisymmetric", thickness=0.3)
+    system = vv.System([tube])
+    whole = np.pi * (1.5**2 - 1.0) * 2.0
+    assert vv.Volume(solid=tube)(system) == pytest.approx(whole, rel=1e-13)
+    system.x[:] = (tube.points[:, :2] * (1.1, 0.5)).ravel()
+    assert vv.Volume(solid=tube)(system) == pytest.approx(1.1**2 * 0.5 * whole, rel=1e-13)
+
+
 def test_bad_input() -> None:
     solid = bar()
     with pytest.raises(vv.InputError, match=r"von_mised.*von_mises"):

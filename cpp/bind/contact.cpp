@@ -182,20 +182,20 @@ void bind_contact(nb::module_& m) {
             "__init__",
             [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
                const Doubles& stiffness, const Doubles& area, bool conserving, bool rigid, double restitution,
-               bool presses_out, double friction, const Ints& tangential, const Doubles& tangential_stiffness,
-               const Doubles& inertia, const Doubles& damping) {
+               double size, bool presses_out, double friction, const Ints& tangential,
+               const Doubles& tangential_stiffness, const Doubles& inertia, const Doubles& damping) {
                 FrictionOptions rubbing{friction, vector_of<int>(tangential),
                                         vector_of<double>(tangential_stiffness), vector_of<double>(inertia)};
                 new (t) ContactTerm(std::move(gaps),
                                     {vector_of<int>(multiplier), vector_of<double>(stiffness),
-                                     vector_of<double>(area), conserving, rigid, restitution, presses_out,
-                                     vector_of<double>(damping), std::move(rubbing)},
+                                     vector_of<double>(area), conserving, rigid, restitution, size,
+                                     presses_out, vector_of<double>(damping), std::move(rubbing)},
                                     reach);
             },
             nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("area"),
-            nb::arg("conserving"), nb::arg("rigid"), nb::arg("restitution"), nb::arg("presses_out"),
-            nb::arg("friction"), nb::arg("tangential"), nb::arg("tangential_stiffness"), nb::arg("inertia"),
-            nb::arg("damping"))
+            nb::arg("conserving"), nb::arg("rigid"), nb::arg("restitution"), nb::arg("size"),
+            nb::arg("presses_out"), nb::arg("friction"), nb::arg("tangential"),
+            nb::arg("tangential_stiffness"), nb::arg("inertia"), nb::arg("damping"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,

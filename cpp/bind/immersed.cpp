@@ -1,6 +1,7 @@
 // Binding of immersed solids.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include "linear.hpp"
@@ -77,6 +78,17 @@ Reach reach_of(nb::object function, std::size_t n, std::size_t dim) {
     };
 }
 
+using Flags = nb::ndarray<nb::numpy, bool, nb::ndim<1>>;
+
+std::optional<Flags> within(const ImmersedTerm& term) {
+    const std::vector<char> found = term.within();
+    if (found.empty()) return {};
+    auto* flags = new bool[found.size()];
+    std::copy(found.begin(), found.end(), flags);
+    nb::capsule owner(flags, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+    return Flags(flags, {found.size()}, owner);
+}
+
 }  // namespace
 
 void bind_immersed(nb::module_& m) {
@@ -105,5 +117,6 @@ void bind_immersed(nb::module_& m) {
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
             nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"),
             nb::arg("admit"), nb::arg("couple"), nb::arg("reach").none())
+        .def_prop_ro("within", &within, nb::rv_policy::automatic)
         .def_prop_ro("location", &ImmersedTerm::location);
 }

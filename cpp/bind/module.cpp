@@ -7,6 +7,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "callback.hpp"
 #include "linear.hpp"
 #include "visviva/base/instructions.hpp"
 #include "visviva/linear/linear_choice.hpp"
@@ -78,10 +79,11 @@ static Signals signals_of(const Doubles& a) {
 
 static nb::tuple arrays_of(const LawArguments& a) {
     const auto e = static_cast<std::size_t>(a.n_e), m = static_cast<std::size_t>(a.n_m),
-               n = static_cast<std::size_t>(a.stride);
+               n = static_cast<std::size_t>(a.stride), h = static_cast<std::size_t>(a.n_h);
     return nb::make_tuple(own(a.e0, e, n), own(a.e_eval, e, n), own(a.e1, e, n), own(a.e_rate, e, n),
                           own(a.lambda, m, n), own(a.S, e, n), own(a.D, e * e, n), own(a.R, e * e, n),
-                          own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n));
+                          own(a.Phi, m, n), own(a.J, m * e, n), own(a.Jt, m * e, n), own(a.W, 1, n),
+                          own(a.h0, h, n), own(a.h1, h, n), own(a.lost, h > 0 ? 1 : 0, n));
 }
 
 // Functions of the user often know the system that calls them. The Python side owns them, and only weak
@@ -93,7 +95,7 @@ static nb::object alive(const nb::weakref& f) {
     return g;
 }
 
-static LawCallback law_callback(nb::object function) {
+LawCallback law_callback(nb::object function) {
     return [f = nb::weakref(function)](const LawArguments& a) {
         nb::gil_scoped_acquire gil;
         alive(f)(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
@@ -153,7 +155,6 @@ static void bind_solid(nb::module_& m) {
             nb::arg("kind"), nb::arg("small"), nb::arg("index"), nb::arg("gradients"), nb::arg("volume"),
             nb::arg("par"), nb::arg("hoop").none(), nb::arg("mass").none(), nb::arg("damping").none())
         .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
-        .def("set_symmetric", &SolidTerm::set_symmetric)
         .def_prop_rw("start_stress", &SolidTerm::start_stress, &SolidTerm::set_start_stress)
         .def("set_plane_stress", &SolidTerm::set_plane_stress)
         .def("set_thermal", [](SolidTerm& t, Doubles strain) { t.set_thermal(strain.data()); })
@@ -218,6 +219,7 @@ static void bind_terms(nb::module_& m) {
                                 mass.data(), index.data(), flags_of(is_position));
         });
     bind_solid(m);
+    bind_point(m);
     bind_contact(m);
     bind_flow(m);
     bind_immersed(m);
@@ -310,6 +312,7 @@ static int n_reduced(const System& s) {
 }
 
 static void bind_system(nb::module_& m) {
+    nb::class_<Snapshot>(m, "Snapshot");
     nb::class_<System>(m, "System")
         .def("__init__",
              [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
@@ -427,8 +430,8 @@ static void bind_system(nb::module_& m) {
         .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
                                   bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("restore", [](System& s, const Doubles& m) { s.restore(vector_of<double>(m)); })
-        .def("keep_evaluation", &System::keep_evaluation)
-        .def("restore_evaluation", &System::restore_evaluation)
+        .def("snapshot", &System::snapshot)
+        .def("restore_snapshot", &System::restore_snapshot)
         .def("invalidate", &System::invalidate)
         .def("mark_state", &System::mark_state)
         .def_prop_ro("is_unchanged", &System::is_unchanged)

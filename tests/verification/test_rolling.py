@@ -105,3 +105,34 @@ def test_particle_at_the_limit_of_sticking(size: float, part: float, on_facets: 
     slides = 0.5 * G * (np.sin(angle) - friction * np.cos(angle)) * (part < 1)
     assert contact.slipping.all() == (part < 1)
     assert system.x[0] / size == pytest.approx(slides, rel=1e-9, abs=1e-13)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.VariationalMidpoint(), vv.Midpoint()], ids=str)
+@pytest.mark.parametrize("tangential", ["multipliers", "penalty"])
+def test_a_ball_that_spins_about_the_normal_rolls_straight(scheme: Any, tangential: str) -> None:
+    """What rolls with v = R w turns about the normal without a force: it drifts aside by the error of the scheme."""
+    drifts = []
+    for step in (4e-3, 2e-3):
+        ball = vv.RigidBody(
+            shape=vv.Sphere(radius=0.1),
+            mass=1.0,
+            position=(0, 0, 0.1),
+            velocity=(2, 0, 0),
+            angular_velocity=(0, 20, 5),
+        )
+        floor = vv.Plane()
+        contact = vv.Contact(
+            first=ball,
+            second=floor,
+            friction=0.2,
+            stiffness=1e6,
+            tangential=tangential,
+            tangential_stiffness=1e5,
+        )
+        system = vv.System([ball, floor, contact, vv.Gravity()])
+        vv.simulate(system, until=0.4, step=step, scheme=scheme)
+        place = system.value(ball.point().position)
+        assert place[0] == pytest.approx(0.8, abs=1e-3)
+        drifts.append(abs(place[1]))
+    assert drifts[1] < 1e-6
+    assert drifts[0] / drifts[1] > 3.5

@@ -87,6 +87,32 @@ VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, const Jet<n, se
     return u + broadcast(-1.0) * w;
 }
 
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u) {
+    return -1.0 * u;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, double c) {
+    return u + -c;
+}
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator/(const Jet<n, second>& u, const Jet<n, second>& w) {
+    const V i = 1.0 / w.v;
+    return u * chain(w, i, -i * i, 2.0 * i * i * i);
+}
+
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, V c) {
+    return u + -c;
+}
+
+VISVIVA_INLINE V root(V u) { return vsqrt(u); }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> root(const Jet<n, second>& u) {
+    const V s = vsqrt(u.v), ds = 0.5 / s;
+    return chain(u, s, ds, -0.5 * ds / u.v);
+}
+
 VISVIVA_INLINE V log1p(V u) { return vlog1p(u); }
 template <int n, bool second>
 VISVIVA_INLINE Jet<n, second> log1p(const Jet<n, second>& u) {

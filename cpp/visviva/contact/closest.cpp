@@ -163,7 +163,8 @@ Jet beyond_border(const FacetShape& facet, const Foot& rim, double part, const V
     const int s = rim.simplex;
     const Jet radius = part * edge_length(facet, facet.vertex(s, 0), facet.vertex(s, 1));
     const Jet height = above + radius;
-    const Jet aside = squared_distance(facet, rim, x) + -1.0 * square(above);
+    Jet aside = squared_distance(facet, rim, x) + -1.0 * square(above);  // deep below, numbers that are alike
+    aside.value = (place(facet, plane) - place(facet, rim)).squaredNorm();
     return (height.value > 0 ? root(aside + square(height)) : root(aside)) + -1.0 * radius;
 }
 

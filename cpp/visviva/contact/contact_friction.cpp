@@ -7,6 +7,13 @@
 
 namespace visviva {
 
+// Slip is a rate, not the derivative of a gap: it belongs to the place where the scheme takes rates.
+void ContactTerm::find_rubbed(const Context& c) {
+    const double t = c.step.theta;
+    Xr_.resize(X0_.size());
+    for (std::size_t i = 0; i < X0_.size(); ++i) Xr_[i] = (1 - t) * X0_[i] + t * X1_[i];
+}
+
 // The traction at a gap: elastic or a multiplier within Coulomb's limit; that at the start of a step that the
 // books of statics go back.
 void ContactTerm::find_traction(int A, const Context& c) {
@@ -111,7 +118,7 @@ Sliding ContactTerm::slip(int A) const {
 Sliding ContactTerm::sliding(int A, const Eigen::VectorXd& D) const {
     Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
     turning.head(gaps_->n_turning(A)).setOnes();
-    return {grips_[A], stencil_of(A, Xt_), D, turning, gaps_->skin().dim};
+    return {grips_[A], stencil_of(A, Xr_), D, turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {
@@ -127,7 +134,7 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
     const FrictionOptions& o = options_.friction;
     const Traction& t = traction_[A];
     const Sliding sliding = slip(A);
-    const double turn = theta(c.step);
+    const double turn = c.step.theta;
     const Eigen::MatrixXd directions = sliding.directions();
     const double stiffness = tangential(A, c);
     const Eigen::MatrixXd dt = stiffness * t.by_trial * sliding.displacement_gradient(turn) +

@@ -47,14 +47,14 @@ double ContactTerm::rebound(int A, const Context& c) const {
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.is_static()) return 0;
     if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
-    const double rounding = options_.conserving ? 0 : touching * area0_[A] * std::sqrt(area0_[A]);
+    const double rounding = options_.conserving ? 0 : touching * area0_[A] * options_.size;
     const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
     return holds ? std::min(gap0_[A], 0.0) : 0.0;
 }
 
 // Without inertia what just touches holds: bodies may rest on nothing else.
 double ContactTerm::slack(int A, const Context& c) const {
-    return c.step.is_static() ? touching * area1_[A] * size(A) : 0;
+    return c.step.is_static() ? touching * area1_[A] * options_.size : 0;
 }
 
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
@@ -62,7 +62,7 @@ bool ContactTerm::wants_pressure(int A, const Context& c) const {
     const double lambda = c.vectors.x1[options_.multiplier[A]];
     const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
-    const double rounding = !active_.is_chosen() ? 0 : 1e-12 * k * area1_[A] * size(A);
+    const double rounding = !active_.is_chosen() ? 0 : 1e-12 * k * area1_[A] * options_.size;
     return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
 }
 

@@ -74,14 +74,15 @@ bool ContactTerm::read_memory(const double*& m) {
     return changed;
 }
 
-void ContactTerm::keep_evaluation() {
-    held_ = {S_, gap1_, area1_, forces_, friction_forces_, active_.flags(), slips_, grips_, traction_};
+std::any ContactTerm::evaluation() const {
+    return Evaluation{S_,     gap1_,  area1_,   forces_, friction_forces_, active_.flags(),
+                      slips_, grips_, traction_};
 }
 
-void ContactTerm::restore_evaluation() {
-    S_ = held_.S, gap1_ = held_.gap1, area1_ = held_.area1;
-    forces_ = held_.forces, friction_forces_ = held_.friction_forces;
-    active_.set_flags(held_.active), slips_ = held_.slips, grips_ = held_.grips, traction_ = held_.traction;
+void ContactTerm::restore_evaluation(const std::any& kept) {
+    const auto& e = std::any_cast<const Evaluation&>(kept);
+    S_ = e.S, gap1_ = e.gap1, area1_ = e.area1, forces_ = e.forces, friction_forces_ = e.friction_forces;
+    active_.set_flags(e.active), slips_ = e.slips, grips_ = e.grips, traction_ = e.traction;
     known_.clear();
 }
 
@@ -137,7 +138,8 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
     impacts_ = has_tangential() && rebounds() && holds(c) && begins_with_impact(c);
-    segments([&] { gaps_->grips(Xt_.data(), active_.flags(), gradients, grips_); });
+    find_rubbed(c);
+    segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { find_traction(A, c); });
     if (is_inertial(c) && gaps_->skin().is_rigid()) find_redundant();
 }
@@ -222,7 +224,7 @@ bool ContactTerm::update_tangent(const Context& c, double* values) {
 }
 
 void ContactTerm::accept(const Context& c) {
-    if (c.step.is_static()) {  // the books of statics have gone back along the path
+    if (c.step.balances_ends()) {  // the books have gone back along the path
         gaps_->skin().positions(c.vectors.x0, X0_);
         settle();
         evaluate(c, true);

@@ -33,6 +33,7 @@ struct ContactOptions {
     // they came with, and several of their vertices may press where fewer would do.
     bool rigid = false;
     double restitution = 0;
+    double size = 0;              // of a vertex' share of the surface, by which gaps are told from rounding
     bool presses_out = false;     // in time too, what overlaps at the start of a step is pushed apart
     std::vector<double> damping;  // of each gap: pressure per rate of penetration, beside a penalty
     FrictionOptions friction;
@@ -61,8 +62,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
-    void keep_evaluation() override;
-    void restore_evaluation() override;
+    std::any evaluation() const override;
+    void restore_evaluation(const std::any&) override;
     double resolution() const override { return gaps_->resolution(); }
 
     // At the last evaluation, by vertices of the first surface: pressure, weighted gap, area.
@@ -84,7 +85,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
   private:
     // What an evaluation has left.
-    struct Held {
+    struct Evaluation {
         std::vector<double> S, gap1, area1, forces, friction_forces;
         std::vector<char> active, slips;
         std::vector<Grip> grips;
@@ -132,8 +133,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void find_covered(const Context&);
     bool is_covered(int A, const std::vector<double>& area) const;
     void find_masses(bool gradients);
-    double size(int A) const { return std::sqrt(area1_[A]); }  // of a vertex's share of the surface
     void forget_gradients() { known_at_.clear(), massed_.clear(), rates_at_.clear(); }
+    void find_rubbed(const Context&);
     void find_traction(int A, const Context&);
     void add_to_ledger(const Context&, LedgerSums&);
     bool collides(int A, const Context&) const;
@@ -174,6 +175,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     ActiveSet active_;
     ContactScatter scatter_;
     std::vector<double> X0_, X1_, Xt_, D_;
+    std::vector<double> Xr_;        // where surfaces rub
     std::vector<double> known_;     // where gap1_ and area1_ were evaluated
     std::vector<double> narrowed_;  // the end of the step for which stencils were made
     std::vector<double> known_at_;  // where the gradients of at_theta_ were evaluated,
@@ -184,7 +186,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<double> S_, dS_gap_, R_;  // pressure, its derivative by the gap, residual of the multiplier
     std::vector<double> forces_, friction_forces_;
     std::vector<double> mean_increments_;  // increments by the mean of the velocities before and after a step
-    Held held_;
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false;

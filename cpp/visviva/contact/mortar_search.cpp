@@ -110,7 +110,8 @@ void Mortar::make_stencils() {
 
 Range Mortar::range(const Pair& p) const {
     if (skin_.behind.empty()) return {options_.reach};
-    return {options_.reach, deepest(skin_.behind[p.first], skin_.behind[p.second]),
+    const double own = skin_.behind[p.first];  // beyond that it sees what is outside of its body
+    return {options_.reach, std::min(own, deepest(own, skin_.behind[p.second])),
             std::min(skin_.ahead[p.first], skin_.ahead[p.second])};
 }
 

@@ -88,6 +88,7 @@ class Obstacle : public PointGaps {
   private:
     Vector3 place(const double* X, const Vector3& x) const;
     Vector3 place(const double* X, int vertex) const { return place(X, At(X + 3 * vertex)); }
+    bool reaches(const double* from, const double* to, int vertex) const;
     bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
     // Balls whose middle is just above an edge come in from above.
     double on_edge() const { return 1e-9 * options_.radius; }
@@ -122,7 +123,31 @@ void Obstacle::approaches(const double* from, const double* to, std::vector<Appr
     for (double half : shape_.half)
         if (half > 0) least = std::min(least, half);
     if (!std::isfinite(least)) least = 0;
-    for (int A = 0; A < n_; ++A) out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
+    for (int A = 0; A < n_; ++A)
+        if (reaches(from, to, A)) out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
+}
+
+// Whether the way of a vertex, as seen from the frame, leads through the box about the shape. As the frame
+// turns that way bends.
+bool Obstacle::reaches(const double* from, const double* to, int A) const {
+    const bool round = shape_.core == ObstacleShape::cylinder;
+    const double *frame0 = from + 3 * (skin_.n_vertices() - 4), *frame1 = to + 3 * (skin_.n_vertices() - 4);
+    const Vector3 start = place(from, A), way = place(to, A) - start;
+    const Vector3 arm = At(to + 3 * A) - At(frame1) - (At(from + 3 * A) - At(frame0));
+    double begin = 0, end = 1;
+    for (int i = 0; i < 3; ++i) {
+        const int a = 3 + 3 * i;
+        const Vector3 turn = At(frame1 + a) - At(frame1) - (At(frame0 + a) - At(frame0));
+        const double bend = 0.25 * std::abs(arm.dot(turn)) / shape_.axis;
+        const double half = shape_.half[round && i == 1 ? 0 : i] + shape_.radius + options_.radius + bend;
+        if (std::abs(way[i]) <= 1e-14 * half) {
+            if (std::abs(start[i]) > half) return false;
+            continue;
+        }
+        const double one = (-half - start[i]) / way[i], other = (half - start[i]) / way[i];
+        begin = std::max(begin, std::min(one, other)), end = std::min(end, std::max(one, other));
+    }
+    return begin <= end;
 }
 
 // Or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.

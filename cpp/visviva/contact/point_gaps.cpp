@@ -20,9 +20,23 @@ PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), o
 Vector3 PointGaps::nudged(const double* X, int A) const {
     constexpr double rounding = 1e-9, deformation = 1e-3;
     const bool deforms = skin_.mesh_node[skin_.first[A]];
-    Vector3 middle = Vector3::Zero();
-    for (int B = 0; B < n_; ++B) middle += At(X + 3 * B) / n_;
+    const auto known = std::find_if(middles_.begin(), middles_.end(), [&](auto& m) { return m.X == X; });
+    const Vector3 middle = known == middles_.end() ? middle_at(X) : known->place;
     return At(X + 3 * A) + (deforms ? -deformation : rounding) * (middle - At(X + 3 * A));
+}
+
+// By areas, so that it stays where it is as meshes are refined in parts.
+Vector3 PointGaps::middle_at(const double* X) const {
+    Vector3 sum = Vector3::Zero();
+    double area = 0;
+    for (int A = 0; A < n_; ++A) sum += options_.areas[A] * At(X + 3 * A), area += options_.areas[A];
+    return sum / area;
+}
+
+void PointGaps::find_middles(std::initializer_list<const double*> configurations) const {
+    middles_.clear();
+    for (const double* X : configurations)
+        if (X) middles_.push_back({X, middle_at(X)});
 }
 
 int PointGaps::side(const double* X, int A) const {
@@ -44,6 +58,7 @@ bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
 }
 
 bool PointGaps::settle(const double* X) {
+    find_middles({X, start()});
     return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
         if (deforms(A) || !is_inside(X, A)) return Sides::nearest;
         const int came = side(X, A);
@@ -109,6 +124,7 @@ bool PointGaps::turns_about(const Path& path) const {
 }
 
 int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
+    find_middles({from, to, start()});
     std::vector<char> stray(n_, 0);
     parallel_for(n_, [&](int A) {
         if (stencils_[A].empty() || before[A] <= 0) return;
@@ -125,6 +141,7 @@ int PointGaps::strays(const double* from, const double* to, const double* before
 }
 
 void PointGaps::values(const double* X, double* gap, double* area) {
+    find_middles({X, start()});
     parallel_for(n_, [&](int A) {
         Distance d;
         const Reach reach = distance(X, A, 0, d);
@@ -134,6 +151,7 @@ void PointGaps::values(const double* X, double* gap, double* area) {
 }
 
 void PointGaps::gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) {
+    find_middles({X, start()});
     parallel_for(n_, [&](int A) {
         if (!wanted[A]) return;
         Distance d;
@@ -145,6 +163,7 @@ void PointGaps::gradients(const double* X, const std::vector<char>& wanted, std:
 
 void PointGaps::seconds(const double* X, const std::vector<double>& S, const double* direction,
                         std::vector<Gap>& out) {
+    find_middles({X, start()});
     parallel_for(n_, [&](int A) {
         if (S[A] == 0) return;
         Distance d;
@@ -165,6 +184,7 @@ void PointGaps::seconds(const double* X, const std::vector<double>& S, const dou
 
 void PointGaps::grips(const double* X, const std::vector<char>& wanted, bool gradients,
                       std::vector<Grip>& out) {
+    find_middles({X, start()});
     parallel_for(n_, [&](int A) {
         if (!wanted[A]) return;
         const Eigen::Index k = stencils_[A].size();

@@ -1,6 +1,7 @@
 // Gaps of single points: the distance of each vertex of the first surface, times the area that belongs to it.
 #pragma once
 #include <Eigen/Dense>
+#include <initializer_list>
 
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/sides.hpp"
@@ -59,6 +60,11 @@ class PointGaps : public Gaps {
     static void add_weights(const double* X, double L, const Eigen::Vector3d& c, const Eigen::MatrixXd& C,
                             int own, double sign, Grip& out);
 
+    /// The middle of the first surface at these configurations, which all its vertices ask for.
+    void find_middles(std::initializer_list<const double*> configurations) const;
+    Eigen::Vector3d middle_at(const double* X) const;
+    const double* start() const { return sides_.start().empty() ? nullptr : sides_.start().data(); }
+
     class Path;
     bool cuts_through(const Path&, double before, double after, double near) const;
     bool turns_about(const Path&) const;
@@ -66,6 +72,11 @@ class PointGaps : public Gaps {
 
     PointOptions options_;
     Sides sides_;
+    struct Middle {
+        const double* X;
+        Eigen::Vector3d place;
+    };
+    mutable std::vector<Middle> middles_;
     bool keeps_ = false;
 };
 

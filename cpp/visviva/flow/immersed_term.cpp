@@ -17,7 +17,7 @@ ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Adm
       reach_(std::move(reach)) {
     const std::size_t n = static_cast<std::size_t>(points_.n());
     now_.unknown.assign(n * points_.width, -1), now_.weight.assign(n * points_.width, 0.0);
-    start_.assign(n * points_.dim, std::numeric_limits<double>::quiet_NaN()), now_.places = start_;
+    now_.start.assign(n * points_.dim, std::numeric_limits<double>::quiet_NaN()), now_.places = now_.start;
     at_tangent_ = now_;
 }
 
@@ -51,6 +51,13 @@ bool ImmersedTerm::is_free(const std::vector<double>& weight, int first) const {
     return std::all_of(begin, begin + points_.width, [](double w) { return w == 0; });
 }
 
+std::vector<char> ImmersedTerm::within() const {
+    std::vector<char> found;
+    if (std::isnan(now_.places[0])) return found;
+    for (int k = 0; k < points_.n(); ++k) found.push_back(!is_free(k * points_.width));
+    return found;
+}
+
 bool ImmersedTerm::is_outdated() const {
     for (int k = 0; points_.leaves && k < points_.n(); ++k)
         if (is_free(k * points_.width) != is_free(at_tangent_.weight, k * points_.width)) return true;
@@ -63,24 +70,22 @@ bool ImmersedTerm::is_outdated() const {
 // is held.
 bool ImmersedTerm::find_neighbours(const Way& way) {
     const Stopwatch watch(location_);
-    bool same = !coupled_.empty();
+    bool same = is_coupled();
     each([&](int k, int i, int, int) {
         const double from = points_.value(way.x0, k, i);
         const double goes = points_.held[k * points_.dim + i] ? points_.value(way.x1, k, i) - from
                                                               : way.h * points_.value(way.rate, k, i);
-        double &start = start_[k * points_.dim + i], &place = now_.places[k * points_.dim + i];
+        double &start = now_.start[k * points_.dim + i], &place = now_.places[k * points_.dim + i];
         const double to = from + way.theta * goes;
         same = same && start == from && place == to;
         start = from, place = to;
     });
     if (same) return false;
-    interpolate_(start_.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
+    interpolate_(now_.start.data(), now_.places.data(), now_.unknown.data(), now_.weight.data());
     if (reach_) reach_(now_.places.data());
-    bool known = !coupled_.empty();
-    for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
-        known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
-    if (!known) find_coupled(way);
-    return !known;
+    if (is_coupled()) return false;
+    find_coupled(way);
+    return true;
 }
 
 Refusal ImmersedTerm::refused(const Lost& lost) const {
@@ -90,7 +95,7 @@ Refusal ImmersedTerm::refused(const Lost& lost) const {
 
 Refusal ImmersedTerm::refuse(const Context& c) {
     const Stopwatch watch(location_);
-    std::vector<double> ends(start_.size()), starts(start_.size());
+    std::vector<double> ends(now_.start.size()), starts(now_.start.size());
     each([&](int k, int i, int, int) {
         starts[k * points_.dim + i] = points_.value(c.vectors.x0, k, i);
         ends[k * points_.dim + i] = points_.value(c.vectors.x1, k, i);
@@ -119,10 +124,26 @@ bool ImmersedTerm::read_memory(const double*& m) {
     for (int& u : at_tangent_.unknown) u = static_cast<int>(*m++);
     for (double& w : at_tangent_.weight) w = *m++;
     for (double& p : at_tangent_.places) p = *m++;
-    now_ = at_tangent_;
-    std::fill(start_.begin(), start_.end(), std::numeric_limits<double>::quiet_NaN());
-    if (reach_) reach_(now_.places.data());
+    follow(at_tangent_);
+    std::fill(now_.start.begin(), now_.start.end(), std::numeric_limits<double>::quiet_NaN());
     return true;
+}
+
+void ImmersedTerm::restore_evaluation(const std::any& kept) { follow(std::any_cast<const Weights&>(kept)); }
+
+// Elements around are told where that is elsewhere than before.
+void ImmersedTerm::follow(const Weights& weights) {
+    const bool elsewhere = now_.places != weights.places;
+    now_ = weights;
+    if (reach_ && elsewhere) reach_(now_.places.data());
+}
+
+// Whether the pattern holds what is followed now.
+bool ImmersedTerm::is_coupled() const {
+    bool known = !coupled_.empty();
+    for (std::size_t e = 0; known && e < now_.unknown.size(); ++e)
+        known = is_coupled(static_cast<int>(e) / points_.width, now_.unknown[e]);
+    return known;
 }
 
 bool ImmersedTerm::is_coupled(int point, int unknown) const {
@@ -131,7 +152,7 @@ bool ImmersedTerm::is_coupled(int point, int unknown) const {
 
 // The pattern lasts for some steps if it holds what comes next.
 void ImmersedTerm::find_coupled(const Way& way) {
-    std::vector<double> moves(start_.size());
+    std::vector<double> moves(now_.start.size());
     each([&](int k, int i, int, int) {
         moves[k * points_.dim + i] = points_.value(way.x1, k, i) - points_.value(way.x0, k, i);
     });

@@ -57,12 +57,22 @@ class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory
     Refusal refuse(const Context&) override;
     void write_memory(std::vector<double>& memory) const override;
     bool read_memory(const double*& memory) override;
+    std::any evaluation() const override { return now_; }
+    void restore_evaluation(const std::any&) override;
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
+    // Which points the fluid holds in the step evaluated last; none before it was asked.
+    std::vector<char> within() const;
     double location() const { return location_; }  // CPU seconds that it has taken
 
   private:
+    // [point][width] first unknowns of velocities, and their weights, at places [point][dim], of a step that
+    // starts at others
+    struct Weights {
+        std::vector<int> unknown;
+        std::vector<double> weight, places, start;
+    };
     void list_entries(std::vector<std::pair<int, int>>& entries) const override;
     void set_positions(const std::vector<std::int64_t>& positions) override;
     /// f(point, component, multiplier, first velocity)
@@ -71,6 +81,8 @@ class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory
     template <class F>
     void each_coupled(F f) const;
     bool is_coupled(int point, int unknown) const;
+    bool is_coupled() const;
+    void follow(const Weights&);
     void find_coupled(const Way&);
     Refusal refused(const Lost&) const;
     bool is_free(const std::vector<double>& weight, int first) const;
@@ -85,14 +97,8 @@ class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory
     Admission admit_;
     Coupling couple_;
     Reach reach_;  // or none
-    // [point][width] first unknowns of velocities, and their weights, at places [point][dim]
-    struct Weights {
-        std::vector<int> unknown;
-        std::vector<double> weight, places;
-    };
     Weights now_, at_tangent_;
     std::vector<std::vector<int>> coupled_;  // per point: all velocities in the pattern, sorted
-    std::vector<double> start_;              // of the step that `now_` belongs to
     double location_ = 0;
     std::vector<std::int64_t> position_;
 };

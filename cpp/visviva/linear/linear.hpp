@@ -30,6 +30,7 @@ struct Blocks {
     std::vector<double> modes;
     int n_modes = 0;
     std::vector<char> algebraic;  // per equation: constraints and pressures, without inertia
+    std::vector<double> scale;    // per equation: a large change of its unknown, 0 for forces (empty: 1)
 };
 
 // Factors that would not fit into memory; said before they are made.

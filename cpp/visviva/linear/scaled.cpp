@@ -106,14 +106,12 @@ void ScaledMatrix::scale_by_diagonal() {
     apply(left_, right_);
 }
 
-// Three sweeps of Ruiz' scaling (2001), rows and columns to unit largest entry, after multipliers have got
-// the units of what they act upon: else the sweeps would end where the condition number still grows as steps
-// shrink (Bottasso, Bauchau & Cardona 2007).
+// Three sweeps of Ruiz' scaling (2001), rows and columns to unit largest entry, from where neither the units
+// nor the step size count: else the sweeps would end where the condition number grows with them (Bottasso,
+// Bauchau & Cardona 2007). Directors without stiffness, for instance, would shrink, and the multipliers of
+// their orthonormality grow, until the nodes that they are tied to do not feel them.
 void ScaledMatrix::scale_by_largest() {
-    const double size = std::sqrt(typical_size());
-    left_.resize(n_);
-    for (int i = 0; i < n_; ++i) left_[i] = is_algebraic(i) ? size : 1 / size;
-    right_ = left_;
+    scale_by_units();
     std::vector<double> r(n_), c(n_);
     auto factor = [](double largest) { return largest > 0 ? 1 / std::sqrt(largest) : 1; };
     for (int sweep = 0; sweep < 3; ++sweep) {
@@ -129,24 +127,37 @@ void ScaledMatrix::scale_by_largest() {
     apply(left_, right_);
 }
 
+// What moves is measured by its scale, a force by what it and a scale do: all entries become parts of one
+// energy.
+void ScaledMatrix::scale_by_units() {
+    left_.assign(n_, 0.0), right_.assign(n_, 0.0);
+    for_each([&](int i, int j, int k) {
+        const double a = std::abs(value_[k]), of_row = a * scale(j), of_column = a * scale(i);
+        left_[i] = std::max(left_[i], of_row), right_[j] = std::max(right_[j], of_column);
+        if (symmetric()) left_[j] = std::max(left_[j], of_column), right_[i] = std::max(right_[i], of_row);
+    });
+    const double unit = std::sqrt(typical_energy());
+    for (int i = 0; i < n_; ++i) {
+        const double own = std::abs(value_[diagonal_[i]]), alone = own > 0 ? 1 / std::sqrt(own) : 1;
+        for (double* f : {&left_[i], &right_[i]})
+            *f = scale(i) > 0 ? scale(i) / unit : *f > 0 ? unit / *f : alone;
+    }
+}
+
 // Median of the largest entries of rows among what moves; rows of rounding alone do not count.
-double ScaledMatrix::typical_size() const {
+double ScaledMatrix::typical_energy() const {
     std::vector<double> sizes(n_, 0.0);
     for_each([&](int i, int j, int k) {
-        if (is_algebraic(i) || is_algebraic(j)) return;
-        sizes[i] = std::max(sizes[i], std::abs(value_[k]));
-        if (symmetric()) sizes[j] = std::max(sizes[j], std::abs(value_[k]));
+        const double a = std::abs(value_[k]) * scale(i) * scale(j);
+        sizes[i] = std::max(sizes[i], a);
+        if (symmetric()) sizes[j] = std::max(sizes[j], a);
     });
-    const double least = 1e-8 * *std::max_element(sizes.begin(), sizes.end());
+    const double least = n_ > 0 ? 1e-8 * *std::max_element(sizes.begin(), sizes.end()) : 0;
     std::erase_if(sizes, [&](double a) { return a <= least; });
     if (sizes.empty()) return 1;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     return *middle;
-}
-
-bool ScaledMatrix::is_algebraic(int equation) const {
-    return !blocks_->algebraic.empty() && blocks_->algebraic[equation];
 }
 
 void ScaledMatrix::apply(const std::vector<double>& left, const std::vector<double>& right) {

@@ -31,8 +31,9 @@ class ScaledMatrix {
     bool copy(const double* values);
     void scale_by_diagonal();
     void scale_by_largest();
-    double typical_size() const;
-    bool is_algebraic(int equation) const;
+    void scale_by_units();
+    double typical_energy() const;
+    double scale(int equation) const { return blocks_->scale.empty() ? 1 : blocks_->scale[equation]; }
     void apply(const std::vector<double>& left, const std::vector<double>& right);
     template <class F>
     void for_each(F f) const;

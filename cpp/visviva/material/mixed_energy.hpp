@@ -1,6 +1,6 @@
 // The energies of the formulations against volumetric locking, as functions of strains.
 #pragma once
-#include "visviva/material/potential.hpp"
+#include "visviva/material/response.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -8,13 +8,14 @@ namespace visviva::VISVIVA_ISA {
 /// part in the plane is scaled alone, by the square root of its determinants. The twelve strains are
 /// quadratic in the positions, so that the discrete gradient conserves; de Souza Neto et al. (1996) put the
 /// stress of Fbar into the residual of F instead, which has no energy.
-struct FbarEnergy {
+struct FbarEnergy : TensorEnergy {
     static constexpr int n = 12;
     MaterialKind kind;
     bool small;
     int directions;  // that share the change of volume
     const V* par;
 
+    bool is_quadratic() const { return kind == MaterialKind::hooke && small; }
     VISVIVA_INLINE double scaled(int k) const { return directions == 3 || k == 0 || k == 1 || k == 3; }
 
     // det C - 1 of the scaled part
@@ -53,20 +54,19 @@ struct FbarEnergy {
         p.W = r.W;
         for (int a = 0; a < 12; ++a) {
             V sum{}, row[6];
-            for (int k = 0; k < 6; ++k) sum += multiplicity(k) * r.s[k] * bar[k].g[a];
-            p.s[a] = sum / multiplicity(a);
+            for (int k = 0; k < 6; ++k) sum += weight(k) * r.s[k] * bar[k].g[a];
+            p.s[a] = sum / weight(a);
             if constexpr (second) {
                 for (int l = 0; l < 6; ++l) {
                     row[l] = V{};
                     for (int k = 0; k < 6; ++k)
-                        row[l] += (multiplicity(k) * multiplicity(l)) *
-                                  r.d[k < l ? packed(6, k, l) : packed(6, l, k)] * bar[k].g[a];
+                        row[l] += (weight(k) * weight(l)) * r.second(k, l) * bar[k].g[a];
                 }
                 for (int b = a; b < 12; ++b) {
                     V h{};
                     for (int l = 0; l < 6; ++l)
-                        h += row[l] * bar[l].g[b] + multiplicity(l) * r.s[l] * bar[l].h[packed(12, a, b)];
-                    p.d[12 * a + b] = p.d[12 * b + a] = h / (multiplicity(a) * multiplicity(b));
+                        h += row[l] * bar[l].g[b] + weight(l) * r.s[l] * bar[l].h[packed(12, a, b)];
+                    p.d[packed(12, a, b)] = h / (weight(a) * weight(b));
                 }
             }
         }
@@ -131,13 +131,14 @@ VISVIVA_INLINE Jet<n, second> blatz_ko_measure(const Jet<n, second>& j, V b) {
     return (1.0 / b) * chain(y, select(near, f * y.v, g), select(near, f1, g1), select(near, f2, g2));
 }
 
-struct VolumeEnergy {
+struct VolumeEnergy : TensorEnergy {
     static constexpr int n = 6;
     VolumeMeasure measure;
     V exponent;  // of Blatz and Ko
 
+    bool is_quadratic() const { return measure == VolumeMeasure::trace; }
     template <bool second>
-    VISVIVA_INLINE void respond(const V* c, Response& r) const {
+    VISVIVA_INLINE void evaluate(const V* c, Response& r) const {
         if (measure == VolumeMeasure::trace) {
             r.W = 0.5 * (c[0] + c[1] + c[2]);
             for (int k = 0; k < 6; ++k) r.s[k] = broadcast(k < 3 ? 0.5 : 0.0);
@@ -153,31 +154,25 @@ struct VolumeEnergy {
             from_invariants<3, second>(c, c, [](const auto* i) { return i[2]; }, r);
         }
     }
-    template <bool second>
-    void evaluate(const V* c, Potential<6>& p) const {
-        Response r;
-        respond<second>(c, r);
-        as_potential(r, second, p);
-    }
 };
 
 /// Mixed: W(C) without its volumetric part, plus p g(J).
-struct PressureEnergy {
+struct PressureEnergy : TensorEnergy {
     static constexpr int n = 6;
     MaterialKind kind;
     const V* par;
     VolumeEnergy volume;
     V pressure;
 
+    bool is_quadratic() const { return kind == MaterialKind::hooke; }
     template <bool second>
-    void evaluate(const V* c, Potential<6>& p) const {
-        Response r, g;
+    void evaluate(const V* c, Response& r) const {
+        Response g;
         respond<second>(kind, c, par, r);
-        volume.respond<second>(c, g);
+        volume.evaluate<second>(c, g);
         r.W += pressure * g.W;
         for (int k = 0; k < 6; ++k) r.s[k] += pressure * g.s[k];
         for (int k = 0; second && k < 21; ++k) r.d[k] += pressure * g.d[k];
-        as_potential(r, second, p);
     }
 };
 

@@ -2,6 +2,7 @@
 // (11, 22, 33, 12, 23, 31); c = C - I is the strain measure.
 #pragma once
 #include "visviva/material/materials.hpp"
+#include "visviva/material/potential.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -13,10 +14,8 @@ VISVIVA_INLINE V contract(const V* a, const V* b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }
 
-/// Energy, its gradient by C and its second gradient (upper triangle by rows), all per reference volume.
-struct Response {
-    V W, s[6], d[21];
-};
+/// Energy, its gradient by C and its second gradient, all per reference volume.
+using Response = Potential<6>;
 
 struct Invariants {
     V i1, i2, j;

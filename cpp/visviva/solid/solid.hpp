@@ -19,7 +19,6 @@ struct SolidView {
     int dim = 3, n_par = 0;
     MaterialKind kind{};
     bool small = false;         // strains linear in the displacements
-    bool symmetric = false;     // tangents symmetrised for solvers that need it
     bool start_stress = false;  // geometric stiffness under discrete gradients by the stress of the start
     bool damped = false;
     bool plane_stress = false;        // in two dimensions: no stress across the plane

@@ -1,5 +1,6 @@
 // Solid elements, W at a time: strains, stresses and forces.
 #pragma once
+#include "visviva/material/discrete_gradient.hpp"
 #include "visviva/material/plane_stress.hpp"
 #include "visviva/solid/solid.hpp"
 
@@ -19,6 +20,21 @@ VISVIVA_INLINE V determinant(const V* F) {
     return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) +
            F[2] * (F[3] * F[7] - F[4] * F[6]);
 }
+
+/// That of a material, in plane stress of the stretch across the plane that leaves no stress there.
+template <int D>
+struct MaterialEnergy : TensorEnergy {
+    static constexpr int n = 6;
+    MaterialKind kind;
+    bool plane;
+    const V* par;
+    bool is_quadratic() const { return kind == MaterialKind::hooke; }
+    template <bool second>
+    VISVIVA_INLINE void evaluate(const V* c, Response& r) const {
+        V c33;
+        D == 2 && plane ? plane_stress<second>(kind, c, par, r, c33) : respond<second>(kind, c, par, r);
+    }
+};
 
 template <int D, int N>
 struct SolidElement {
@@ -140,9 +156,7 @@ struct SolidElement {
 
     template <bool second>
     VISVIVA_INLINE void response(const V* c, const V* par, Response& r) const {
-        V c33;
-        D == 2 && v.plane_stress ? plane_stress<second>(v.kind, c, par, r, c33)
-                                 : respond<second>(v.kind, c, par, r);
+        MaterialEnergy<D>{{}, v.kind, v.plane_stress, par}.template evaluate<second>(c, r);
     }
 
     template <bool tangent>
@@ -156,47 +170,12 @@ struct SolidElement {
                     p.T[6 * k + l] = p.T[6 * l + k] = 4 * step.theta * r.d[packed(6, k, l)];
     }
 
-    // S = W'(Cm) + f dC with f dC.dC = W1 - W0 - W'(Cm).dC; where that difference would drown in rounding it
-    // is Simpson's rule in the gradients, and nothing where it is below the rounding of the energy or where
-    // the strain hardly changes: what is left out is of third order, what rounding leaves of f dC and its
-    // gradient is not.
     template <bool tangent>
     VISVIVA_INLINE void discrete_gradient(const V* par, SolidPoint& p) const {
-        V cm[6], d[6], second[6], first[6];
-        for (int k = 0; k < 6; ++k) cm[k] = 0.5 * (p.c0[k] + p.c1[k]), d[k] = p.c1[k] - p.c0[k];
-        Response m;
-        response<tangent>(cm, par, m);
-        V f{}, inverse{}, df[6] = {};
-        if (v.kind != MaterialKind::hooke) {
-            Response r0, r1;
-            response<false>(p.c0, par, r0), response<false>(p.c1, par, r1);
-            for (int k = 0; k < 6; ++k) {
-                first[k] = r1.s[k] - r0.s[k];
-                second[k] = first[k] - 2.0 * (m.s[k] - r0.s[k]);
-            }
-            const VI smooth = contract(second, second) <= 1e-8 * contract(first, first);
-            const V size = contract(d, d);
-            const V b = select(smooth, contract(second, d) / 6.0, r1.W - r0.W - contract(m.s, d));
-            const VI idle = (size <= 1e-20) | (b * b <= 1e-30 * contract(m.s, m.s) * contract(cm, cm));
-            inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size));
-            f = b * inverse;
-            if constexpr (tangent)
-                for (int k = 0; k < 6; ++k) {
-                    V half{};
-                    for (int l = 0; l < 6; ++l)
-                        half += (l < 3 ? 0.5 : 1.0) * m.d[k < l ? packed(6, k, l) : packed(6, l, k)] * d[l];
-                    df[k] = inverse * (r1.s[k] - m.s[k] - half - 2.0 * f * d[k]);
-                }
-        }
-        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * (m.s[k] + f * d[k]);
-        if constexpr (tangent)
-            for (int k = 0; k < 6; ++k)
-                for (int l = 0; l < 6; ++l) {
-                    const V outer = v.symmetric ? 0.5 * (d[k] * df[l] + d[l] * df[k]) : d[k] * df[l];
-                    const V D2 = m.d[k < l ? packed(6, k, l) : packed(6, l, k)];
-                    p.T[6 * k + l] = 2.0 * D2 + 4.0 * outer;
-                    if (k == l) p.T[6 * k + l] += (k < 3 ? 4.0 : 2.0) * f;
-                }
+        const MaterialEnergy<D> energy{{}, v.kind, D == 2 && v.plane_stress, par};
+        VISVIVA_ISA::discrete_gradient<tangent>(energy, p.c0, p.c1, p.S, p.T);
+        for (int k = 0; k < 6; ++k) p.S[k] *= 2.0;
+        for (int k = 0; tangent && k < 36; ++k) p.T[k] *= 4.0;
     }
 
     template <bool tangent>

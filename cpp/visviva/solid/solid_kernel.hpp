@@ -32,9 +32,8 @@ void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int 
 // Adds the residual as well unless r is null.
 void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                    double* values) {
-    const bool symmetric = v.symmetric || (step.stress == Stress::at_theta && !v.damped);
-    const bool spatial =
-        symmetric && step.stress == Stress::at_theta && isotropic(v.kind) && !v.damped && !v.thermal;
+    const bool symmetric = step.stress == Stress::at_theta && !v.damped;
+    const bool spatial = symmetric && isotropic(v.kind) && !v.thermal;
     each_element(v, step, x, begin, end, [=, &v]<int D, int N>(const SolidElement<D, N>& e) {
         if constexpr (D == 3)
             if (spatial) {
@@ -52,6 +51,7 @@ void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int b
 template <int D, int N>
 VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const double* v1, V* row) {
     const SolidView& v = e.v;
+    const bool by_mean = e.step.remembers();
     for (int k = 0; k < solid_ledger_rows; ++k) row[k] = V{};
     V par[material_max_parameters];
     for (int k = 0; k < v.n_par; ++k) par[k] = e.parameter(k);
@@ -61,9 +61,13 @@ VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const doub
         row[0] += e.volume(q) * e.energy(q, p.c1, par);
         if (!v.damped) continue;
         V F[9], F0[9], P[9];
-        e.viscous_stress(p);
         e.gradient(e.x1, q, 1.0, F);
         e.gradient(e.x0, q, 1.0, F0);
+        for (int k = 0; by_mean && k < 9; ++k) {
+            p.rate[k] = (F[k] - F0[k]) / e.step.h;
+            if (!v.small) p.Ft[k] = 0.5 * (F0[k] + F[k]);
+        }
+        e.viscous_stress(p);
         e.piola(p.Ft, p.viscous, e.volume(q), P);
         for (int k = 0; k < 9; ++k) row[2] -= P[k] * (F[k] - F0[k]);
     }
@@ -73,7 +77,9 @@ VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const doub
         for (int b = 0; b < e.nodes(); ++b)
             for (int c = 0; c < D; ++c) {
                 p[c] += e.mass(a, b) * e.at(v1, b, c);
-                if (v.damped) damping[c] += e.viscosity(0) * e.mass(a, b) * e.at(e.x.rate, b, c);
+                if (!v.damped) continue;
+                const V mean = (e.x1[b * D + c] - e.x0[b * D + c]) / e.step.h;
+                damping[c] += e.viscosity(0) * e.mass(a, b) * (by_mean ? mean : e.at(e.x.rate, b, c));
             }
         for (int c = 0; c < D; ++c) {
             row[1] += 0.5 * e.at(v1, a, c) * p[c];

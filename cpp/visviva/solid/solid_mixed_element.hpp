@@ -1,6 +1,7 @@
 // Solid elements whose energy depends on more than C at a point: on C at the element's centre (F-bar), or on
 // a pressure (mixed). All in terms of rows B of the variation of Green's strain, dE = B du.
 #pragma once
+#include "visviva/material/discrete_gradient.hpp"
 #include "visviva/material/mixed_energy.hpp"
 #include "visviva/solid/solid_element.hpp"
 
@@ -55,16 +56,18 @@ struct MixedElement {
     }
     VISVIVA_INLINE VolumeEnergy volume_energy() const {
         const auto measure = static_cast<VolumeMeasure>(v.measure);
-        return {measure, measure == VolumeMeasure::blatz_ko ? par[3] : V{}};
+        return {{}, measure, measure == VolumeMeasure::blatz_ko ? par[3] : V{}};
     }
-    VISVIVA_INLINE FbarEnergy fbar_energy() const { return {v.kind, v.small, D == 2 && !v.H ? 2 : 3, par}; }
+    VISVIVA_INLINE FbarEnergy fbar_energy() const {
+        return {{}, v.kind, v.small, D == 2 && !v.H ? 2 : 3, par};
+    }
     VISVIVA_INLINE V acting_pressure(int q) const {
         V p{};
         for (int k = 0; k < v.n_pressures; ++k) p += shape(q, k) * pressure[k];
         return p;
     }
     VISVIVA_INLINE PressureEnergy pressure_energy(int q) const {
-        return {v.kind, par, volume_energy(), acting_pressure(q)};
+        return {{}, v.kind, par, volume_energy(), acting_pressure(q)};
     }
 
     // B[k][a D + i]; pairs off the diagonal count twice
@@ -84,10 +87,18 @@ struct MixedElement {
         }
     }
 
+    // S = 2 dW/dC, and T = 2 dS/dC1
+    template <bool tangent, class Energy>
+    void stress_by(const Energy& energy, const V* c0, const V* c1, const V* ct, V* S, V* T) const {
+        stress_of<tangent>(energy, e.step, c0, c1, ct, S, T);
+        for (int k = 0; k < Energy::n; ++k) S[k] *= 2.0;
+        const double factor = e.step.stress == Stress::at_theta ? 4 * e.step.theta : 4;
+        for (int k = 0; tangent && k < Energy::n * Energy::n; ++k) T[k] *= factor;
+    }
+
     // Stress at a point, and T = 2 dS/dC
     template <bool tangent>
     void stress(int q, const SolidPoint& p, V* S, V* T) const {
-        const bool quadratic = v.kind == MaterialKind::hooke && (v.small || !fbar);
         if (v.kind == MaterialKind::user) {
             user_stress<tangent>(q, p, S, T);
         } else if constexpr (fbar) {
@@ -96,9 +107,9 @@ struct MixedElement {
                 const SolidPoint& from = k < 6 ? p : centre;
                 c0[k] = from.c0[k % 6], ct[k] = from.ct[k % 6], c1[k] = from.c1[k % 6];
             }
-            stress_of<tangent>(fbar_energy(), e.step, quadratic, c0, ct, c1, S, T);
+            stress_by<tangent>(fbar_energy(), c0, c1, ct, S, T);
         } else {
-            stress_of<tangent>(pressure_energy(q), e.step, quadratic, p.c0, p.ct, p.c1, S, T);
+            stress_by<tangent>(pressure_energy(q), p.c0, p.c1, p.ct, S, T);
         }
     }
 
@@ -111,13 +122,13 @@ struct MixedElement {
         V of_volume[6], change[36], acting{};
         if constexpr (!fbar) {
             acting = acting_pressure(q);
-            stress_of<tangent>(volume_energy(), e.step, false, p.c0, p.ct, p.c1, of_volume, change);
+            stress_by<tangent>(volume_energy(), p.c0, p.c1, p.ct, of_volume, change);
         }
         for (int k = 0; k < n; ++k) {
-            S[k] = (2.0 / multiplicity(k)) * vload(v.user_S + k * stride + at);
+            S[k] = (2.0 / tensor_weight(k)) * vload(v.user_S + k * stride + at);
             if constexpr (!fbar) S[k] += acting * of_volume[k];
             for (int l = 0; tangent && l < n; ++l) {
-                const double share = 1.0 / (multiplicity(k) * multiplicity(l));
+                const double share = 1.0 / (tensor_weight(k) * tensor_weight(l));
                 T[n * k + l] = factor * share * vload(v.user_D + (n * k + l) * stride + at);
                 if constexpr (!fbar) T[n * k + l] += acting * change[6 * k + l];
             }
@@ -163,7 +174,7 @@ struct MixedElement {
     // The pressure's equations, of the end of the step: that g(J) is what the pressure compresses.
     VISVIVA_INLINE void add_volume_change(int q, const SolidPoint& p, V* r) const {
         Response g;
-        volume_energy().template respond<false>(p.c1, g);
+        volume_energy().template evaluate<false>(p.c1, g);
         for (int k = 0; k < v.n_pressures; ++k) r[n_motion + k] += share() * e.volume(q) * shape(q, k) * g.W;
     }
 
@@ -239,8 +250,8 @@ struct MixedElement {
     void add_pressure(int q, const SolidPoint& p, V* K) {
         V S[6], T[36];
         Response g;
-        stress_of<false>(volume_energy(), e.step, v.kind == MaterialKind::hooke, p.c0, p.ct, p.c1, S, T);
-        volume_energy().template respond<false>(p.c1, g);
+        stress_by<false>(volume_energy(), p.c0, p.c1, p.ct, S, T);
+        volume_energy().template evaluate<false>(p.c1, g);
         rows(e, q, p.F1, B1);
         const V factor = share() * e.volume(q);
         for (int j = 0; j < n_motion; ++j) {
@@ -314,7 +325,7 @@ struct MixedElement {
     void add_pressure_field(int q, const SolidPoint& p, V* row) const {
         Response g;
         V acting{};
-        volume_energy().template respond<false>(p.c1, g);
+        volume_energy().template evaluate<false>(p.c1, g);
         for (int k = 0; k < v.n_pressures; ++k) acting += shape(q, k) * end_pressure(k);
         for (int k = 0; k < 6; ++k) row[9 + k] += 2.0 * acting * g.s[k];
         row[15] += 0.5 * acting * g.W;

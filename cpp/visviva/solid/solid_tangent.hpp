@@ -71,7 +71,7 @@ struct SolidTangent {
     }
 
     VISVIVA_INLINE void moduli(const SolidPoint& p, V factor, V* to) const {
-        const V* F1 = e.step.stress == Stress::at_theta || e.v.symmetric ? p.Ft : p.F1;
+        const V* F1 = e.step.stress == Stress::at_theta ? p.Ft : p.F1;
         VISVIVA_FLATTEN
         for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
         for (int l = 0; l < 3; ++l) {
@@ -104,8 +104,7 @@ struct SolidTangent {
         const V lambda = factor * e.viscosity(1), mu = factor * e.viscosity(2);
         V X[9];  // derivative of the strain rate: sym(X^T dF)
         for (int k = 0; k < 9; ++k)
-            X[k] =
-                e.step.motion[0][0] * p.Ft[k] + (e.v.small || e.v.symmetric ? V{} : e.step.theta * p.rate[k]);
+            X[k] = e.step.motion[0][0] * p.Ft[k] + (e.v.small ? V{} : e.step.theta * p.rate[k]);
         for (int i = 0; i < 3; ++i)
             for (int l = 0; l < 3; ++l)
                 for (int j = 0; j < 3; ++j)

@@ -27,7 +27,6 @@ class SolidTerm : public Term, public MeshAssembly {
     explicit SolidTerm(const SolidData& data);
 
     void set_callback(LawCallback f);
-    void set_symmetric(bool on) { view_.symmetric = on; }
     void set_start_stress(bool on) { view_.start_stress = on; }
     bool start_stress() const { return view_.start_stress; }
     // F-bar: gradients [element][node][dim] and hoop weights [element][node] at the centres

@@ -96,9 +96,8 @@ inline bool is_potential(LawKind k) {
 inline bool is_callback(LawKind k) {
     return k == LawKind::energy_callback || k == LawKind::function_callback || k == LawKind::rate_callback;
 }
-inline bool needs_rate(LawKind k) {
-    return k == LawKind::viscous || k == LawKind::viscous_length || k == LawKind::rate_callback;
-}
+inline bool is_viscous(LawKind k) { return k == LawKind::viscous || k == LawKind::viscous_length; }
+inline bool needs_rate(LawKind k) { return is_viscous(k) || k == LawKind::rate_callback; }
 // Laws of the state at theta whatever the rule of the potentials.
 inline bool is_at_theta(LawKind k) { return needs_rate(k) || k == LawKind::follower || k == LawKind::torque; }
 

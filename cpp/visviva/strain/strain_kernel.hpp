@@ -98,7 +98,9 @@ VISVIVA_INLINE LawData evaluate(const StrainView& v, const Step& step, const Vec
         strains(v, w.yt, base, w.et);
     }
     if (needs_rate(s.law)) {
-        forms(v, x.rate, base, false, w.ydot);
+        if (x.rate) forms(v, x.rate, base, false, w.ydot);
+        for (int b = 0; !x.rate && b < s.n_y; ++b)  // their mean in the step
+            w.ydot[b] = (w.y1[b] - vload(v.y0 + b * v.stride + base)) / step.h;
         strain_rates(s, w.yt, w.ydot, w.edot);
     }
     for (int m = 0; m < s.n_m; ++m) w.lam[m] = gather(x.x1, v.index + (s.n_x + m) * v.stride + base);
@@ -297,8 +299,11 @@ void strain_ledger(const StrainView& v, const Step& step, const Vectors& x, cons
                    const double* v1, const StrainLedger& out) {
     const ShapeView& s = v.shape;
     Work w(s, v.scratch);
+    Step booked = step;
+    Vectors by = x;
+    if (is_viscous(s.law) && step.remembers()) booked.theta = 0.5, by.rate = nullptr;
     for (int base = 0; base < v.n; base += W) {
-        LawData a = evaluate(v, step, x, signals, base, w);
+        LawData a = evaluate(v, booked, by, signals, base, w);
         V work = broadcast(0.0), defect = work, rate_defect = work;
         form_forces(s, w.yt, w.S, w.gy);
         for (int b = 0; b < s.n_y; ++b) work -= w.gy[b] * (w.y1[b] - vload(v.y0 + b * v.stride + base));

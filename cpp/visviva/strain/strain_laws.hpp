@@ -1,26 +1,10 @@
 // Laws: from generalised strains to stresses S and their derivatives. Energies are written once over a number
-// type; stresses and tangents follow by forward differentiation (Jet), discrete gradients by Gonzalez'
-// formula.
+// type; stresses and tangents follow by forward differentiation, discrete gradients like those of materials.
 #pragma once
-#include "visviva/base/simd.hpp"
+#include "visviva/material/discrete_gradient.hpp"
 #include "visviva/strain/strain.hpp"
 
 namespace visviva::VISVIVA_ISA {
-
-// Second-order jet in one variable.
-struct Jet {
-    V f, d, dd;
-};
-VISVIVA_INLINE Jet variable(V a) { return {a, broadcast(1.0), broadcast(0.0)}; }
-VISVIVA_INLINE Jet operator-(Jet a, V b) { return {a.f - b, a.d, a.dd}; }
-VISVIVA_INLINE Jet operator*(V b, Jet a) { return {b * a.f, b * a.d, b * a.dd}; }
-VISVIVA_INLINE Jet operator*(Jet a, Jet b) {
-    return {a.f * b.f, a.d * b.f + a.f * b.d, a.dd * b.f + 2.0 * a.d * b.d + a.f * b.dd};
-}
-VISVIVA_INLINE Jet root(Jet a) {
-    V s = vsqrt(a.f), ds = 0.5 / s;
-    return {s, ds * a.d, ds * a.dd - 0.25 / (s * a.f) * a.d * a.d};
-}
 
 struct LinearEnergy {
     template <class T>
@@ -31,14 +15,14 @@ struct LinearEnergy {
 struct QuadraticEnergy {
     template <class T>
     static VISVIVA_INLINE T energy(T e, V k, V e_free) {
-        T d = e - e_free;
+        const T d = e - e_free;
         return (0.5 * k) * (d * d);
     }
 };
 struct LengthEnergy {
     template <class T>
     static VISVIVA_INLINE T energy(T e, V k, V length) {
-        T d = root(e) - length;
+        const T d = root(e) - length;
         return (0.5 * k) * (d * d);
     }
 };
@@ -62,26 +46,21 @@ VISVIVA_INLINE V signal(const LawData& a, const double* s, int m, double missing
     return r;
 }
 
+/// An energy of one strain with the two parameters of a law.
+template <class Energy>
+struct LawEnergy : PlainEnergy {
+    static constexpr int n = 1;
+    V p0, p1;
+    template <bool second>
+    VISVIVA_INLINE void evaluate(const V* e, Potential<1>& p) const {
+        differentiate<second>(*this, e, [this](const auto* x) { return Energy::energy(x[0], p0, p1); }, p);
+    }
+};
+
 template <class Energy>
 VISVIVA_INLINE void potential_law(const LawData& a) {
-    const V p0 = a.par(0), p1 = a.par(1);
-    if (a.step->stress == Stress::at_theta) {
-        Jet w = Energy::energy(variable(a.et[0]), p0, p1);
-        a.S[0] = w.d;
-        a.D[0] = w.dd;
-        return;
-    }
-    // Discrete gradient in one strain: the quotient of energies. Where the correction to W'(em) drowns in the
-    // rounding of the energies, W'(em) itself conserves to round-off and carries no noise.
-    const V de = a.e1[0] - a.e0[0];
-    Jet w0 = Energy::energy(variable(a.e0[0]), p0, p1), w1 = Energy::energy(variable(a.e1[0]), p0, p1),
-        wm = Energy::energy(variable(0.5 * (a.e0[0] + a.e1[0])), p0, p1);
-    const V bracket = (w1.f - w0.f) - wm.d * de;
-    const V noise = 8 * 2.2e-16 * (vmax(vabs(w0.f), vabs(w1.f)) + vabs(wm.d * de));
-    const VI exact = vabs(bracket) > noise;
-    const V safe = select(exact, de, broadcast(1.0));
-    a.S[0] = wm.d + select(exact, bracket / safe, broadcast(0.0));
-    a.D[0] = select(exact, (w1.d - a.S[0]) / safe, 0.5 * wm.dd);
+    const LawEnergy<Energy> energy{{}, a.par(0), a.par(1)};
+    stress_of<true>(energy, *a.step, a.e0, a.e1, a.et, a.S, a.D);
 }
 
 // Phi = -e0 sin e2 + e1 cos e2, with the exact discrete derivative of its products.
@@ -284,11 +263,11 @@ VISVIVA_INLINE void evaluate_law(const LawData& a) {
 VISVIVA_INLINE V law_energy(const LawData& a) {
     switch (a.view->shape.law) {
         case LawKind::linear:
-            return LinearEnergy::energy(variable(a.e1[0]), a.par(0), a.par(1)).f;
+            return LinearEnergy::energy(a.e1[0], a.par(0), a.par(1));
         case LawKind::quadratic:
-            return QuadraticEnergy::energy(variable(a.e1[0]), a.par(0), a.par(1)).f;
+            return QuadraticEnergy::energy(a.e1[0], a.par(0), a.par(1));
         case LawKind::length:
-            return LengthEnergy::energy(variable(a.e1[0]), a.par(0), a.par(1)).f;
+            return LengthEnergy::energy(a.e1[0], a.par(0), a.par(1));
         case LawKind::energy_callback:
             return vload(a.view->cb_W + a.base);
         default:

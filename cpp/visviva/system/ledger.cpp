@@ -63,14 +63,16 @@ void System::book_step(const Context& c, const double* v1, double direction) {
     }
 }
 
-// Statics balances forces at the end of a load step alone, and loads do work all along it. Forces at its
-// beginning are those at the end of the step backwards: half of the work there and half of the work back,
-// taken off, is the trapezoidal rule along the path.
+// Statics and schemes with a history balance forces at the end of a step alone, and loads and drives do work
+// all along it. Forces at its beginning are those at the end of the step backwards: half of the work there
+// and half of the work back, taken off, is the trapezoidal rule along the path.
 void System::book_path(const Context& c) {
     LedgerSums there = sums;
     Step back = c.step;
     back.t0 = c.step.t1, back.t1 = back.te = c.step.t0, back.h = -c.step.h;
-    const Vectors vectors{c.vectors.x1, c.vectors.x0, c.vectors.rate, c.vectors.second_rate, c.vectors.v0};
+    const bool moves = c.step.uses_history();
+    const Vectors vectors{c.vectors.x1, c.vectors.x0, moves ? v.data() : c.vectors.rate,
+                          moves ? w.data() : c.vectors.second_rate, c.vectors.v0};
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
     for (const auto& [term, can] : terms_) term->begin(c.vectors.x1);
     book_step({back, vectors, signals, true}, still_.data(), -1);
@@ -81,7 +83,7 @@ void System::book_path(const Context& c) {
 }
 
 void System::evaluate_ledger(const Step& step, const Signals& signals, bool moves) {
-    discard();
+    std::fill(dx.begin(), dx.end(), 0.0);
     for (const auto& [term, can] : terms_) term->begin(x.data());
     stale_begin_ = false;
     update_vectors(step);

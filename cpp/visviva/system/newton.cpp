@@ -46,6 +46,7 @@ bool System::extend_prescribed_motion(const Context& c) {
 }
 
 void System::start(const Step& step) {
+    if (accepted_.empty()) accepted_ = evaluations();
     predict(step);
     if (rigid_) rigid_->project(x.data(), dx.data());
     find_neighbours(step.theta, step.h);

@@ -9,6 +9,7 @@
 // (Arnold, Bruels & Cardona 2015), in the order position, then rates.
 #include <algorithm>
 
+#include "visviva/base/at_exit.hpp"
 #include "visviva/system/system.hpp"
 
 namespace visviva {
@@ -79,7 +80,8 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 }
 
 // The partial time derivative of the constraints at the end, by prescribed unknowns and functions of time,
-// for which central differences are exact, as constraints are quadratic in them, and by the clock.
+// for which central differences are exact, as constraints are quadratic in them, and by the clock. Over a
+// step of length h, so that their change is not lost in rounding.
 void System::drift(const Context& c, double h, std::vector<double>& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
@@ -98,13 +100,13 @@ void System::drift(const Context& c, double h, std::vector<double>& d) {
     std::vector<double> at1(n_signals_);
     const Signals moved{c.signals.at0, c.signals.ate, at1.data(), c.signals.rate1};
     const std::vector<double> x1 = x1_;
-    for (const double way : {1.0, -1.0}) {
+    const AtExit back([&] { x1_ = x1; });
+    for (const double way : {h, -h}) {
         for (int u : prescribed_) x1_[u] = x1[u] + way * v_next_[u];
         for (std::size_t k = 0; k < n_signals_; ++k) at1[k] = c.signals.at1[k] + way * c.signals.rate1[k];
         evaluate_lasting({c.step, c.vectors, moved});
-        for (int u = 0; u < n_; ++u) d[u] += 0.5 * way * r_[u];
+        for (int u = 0; u < n_; ++u) d[u] += 0.5 / way * r_[u];
     }
-    x1_ = x1;
 }
 
 // (h/2) G_0^T lambda: half of what the multipliers add to the balance, times the step.
@@ -131,17 +133,17 @@ void System::evaluate_rate_residual(const std::vector<double>& impulse, const st
     }
 }
 
-// G v at some place, by central differences, which are exact as constraints are quadratic.
-std::vector<double> System::constraint_rates(const Context& c, const std::vector<double>& at,
+// G v at some place, by central differences over a step of length h, exact as constraints are quadratic.
+std::vector<double> System::constraint_rates(const Context& c, double h, const std::vector<double>& at,
                                              const std::vector<double>& rates) {
     std::vector<double> found(drives_.size(), 0.0);
     const std::vector<double> x1 = x1_;
-    for (const double way : {1.0, -1.0}) {
+    const AtExit back([&] { x1_ = x1; });
+    for (const double way : {h, -h}) {
         for (int u = 0; u < n_; ++u) x1_[u] = constraint_[u] ? 0.0 : at[u] + way * rates[u];
         evaluate_lasting(c);
-        for (std::size_t k = 0; k < drives_.size(); ++k) found[k] += 0.5 * way * r_[drives_[k]];
+        for (std::size_t k = 0; k < drives_.size(); ++k) found[k] += 0.5 / way * r_[drives_[k]];
     }
-    x1_ = x1;
     return found;
 }
 
@@ -152,42 +154,46 @@ void System::book_drives(const Context& c, const Context& end, const std::vector
     std::vector<double> mean(n_ + 1, 0.0);
     for (int u = 0; u < n_; ++u)
         if (order_[u] > 0 && !fixed_[u]) mean[u] = 0.5 * (rates[u] + v_next_[u]);
-    const std::vector<double> at_end = constraint_rates(end, std::vector<double>(x1_), mean);
+    const std::vector<double> at_end = constraint_rates(end, c.step.h, std::vector<double>(x1_), mean);
     for (std::size_t k = 0; k < drives_.size(); ++k) drive_work_[k] = -d_[drives_[k]] * at_end[k];
     if (c.step.theta_g != 0) return;
-    const std::vector<double> at_start = constraint_rates(end, x, mean);
+    const std::vector<double> at_start = constraint_rates(end, c.step.h, x, mean);
     for (std::size_t k = 0; k < drives_.size(); ++k)
         drive_work_[k] += 0.5 * c.step.h * x1_[drives_[k]] * at_start[k];
 }
 
-bool System::project_rates(const Context& c) {
-    if (rate_revision_ != revision_) analyze_rates();
+// The rates and multipliers at an instant at the end of a step.
+bool System::solve_rates(const Context& c, const Context& instant) {
     const std::vector<double> x1 = x1_;
     std::vector<double> without = x1_, impulse(n_), change;
     for (int u = 0; u < n_; ++u)
         if (constraint_[u]) without[u] = 0;
+    // parts of the kept tangent may be written anew in steps to come
+    rate_values_.resize(values_.size());
+    values_.swap(rate_values_);
+    const AtExit back([&] { values_.swap(rate_values_), x1_ = x1; });
     if (c.step.theta_g == 0) impulse = constraint_impulse(c, without);
     x1_ = without;
-    const Step step = instant_after(c.step);
-    const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
-    const Context instant{step, end_of_step, c.signals};
     drift(instant, c.step.h, change);
-    // parts of the kept tangent may be written anew in steps to come
-    rate_values_.resize(values_.size()), values_.swap(rate_values_);
     evaluate_rate_matrix(instant);
     evaluate_rate_residual(impulse, change);
     if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
-    const Place end = place(step);
+    const Place end = place(instant.step);
     rate_solver_->forget();  // a restart has not seen the values of earlier steps
-    const bool solved = rate_solver_->factor(values_.data(), end) &&
-                        (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
-                                     : rate_solver_->solve(r_.data(), end, d_.data(), 0));
-    values_.swap(rate_values_);
-    x1_ = x1;
-    if (!solved) return false;
+    return rate_solver_->factor(values_.data(), end) &&
+           (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
+                        : rate_solver_->solve(r_.data(), end, d_.data(), 0));
+}
+
+bool System::project_rates(const Context& c) {
+    if (rate_revision_ != revision_) analyze_rates();
+    const Step step = instant_after(c.step);
+    const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
+    const Context instant{step, end_of_step, c.signals};
+    if (!solve_rates(c, instant)) return false;
     const std::vector<double> rates = v_next_;
     take_rates(c.step);
-    book_drives(c, instant, rates);
+    if (!c.step.uses_history()) book_drives(c, instant, rates);  // else in the multipliers
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "visviva/base/aligned.hpp"
+#include "visviva/base/at_exit.hpp"
 #include "visviva/base/parallel.hpp"
 #include "visviva/base/stopwatch.hpp"
 #include "visviva/base/vector_dispatch.hpp"
@@ -102,7 +103,10 @@ bool System::find_neighbours(double theta, double h) {
     return changed;
 }
 
-void System::discard() { std::fill(dx.begin(), dx.end(), 0.0); }
+void System::discard() {
+    std::fill(dx.begin(), dx.end(), 0.0);
+    restore_evaluations(accepted_);
+}
 
 // Prescribed unknowns are set from outside, directors turn, and a solver that keeps bodies rigid finds the
 // multipliers for that.
@@ -173,7 +177,7 @@ double System::iterate(const Step& step) {
 
 void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    if (with_mesh_tangents) clear_values();
+    if (with_mesh_tangents) clear_values(), stale_factor_ = true;
     for (const auto& [term, can] : terms_)
         if (with_mesh_tangents && can.mesh)
             can.mesh->linearise(c, r_.data(), values_.data());
@@ -182,6 +186,7 @@ void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangen
 }
 
 void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
+    stale_factor_ = true;  // until it is factorised
     if (!has_mesh_tangents) {
         clear_values();
         for (const auto& [term, can] : terms_)
@@ -257,6 +262,7 @@ bool System::has_branched() const {
 
 // Where terms are on another branch, the kept tangent may need other rows and columns alone.
 bool System::update_tangent(const Context& c) {
+    stale_factor_ = true;
     for (const auto& [term, can] : terms_)
         if (can.search && can.search->is_outdated() && !can.search->update_tangent(c, values_.data()))
             return false;
@@ -334,11 +340,13 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
     // Functions from outside may throw in here; the accepted state is still the old one then.
-    const bool path = ledger && step.is_static() && step.transport[0][0] == 0;
-    if (ledger) book_step(context, path ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
+    const bool path = ledger && step.balances_ends();
+    if (ledger) book_step(context, step.is_static() ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
     if (path) book_path(context);
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
-    for (const auto& [term, can] : terms_) term->accept(context);
+    for (const bool from_outside : {true, false})  // no term accepts what another one refuses
+        for (const auto& [term, can] : terms_)
+            if (term->sees_clock == from_outside) term->accept(context);
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();
@@ -350,7 +358,8 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     if (new_w) std::copy(w_next_.begin(), w_next_.end(), w.begin());
     std::copy(x1_.begin(), x1_.end(), x.begin());
     for (const auto& [term, can] : terms_) term->finish_step(step, x.data());
-    discard();
+    std::fill(dx.begin(), dx.end(), 0.0);
+    accepted_ = evaluations();
     mark_state();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     return true;
@@ -367,17 +376,19 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
 }
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {
-    auto exchange = [&] {
+    const std::vector<std::any> evaluated = evaluations();
+    restore_evaluations(accepted_);  // those of the step, and not of looks or failed steps since then
+    const auto exchange = [&] {
         x.swap(last_[0]), dx.swap(last_[1]), v.swap(last_[2]);
         if (!last_[3].empty()) a.swap(last_[3]);
         if (!last_[4].empty()) w.swap(last_[4]);
     };
     exchange();
-    const bool stale = stale_factor_;
-    assemble(step, signals, residual, nullptr);
-    stale_factor_ = stale;
-    exchange();
-    stale_begin_ = true;
+    {
+        const AtExit back([&] { exchange(), stale_begin_ = true; });
+        assemble(step, signals, residual, nullptr);
+    }
+    restore_evaluations(evaluated);
 }
 
 void System::evaluate(const Step& step, const Signals& signals, bool with_mesh_tangents) {
@@ -396,7 +407,6 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     evaluate_tangent({step, vectors, signals}, true);
     std::copy(values_.begin(), values_.end() - 1, values);
-    stale_factor_ = true;
 }
 
 }  // namespace visviva

@@ -1,5 +1,6 @@
 // Numbers the unknowns, gathers, evaluates, scatters into a pattern made once, and takes Newton's steps.
 #pragma once
+#include <any>
 #include <memory>
 #include <string>
 #include <utility>
@@ -37,6 +38,15 @@ struct Report {
 // What a held unknown takes in over a step, from the force r that holds it: work of a position, power of a
 // velocity, or an amount (heat) that the ledger counts by itself.
 enum class Supply : int { work = 0, power = 1, amount = 2 };
+
+// All that a look at a system may change, kept so that it goes on to the bit as if nobody had looked: the
+// vectors, an increment that is tried among them, what a restart remembers, and what terms have evaluated.
+struct Snapshot {
+    std::vector<std::vector<double>> vectors;
+    std::vector<double> memory;
+    std::vector<std::any> evaluated, accepted;
+    bool stale_begin = true;
+};
 
 class System {
   public:
@@ -92,6 +102,7 @@ class System {
         drives_ = std::move(multiplier), drive_account_ = std::move(account);
     }
     void accept(const Step& step, const Signals& signals, bool ledger);
+    // Gives up the trial state: nothing is left of what terms evaluated there.
     void discard();
     // The ledger of the present state (no work done).
     // `moves`: the rates are velocities, and not what is left of them in statics.
@@ -100,15 +111,9 @@ class System {
     // which the kept factorisation was made. Importing makes that factorisation again.
     std::vector<double> memory() const;
     void restore(const std::vector<double>& memory);
-    // What terms show of the last evaluation, around others that shall leave no trace.
-    void keep_evaluation() {
-        for (const auto& [term, can] : terms_)
-            if (can.memory) can.memory->keep_evaluation();
-    }
-    void restore_evaluation() {
-        for (const auto& [term, can] : terms_)
-            if (can.memory) can.memory->restore_evaluation();
-    }
+    // For looks at other states, with the factorisation made again that is kept.
+    Snapshot snapshot();
+    void restore_snapshot(const Snapshot& snapshot);
     // After the state vectors were changed from outside; nothing is forgotten if they are as they were left.
     void invalidate() {
         if (!is_unchanged()) forget();
@@ -166,6 +171,11 @@ class System {
     }
     void find_held(const Pattern&);
     void rewire();
+    void recall(const std::vector<double>& memory);
+    void make_again(const double* memory);
+    std::vector<std::any> evaluations() const;
+    void restore_evaluations(const std::vector<std::any>&);
+    std::vector<std::vector<double>*> looked_at();
     void prepare_predictor();
     void predict(const Step&);
     bool find_neighbours(double theta, double h);
@@ -188,9 +198,10 @@ class System {
     std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
     void add_later(const Context&, double later, double factor, std::vector<double>& d);
     void drift(const Context&, double h, std::vector<double>& d);
+    bool solve_rates(const Context&, const Context& instant);
     bool project_rates(const Context&);
     void take_rates(const Step&);
-    std::vector<double> constraint_rates(const Context&, const std::vector<double>& at,
+    std::vector<double> constraint_rates(const Context&, double h, const std::vector<double>& at,
                                          const std::vector<double>& rates);
     void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
     void evaluate(const Step&, const Signals&, bool with_mesh_tangents);
@@ -253,6 +264,7 @@ class System {
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
     std::vector<double> marked_[4];                 // x, v, a, w at its end
+    std::vector<std::any> accepted_;                // what terms evaluated in it
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;

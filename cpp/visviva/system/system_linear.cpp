@@ -30,10 +30,13 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
 
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
 void System::describe_nodes() {
-    blocks_.node.clear(), blocks_.algebraic.clear();
+    blocks_.node.clear(), blocks_.algebraic.clear(), blocks_.scale.clear();
     for (int i = 0; i < csr_.n; ++i)
         if (i == 0 || node_[csr_.unknown[i]] != node_[csr_.unknown[i - 1]]) blocks_.node.push_back(i);
-    for (int u : csr_.unknown) blocks_.algebraic.push_back(order_[u] == 0);
+    for (int u : csr_.unknown) {
+        blocks_.algebraic.push_back(order_[u] == 0);
+        blocks_.scale.push_back(inverse_scale_[u] > 0 ? 1 / inverse_scale_[u] : 0);
+    }
     blocks_.node.push_back(csr_.n);
     blocks_.n_modes = n_modes_;
     blocks_.modes.assign(static_cast<std::size_t>(csr_.n) * n_modes_, 0.0);

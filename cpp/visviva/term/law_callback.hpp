@@ -14,6 +14,11 @@ struct LawArguments {
     Stress stress;
     const double *e0, *e1, *e_eval, *e_rate, *lambda;
     double *S, *D, *R, *Phi, *J, *Jt, *W;
+    // Energies with internal variables [n_h][stride]: at the start, at the end, and what they lose in the
+    // step.
+    int n_h = 0;
+    const double* h0 = nullptr;
+    double *h1 = nullptr, *lost = nullptr;
 };
 using LawCallback = std::function<void(const LawArguments&)>;
 

@@ -26,6 +26,11 @@ struct Step {
     // Increments of positions make no velocities: in load steps, and at an instant, which has no increments.
     bool is_static() const { return motion[0][0] == 0; }
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
+    // Statics and schemes of second order that balance forces at the end of the step.
+    bool balances_ends() const { return (is_static() && transport[0][0] == 0) || uses_history(); }
+    // Rates contain those of earlier steps and may point against the way of this one. Damping books its work
+    // by the mean rate of the step, in its middle: of second order, and never a gain.
+    bool remembers() const { return uses_history() && h != 0; }
 };
 
 // Prescribed functions of time, evaluated once per step: at t0, te, t1 and the rate at t1.

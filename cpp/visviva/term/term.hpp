@@ -1,6 +1,7 @@
 // A term is a batch of equal stencils that returns residual and tangent over a step, and its share of the
 // ledger.
 #pragma once
+#include <any>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -85,9 +86,10 @@ class TermMemory {
     virtual void write_memory(std::vector<double>&) const = 0;
     // Moves on in the memory; true if the coupling has changed.
     virtual bool read_memory(const double*& memory) = 0;
-    // Keeps what the last evaluation has left, which may be shown; and brings it back after others.
-    virtual void keep_evaluation() {}
-    virtual void restore_evaluation() {}
+    // What the last evaluation has left, which may be shown and decides the forces of its step; and brings it
+    // back after others.
+    virtual std::any evaluation() const { return {}; }
+    virtual void restore_evaluation(const std::any&) {}
 };
 
 // What a term can besides; none by default.

@@ -14,6 +14,7 @@ from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError
 from visviva.results.result import Result
+from visviva.system.memory import Trial
 from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -105,16 +106,16 @@ def follow_path(system: System, scheme: ArcLength, until: float, step: float) ->
         equations = Equilibrium(system, scheme)
         path = Path(equations, step, scheme.load_weight)
         try:
-            arc = path.predict(arc, previous)
-            if longest == 0.0:
-                longest, shortest = scheme.longest * arc, arc / 2**scheme.halvings
-            iterations = path.correct(arc)
-            increment = np.append(equations.dx, path.time - system.time)
-            if previous is not None and path.retraced(increment, previous):
-                raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
-            equations.accept(path.time)
+            with Trial(system):
+                arc = path.predict(arc, previous)
+                if longest == 0.0:
+                    longest, shortest = scheme.longest * arc, arc / 2**scheme.halvings
+                iterations = path.correct(arc)
+                increment = np.append(equations.dx, path.time - system.time)
+                if previous is not None and path.retraced(increment, previous):
+                    raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
+                equations.accept(path.time)
         except NoEquilibrium as failure:
-            system.core.discard()
             system.rejected += 1
             arc /= 2
             if arc < shortest or longest == 0.0:

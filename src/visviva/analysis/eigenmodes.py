@@ -14,7 +14,8 @@ from visviva.base.arguments import positive, refuse_other, whole
 from visviva.base.errors import InputError
 from visviva.linear.choice import Direct, Problem
 from visviva.system.consistency import accelerations
-from visviva.system.instant import COMPLIANCE, REDUNDANT, Instant, equilibration, instant, typical
+from visviva.system.instant import COMPLIANCE, REDUNDANT, Instant, instant
+from visviva.system.scaling import by_weight, equilibration, typical
 from visviva.system.stability import bears
 
 if TYPE_CHECKING:
@@ -282,18 +283,14 @@ def balance(system: System, at: Instant, tolerance: float) -> None:
 
 
 def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
-    """All modes in a basis of what the constraints leave free, the lowest `n` returned.
-
-    Coordinates are measured by what they weigh: kg and kg m^2 do not compare.
-    """
+    """All modes in a basis of what the constraints leave free, the lowest `n` returned."""
 
     import scipy.linalg as sla
     import scipy.sparse as sp
 
     at = linear.at
     q = len(at.coordinates)
-    own = at.M.diagonal()
-    s = 1 / np.sqrt(np.where(own > 0, own, typical(own)))
+    s = by_weight(at.M.diagonal(), at.scale)
     S = sp.diags_array(s)
     K, rows = without_forces(
         (S @ symmetric(linear.K) @ S).toarray(), (linear.B @ S).toarray(), linear.D.toarray()
@@ -356,10 +353,10 @@ def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
     if light.any():
         raise massless(at, int(np.argmax(light)))
     n = max(min(n, q - int(held.sum()) - 1), 1)
-    largest = typical(abs(K.diagonal())) / typical(at.M.diagonal())
+    largest = typical(abs(K.diagonal()) * at.scale**2) / typical(at.M.diagonal() * at.scale**2)
     shift = -1e-6 * largest  # close to the low modes of thin bodies: few iterations
     A = sp.block_array([[K - shift * at.M, linear.B.T], [linear.B, symmetric(linear.D)]], format="csr")
-    s = equilibration(A)
+    s = equilibration(A, np.concatenate([at.scale, at.system.scale[linear.unknowns]]))
     S = sp.diags_array(s)
     soft = np.r_[np.zeros(q + p - linear.n_forces), np.full(linear.n_forces, COMPLIANCE)]
     unknowns = np.concatenate([at.coordinates, linear.unknowns])

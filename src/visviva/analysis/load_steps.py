@@ -18,6 +18,7 @@ from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError, RunError
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
+from visviva.system.memory import Trial
 from visviva.system.stability import falling_directions, instability
 from visviva.system.system import Attempt, System
 
@@ -323,11 +324,11 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
         h = clock.next(until)
         target = system.time + h
         try:
-            equations.predict(target)
-            report = equations.iterate(target)
-            equations.accept(target)
+            with Trial(system):
+                equations.predict(target)
+                report = equations.iterate(target)
+                equations.accept(target)
         except NoEquilibrium as failure:
-            system.core.discard()
             system.rejected += 1
             if clock.halvings >= scheme.halvings:
                 clock.restart(clock.time)

@@ -56,8 +56,9 @@ def march(
 
     A step that does not converge is halved up to six times, and the halves lengthen again on the grid of the
     steps; if the shortest fails too `StepFailure` is raised and the system keeps the last accepted state. With
-    `adaptive` the steps follow the motion, `step` is the first. An initial state that does not fit the constraints is
-    moved onto them; more than a thousandth of the system's size only with `project`.
+    `adaptive` the steps follow the motion, `step` is the first; a second march goes on with the length, and what is
+    known of the error, where the last one ended, unless ``system.pace`` is cleared. An initial state that does not fit
+    the constraints is moved onto them; more than a thousandth of the system's size only with `project`.
 
     Examples
     --------
@@ -155,6 +156,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
 
         system.report = fit(system, project=project)
     system.is_edited = False
+    system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:
         component.start(system, scheme)
 

@@ -16,6 +16,7 @@ from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.freedom import refuse_free
 from visviva.system.instant import Instant, instant
+from visviva.system.memory import returning
 from visviva.system.newton import StepFailure
 from visviva.system.stability import count_falling, instability
 from visviva.system.system import System
@@ -196,10 +197,9 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
 def natural_time(system: System, inverse: Array) -> float:
     """In which forces, without constraints, would move their masses by a tenth of the system's size."""
     at = Instant(system)
-    saved = system.x[at.multipliers].copy()
-    system.x[at.multipliers] = 0.0
-    force = np.abs(system.residual(instant(system.time, theta=1.0))[at.coordinates])
-    system.x[at.multipliers] = saved
+    with returning(system):
+        system.x[at.multipliers] = 0.0
+        force = np.abs(system.residual(instant(system.time, theta=1.0))[at.coordinates])
     mass = at.M.diagonal()
     pull = np.where(mass > 0, force / np.where(mass > 0, mass, 1.0), 0.0) * inverse[at.coordinates]
     strongest = float(pull.max(initial=0.0))

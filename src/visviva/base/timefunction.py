@@ -15,6 +15,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
+from visviva.base.differences import central_rate, forward_rate
 from visviva.base.errors import InputError
 
 Evaluator = Callable[[Any], complex]
@@ -103,20 +104,27 @@ class TimeFunction:
         self.source: Source = source.source if isinstance(source, TimeFunction) else _plain(source)
         if callable(self.source):
             self._value: Callable[[float], float] = self._called
-            self.rate = self._difference
+            self._rate: Callable[[float, float], float] = self._difference
         elif isinstance(self.source, str):
             self._expression = _compile(self.source)
-            self._value, self.rate = self._evaluate, self._derivative
+            self._value, self._rate = self._evaluate, self._derivative
         elif isinstance(self.source, list):
             self._times = [t for t, _ in self.source]
-            self._value, self.rate = self._interpolate, self._slope
+            self._value, self._rate = self._interpolate, self._slope
         else:
             constant = self.source
-            self._value, self.rate = lambda t: constant, lambda t: 0.0
+            self._value, self._rate = lambda t: constant, lambda t, step: 0.0
 
     def __call__(self, t: float) -> float:
         """Value at time `t`."""
         return self._value(t)
+
+    def rate(self, t: float, step: float = 0.0) -> float:
+        """Rate at time `t`: exact, but of a Python function by differences of sixth order over parts of a `step`.
+
+        Runs give the length of theirs. Without one, differences over several distances of time are compared.
+        """
+        return self._rate(t, step)
 
     def __repr__(self) -> str:
         return f"TimeFunction({self.source!r})"
@@ -139,7 +147,7 @@ class TimeFunction:
         least = NOTICEABLE * max(map(abs, slopes))
         return tuple(t for t, (a, b) in zip(self._times, pairwise(slopes), strict=True) if abs(b - a) > least)
 
-    def rate_after(self, t: float) -> float:
+    def rate_after(self, t: float, step: float = 0.0) -> float:
         """Rate just after time `t`: where a function has a kink, what it goes on with."""
         if isinstance(self.source, list):
             table = self.source
@@ -148,9 +156,9 @@ class TimeFunction:
                 return 0.0
             (t0, f0), (t1, f1) = table[k - 1], table[k]
             return (f1 - f0) / (t1 - t0)
-        return forward_rate(self._value, t) if callable(self.source) else self.rate(t)
+        return float(forward_rate(self._value, t, step)) if callable(self.source) else self.rate(t)
 
-    # --- a Python function: rate by differences of fourth order ---------------------------------------------
+    # --- a Python function: rate by differences -------------------------------------------------------------
     def _called(self, t: float) -> float:
         value = self.source(t)  # type: ignore[operator]
         try:
@@ -160,9 +168,8 @@ class TimeFunction:
                 f"a function of time gave {value!r} at t = {t:g}, which is no number: {self.source!r}"
             ) from None
 
-    def _difference(self, t: float) -> float:
-        d, f = 2e-4 * max(1.0, abs(t)), self._value
-        return float((8 * (f(t + d) - f(t - d)) - (f(t + 2 * d) - f(t - 2 * d))) / (12 * d))
+    def _difference(self, t: float, step: float) -> float:
+        return float(central_rate(self._value, t, step))
 
     # --- an expression: rate by a complex step, exact to round-off ------------------------------------------
     def _evaluate(self, t: float) -> float:
@@ -171,7 +178,7 @@ class TimeFunction:
             raise InputError(f"{self.source!r} is not real at t = {t:g}")
         return value.real
 
-    def _derivative(self, t: float) -> float:
+    def _derivative(self, t: float, step: float) -> float:
         return self._at(complex(t, 1e-30)).imag / 1e-30
 
     def _at(self, t: complex) -> complex:
@@ -194,21 +201,8 @@ class TimeFunction:
         start, value, slope = self._piece(t)
         return value + slope * (t - start)
 
-    def _slope(self, t: float) -> float:
+    def _slope(self, t: float, step: float) -> float:
         return self._piece(t)[2]
-
-
-def forward_rate(f: Callable[[float], Any], t: float) -> Any:
-    """Rate of a function just after time `t`, by differences of fourth order; arrays as well.
-
-    Examples
-    --------
-    >>> round(forward_rate(lambda t: max(t, 0.0), 0.0), 9)
-    1.0
-    """
-    d = 2e-4 * max(1.0, abs(t))
-    f0, f1, f2, f3, f4 = (f(t + k * d) for k in range(5))
-    return (-25 * f0 + 48 * f1 - 36 * f2 + 16 * f3 - 3 * f4) / (12 * d)
 
 
 def _plain(source: Any) -> Source:

@@ -97,6 +97,17 @@ def geometry(
     return Geometry(np.ascontiguousarray(gradients), volume, hoop)
 
 
+def volumes(
+    points: Array, nodes: Ints, cell: str, *, thickness: float = 1.0, axisymmetric: bool = False
+) -> Array:
+    """Volumes (m, q) of elements at the points of the rule of their mass."""
+    xi, w = mass_rule(cell)
+    volume = w * measure(jacobians(points, nodes, CELLS[cell].dN(xi)))
+    if points.shape[1] == 2:
+        volume = volume * depth(points, nodes, CELLS[cell].N(xi), thickness, axisymmetric)
+    return volume
+
+
 def masses(
     points: Array,
     nodes: Ints,
@@ -112,11 +123,8 @@ def masses(
     Lumped masses scale the diagonal of the consistent matrix (Hinton, Rock & Zienkiewicz 1976), so that they stay
     positive for elements of higher order.
     """
-    xi, w = mass_rule(cell)
-    N = CELLS[cell].N(xi)
-    volume = w * measure(jacobians(points, nodes, CELLS[cell].dN(xi)))
-    if points.shape[1] == 2:
-        volume = volume * depth(points, nodes, N, thickness, axisymmetric)
+    N = CELLS[cell].N(mass_rule(cell).points)
+    volume = volumes(points, nodes, cell, thickness=thickness, axisymmetric=axisymmetric)
     a, b = np.triu_indices(N.shape[1])
     packed: Array = density * volume @ (N[:, a] * N[:, b])
     if lumped:

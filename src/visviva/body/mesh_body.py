@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
+from visviva.body.element import volumes
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable
@@ -224,8 +225,10 @@ class MeshBody(Attachable, Meshed):
         return self.by_node(v)
 
     def volume(self, x: Array) -> float:
-        """Present volume, area if plane, of the cells at the unknowns `x` of the system."""
-        return replace(self.grid, points=self.positions(x)[:, : self.dimension]).volume
+        """Present volume, that of the revolution if axisymmetric, else area if plane, at the unknowns `x`."""
+        points = self.positions(x)[:, : self.dimension]
+        cells = self.grid.cells.items()
+        return float(sum(volumes(points, n, cell, axisymmetric=self.axisymmetric).sum() for cell, n in cells))
 
     def mean(self, name: str, x: Array) -> Array:
         """Means of a field over the elements, (n_cells,) or (n_cells, components)."""

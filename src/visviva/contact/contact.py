@@ -45,8 +45,10 @@ masses let one node move more easily than all together (by 3.5 across the surfac
 nodes at edges and corners more easily still."""
 AT_LIMIT = 1e-6
 """Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
+FRAME = 4
+"""Vertices of a frame."""
 TOUCHING = 1e-9
-"""Gaps smaller than this part of a vertex' share of the surface are neither open nor closed without pressure."""
+"""Gaps below this part of the size of the first surface's facets are neither open nor closed without pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -62,7 +64,8 @@ class Contact(Component):
     first_faces, second_faces : str or Faces
         Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape; 'all' for
         the whole boundary.
-    formulation : {'mortar', 'node-to-segment'}
+    formulation : {'mortar', 'node-to-segment'}, optional
+        By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, else 'mortar'.
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
         'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
         facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly. Then rigid
@@ -82,7 +85,7 @@ class Contact(Component):
     stiffness : float
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
-        of rigid bodies.
+        of rigid bodies, by default that of a facet of the layer.
     damping : float
         With a penalty in dynamics: pressure per rate of penetration. Impacts then lose energy at a rate that is chosen,
         booked as work of contact: of a body of mass m on a spring k alone, the share of velocity that is left follows
@@ -144,7 +147,7 @@ class Contact(Component):
     second: Component | None = None
     first_faces: str | Faces = "all"
     second_faces: str | Faces = "all"
-    formulation: Literal["mortar", "node-to-segment"] = "mortar"
+    formulation: Literal["mortar", "node-to-segment"] | None = None
     enforcement: Literal["multipliers", "penalty"] = "multipliers"
     multipliers: Literal["standard", "dual"] = "standard"
     condensed: bool = False
@@ -168,6 +171,8 @@ class Contact(Component):
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
                 "formulation='node-to-segment'"
             )
+        if self.formulation is None:
+            self.formulation = self._usual_formulation()
         check_multipliers(self)
         check_restitution(self)
         if not self.damping >= 0:
@@ -185,6 +190,12 @@ class Contact(Component):
         ):  # so that others of the same surfaces are refused
             if body is not None:
                 model.announce(body, self)
+
+    def _usual_formulation(self) -> Literal["mortar", "node-to-segment"]:
+        """Exact for balls and points; other rigid shapes have edges, which vertices pass by."""
+        feelers = self.first.feelers()
+        is_exact = feelers is not None and len(feelers[0]) == 1 and self.multipliers == "standard"
+        return "node-to-segment" if is_exact else "mortar"
 
     def declare(self, model: Model) -> None:
         model.index(self.first)
@@ -235,9 +246,9 @@ class Contact(Component):
         rubs = self.friction > 0
         gaps, self.size, reach = self._gaps(model.length)
         spans = float(np.ptp(self.places, axis=0).max())
-        self.extent = (
-            self.size or spans or self._radius or model.length
-        )  # by which overlaps at the start are judged
+        alone = spans or self._radius or model.length  # of points that have no facets
+        self.extent = self.size or alone  # by which overlaps at the start are judged
+        self._share = self._surface.size or alone  # by which gaps are told from rounding
         normal = self._stiffness(self.size)
         tangential = self._tangential_stiffness(sticks) if rubs else 0.0
         along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []
@@ -250,6 +261,7 @@ class Contact(Component):
             self.impact == "conserving",
             self._is_rigid,
             self._share_left,
+            self._share,
             self.initial == "press",
             self.friction,
             np.array(along, dtype=np.int32),
@@ -337,12 +349,14 @@ class Contact(Component):
 
     def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)
-        if self._started or self.initial == "press" or state.time > 0:
+        if self._started or self.initial == "press":
             return
         self._started = True
+        if not state.is_given:
+            return
         state.core.find_neighbours()
         state.take_stock()
-        refuse_overlap(self, self.places)
+        refuse_overlap(self, positions(self._surface, state.x))
 
     def _stiffness(self, size: float) -> float:
         """Stiffness of the normal contact."""
@@ -350,7 +364,7 @@ class Contact(Component):
         if self.stiffness is None:
             return self._default_stiffness(size, multipliers)
         if not multipliers and self._moduli:
-            own = min(self._moduli) / size
+            own = self._layer(size)
             check_stiffness(self.label, self.stiffness, own, 10 * own)
         return float(self.stiffness)
 
@@ -375,12 +389,15 @@ class Contact(Component):
         return [body.modulus for body in mesh_bodies(self.first, self.second)]
 
     def _default_stiffness(self, size: float, multipliers: bool) -> float:
-        moduli = self._moduli
-        if not moduli:
+        if not self._moduli:
             raise InputError(
                 f"{self.label}: between rigid bodies nothing says how stiff contact should be; give its stiffness"
             )
-        return min(moduli) / size * (1.0 if multipliers else 10.0)
+        return self._layer(size) * (1.0 if multipliers else 10.0)
+
+    def _layer(self, size: float) -> float:
+        """Stiffness of a layer of elements, of a facet of it where points of rigid bodies feel forces."""
+        return min(self._moduli) / size * (1.0 if len(self._surface.facets) else size**2)
 
     # --- results -------------------------------------------------------------------------------------------
     @property
@@ -427,8 +444,14 @@ class Contact(Component):
     def forces(self) -> Array:
         """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
         n = len(self._surface.forms)
-        total = self.term.forces + self.term.friction_forces
-        forces: Array = total.reshape(-1, 3)[:n] if len(total) else np.zeros((n, 3))
+        if not len(self.term.forces):
+            return np.zeros((n, 3))
+        rubbed = self.term.friction_forces.reshape(-1, 3)
+        forces: Array = self.term.forces.reshape(-1, 3)[:n] + rubbed[:n]
+        if self._turning:  # friction acts on the vertices of their frame, which stand behind those of facets
+            begin = n + (len(self.opposite.forms) if self.opposite else 0)
+            rest = rubbed[begin : begin + FRAME].sum(axis=0) - self.tractions.sum(axis=0)
+            forces += self.tractions + rest / n  # the rest balances torques and is of the order of the gap
         return forces
 
     def record(self, x: Array) -> Array:
@@ -448,7 +471,7 @@ class Contact(Component):
 
     def unfit_for_modes(self) -> str:
         presses = self.pressures > 0
-        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * np.sqrt(self.term.areas))
+        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * self._share)
         if touches.any():
             return (
                 f"it touches without pressure at {int(touches.sum())} of its vertices, which are neither open nor "

@@ -152,7 +152,7 @@ def check_stiffness(label: str, given: float, own: float, right: float) -> None:
 
 
 def refuse_overlap(contact: Contact, places: Array) -> None:
-    """Refuse surfaces that overlap: `places` (n, 3) are the vertices of the first one."""
+    """Refuse surfaces that overlap: `places` (n, 3) in space are the vertices of the first one."""
     depth = -np.nan_to_num(contact.gaps)
     worst = int(np.argmax(depth))
     if depth[worst] > DEEP * contact.extent:

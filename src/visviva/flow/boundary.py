@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
-from visviva.base.timefunction import forward_rate
 from visviva.component.component import settings
 from visviva.component.values import FaceSet, Motion
 from visviva.flow.boundary_faces import flow_faces, flux_weights
@@ -153,14 +153,14 @@ class VelocityBoundary(FluidBoundary):
             ]
             return v.ravel()[numbers]
 
+        def rates(time: float, step: float) -> Array:
+            found: Array = forward_rate(values, time, step)
+            return found
+
         try:
-            model.prescribe(self, fluid.flow, numbers, values, lambda time: self._rates(values, time))
+            model.prescribe(self, fluid.flow, numbers, values, rates)
         except RunError as error:
             raise InputError(str(error)) from error
-
-    def _rates(self, values: Any, time: float) -> Array:
-        rates: Array = forward_rate(values, time)
-        return rates
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

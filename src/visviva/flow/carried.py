@@ -101,7 +101,6 @@ class Carried(Wetting):
     def declare(self, model: Model) -> None:
         model.index(self.carried), model.index(self.fluid)
         self._gravity = np.zeros(self.fluid.dimension)
-        self._within: Mask | None = None
         if model.announced(self.carried, Carried) != [self]:
             raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
 
@@ -139,6 +138,11 @@ class Carried(Wetting):
     def costs(self) -> dict[str, float]:
         """CPU seconds that finding its points in the fluid has taken so far, and what they may follow later."""
         return {"location": self.term.location}
+
+    @property
+    def _within(self) -> Mask | None:
+        """Which points (n,) the fluid holds in the step evaluated last, None before any."""
+        return self.term.within
 
     def _located(self, places: Array) -> Place:
         """Where places (n, d) of the start are in the fluid."""
@@ -204,7 +208,6 @@ class Carried(Wetting):
             unknowns[within], weights[within] = transfer.at(
                 Place(self.fluid, places[within], (cells[within], xi[within]))
             )
-            self._within = within
             return unknowns, weights
 
         return find

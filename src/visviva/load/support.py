@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
-from visviva.base.timefunction import forward_rate
 from visviva.body.mesh_body import MeshBody
 from visviva.component.announcements import Holding
 from visviva.component.component import Component, settings
@@ -216,11 +216,11 @@ class Prescribed(Support):
     def _values(self, time: float) -> Array:
         return (self._places + self._displacements(time))[:, self._moved].ravel()
 
-    def _rates(self, time: float) -> Array:
+    def _rates(self, time: float, step: float) -> Array:
         if self._function is not None:
-            rates: Array = forward_rate(self._values, time)
+            rates: Array = forward_rate(self._values, time, step)
             return rates
-        components = [0.0 if f is None else f.rate_after(time) for f in self.motion]
+        components = [0.0 if f is None else f.rate_after(time, step) for f in self.motion]
         return np.tile(np.array(components)[self._moved], len(self._chosen))
 
     def contribute(self, model: Model) -> None:

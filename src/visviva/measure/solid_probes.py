@@ -127,7 +127,7 @@ class Extreme(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Volume(Reading):
-    """Probe: present volume of a solid, its area if it is plane.
+    """Probe: present volume of a solid, of the whole revolution if it is axisymmetric, else its area if it is plane.
 
     Parameters
     ----------

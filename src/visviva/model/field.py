@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.differences import forward_curvature
 from visviva.model.form import Form, Vector
 
 Array = NDArray[np.float64]
@@ -179,7 +180,7 @@ class Prescription:
     values : callable
         Their values (k,) at a time.
     rates : callable
-        Their rates (k,) just after a time.
+        Their rates (k,) just after a time, given the length of steps, 0 if that is not known.
     account : int
         Where the work of what moves them is booked.
     supply : int
@@ -189,12 +190,11 @@ class Prescription:
     component: Owner
     unknowns: NDArray[np.int32]
     values: Callable[[float], Array]
-    rates: Callable[[float], Array]
+    rates: Callable[[float, float], Array]
     account: int
     supply: int
 
-    def acceleration(self, time: float) -> Array:
-        """Second derivatives (k,) of the values just after a time, by differences forward."""
-        d = 1e-3 * max(1.0, abs(time))
-        f = [self.values(time + k * d) for k in range(5)]
-        return (35 * f[0] - 104 * f[1] + 114 * f[2] - 56 * f[3] + 11 * f[4]) / (12 * d * d)
+    def acceleration(self, time: float, step: float) -> Array:
+        """Second derivatives (k,) of the values just after a time, by differences over parts of a step."""
+        values: Array = forward_curvature(self.values, time, step)
+        return values

@@ -59,6 +59,7 @@ class Model:
     masses: list[tuple[Any, ...]] = field(default_factory=list)
     terms: list[tuple[Term, int]] = field(default_factory=list)
     batches: list[_core.Term] = field(default_factory=list)
+    functions: list[Callable[..., Any]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
     prescribed: list[Prescription] = field(default_factory=list)
@@ -170,11 +171,12 @@ class Model:
         moved: Field,
         numbers: ArrayLike,
         values: Callable[[float], Array],
-        rates: Callable[[float], Array],
+        rates: Callable[[float, float], Array],
         kinks: Iterable[float] = (),
     ) -> None:
         """Let unknowns of a field, given by their numbers in it, move as functions of time with values (k,) say.
 
+        Their rates (k,) follow from a time and the length of steps, 0 where that is not known.
         At `kinks` their rates may jump.
 
         Raises
@@ -191,7 +193,7 @@ class Model:
                 f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
             )
         self.hold(moved, k, values(0.0))
-        moved.rates[k] = rates(0.0)
+        moved.rates[k] = rates(0.0, 0.0)
         self._remember(moved)
         account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
@@ -360,6 +362,10 @@ class Model:
     def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""
         self.terms.append((term, self.index(component)))
+
+    def keep(self, function: Callable[..., Any]) -> None:
+        """Keep a function alive that the core calls, which refers to it weakly: it may know the system."""
+        self.functions.append(function)
 
     def batch(self, term: _core.Term) -> None:
         """A term of the core that stands for many elements."""

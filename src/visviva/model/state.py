@@ -23,11 +23,14 @@ class State(Protocol):
         The compiled system.
     has_inertia : bool
         Whether masses take part, as they do not in statics.
+    is_given : bool
+        Whether the state was given, and is not that of a step.
     """
 
     model: Model
     core: Any
     has_inertia: bool
+    is_given: bool
 
     @property
     def x(self) -> Array:

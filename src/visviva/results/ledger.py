@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from visviva.model.field import Role
 from visviva.output.tables import Table
 from visviva.system.instant import Instant, instant
-from visviva.system.memory import undisturbed
+from visviva.system.memory import returning, undisturbed
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -252,10 +252,9 @@ def reaches(system: System) -> Array:
 def pull(system: System) -> tuple[float, float]:
     """Work of the present forces, without constraints, if every unknown of motion moved along by its size; and power
     of those on flows, if all had the speed that is large."""
-    saved = system.x.copy()
-    system.x[system.order == 0] = 0.0
-    force = np.abs(system.residual(instant(system.time, theta=1.0)))
-    system.x[:] = saved
+    with returning(system):
+        system.x[system.order == 0] = 0.0
+        force = np.abs(system.residual(instant(system.time, theta=1.0)))
     fields, effect = system.model.fields, force * system.scale
     moves = np.concatenate([(f.role is Role.MOTION) & ~f.fixed for f in fields])
     flows = np.concatenate([(f.role is Role.VELOCITY) & ~f.fixed for f in fields])

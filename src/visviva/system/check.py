@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,8 +26,10 @@ from visviva.system.consistency import (
     worst,
 )
 from visviva.system.instant import COMPLIANCE, Instant, instant
+from visviva.system.memory import returning
 
 if TYPE_CHECKING:
+    from visviva.model.field import Field
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -34,8 +37,8 @@ Array = NDArray[np.float64]
 TANGENT_TOLERANCE = 1e-5
 """A tangent that differs from differences by more than this, relative to its row and column, is reported."""
 WAYS = (1e-5, 1e-6, 1e-7)
-"""Lengths of differences. Contact of small areas bends much and has kinks within long ones: a tangent is wrong where
-shorter ones say so too."""
+"""Lengths of differences, as parts of the unknown's size. Contact of small areas bends much and has kinks within long
+ones: a tangent is wrong where shorter ones say so too."""
 
 
 FAR = 1e-3
@@ -241,10 +244,23 @@ def told_moves(system: System, x0: Array, v0: Array, edited: bool) -> tuple[list
         for what, change, size, counts in (("position", dx, 1.0, True), ("velocity", dv, fastest, given)):
             part = float((change[of] * inverse[of]).max(initial=0.0)) / (size or 1.0)
             if part > 1e-9:
-                moves.append(f"{what} of {f.component.label} by {change[of].max():.3g}")
+                moves.append(largest_move(system, f, what, change))
                 if counts and part > FAR:
                     far.append(moves[-1])
     return moves, far
+
+
+def largest_move(system: System, f: Field, what: str, change: Array) -> str:
+    """How far a field has moved, in words: lengths, unless it hardly does but turn."""
+    vectors = f.component.vectors(system.model)
+    assert vectors is not None
+    starts, is_position, width = vectors
+    places = (starts[is_position][:, None] + np.arange(width)).ravel()
+    places = np.intersect1d(places, f.unknowns)
+    turns = np.setdiff1d(f.unknowns, places)
+    parts = [float((change[u] * system.inverse_scale[u]).max(initial=0.0)) for u in (places, turns)]
+    shown, of = (places, "") if 10 * parts[0] >= parts[1] else (turns, "directors' ")
+    return f"{of}{what} of {f.component.label} by {change[shown].max():.3g}"
 
 
 def told(violation: float) -> Correction:
@@ -288,19 +304,18 @@ def settle(system: System, at: Instant) -> int:
     have to be kept; where they depend on each other all along, the solver leaves the multipliers out that
     have no effect.
     """
-    x, random = system.x.copy(), np.random.default_rng(2)
+    random, lasting = np.random.default_rng(2), 0
     way, _ = at.solve(at.metric @ random.standard_normal(len(at.coordinates)), np.zeros(len(at.multipliers)))
-    system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
-    system.x[at.multipliers] = 0.0
-    lasting = 0
-    if descend(system, damped=False) <= 1e-11:
-        near = Instant(system)
-        near.factor()
-        step = instant(system.time, leading=1.0)
-        lasting = near.redundancies().shape[1]
-        if not system.is_undisturbed:
-            tell_redundant(system, step, lasting)
-    system.x[:] = x
+    with returning(system):
+        system.x[at.coordinates] += 0.05 * way / max(float(np.abs(way / at.scale).max()), 1e-9)
+        system.x[at.multipliers] = 0.0
+        if descend(system, damped=False) <= 1e-11:
+            near = Instant(system)
+            near.factor()
+            step = instant(system.time, leading=1.0)
+            lasting = near.redundancies().shape[1]
+            if not system.is_undisturbed:
+                tell_redundant(system, step, lasting)
     return lasting
 
 
@@ -350,11 +365,19 @@ def refuse_unheld(system: System, at: Instant) -> None:
 
 def compare_tangent(system: System, most: int = 150) -> TangentError:
     """Compare the default scheme's tangent with differences of its residual, off the initial state."""
-    core, random = system.core, np.random.default_rng(1)
-    step = EnergyMomentum().step(system.time, 1.0)
+    random, unknown = np.random.default_rng(1), system.free_unknowns
+    step = EnergyMomentum().step(system.time, natural_time(system))
+    sizes = unknowns_sizes(system, step)
+    with returning(system):
+        system.core.dx[unknown] = 1e-3 * random.standard_normal(len(unknown)) * sizes
+        return worst_entry(system, step, sizes, random, most)
+
+
+def worst_entry(
+    system: System, step: Any, sizes: Array, random: np.random.Generator, most: int
+) -> TangentError:
+    """The same at the trial state, over parts of the unknowns' `sizes` (n,)."""
     unknown = system.free_unknowns
-    scale = np.concatenate([f.scale for f in system.model.fields])
-    core.dx[unknown] = 1e-3 * random.standard_normal(len(unknown)) * np.where(scale > 0, scale, 1.0)[unknown]
     with exact_stress(system):
         _, A = system.tangent(step)
     columns = np.arange(len(unknown))
@@ -364,13 +387,12 @@ def compare_tangent(system: System, most: int = 150) -> TangentError:
     largest = abs(A).max(axis=1).toarray().ravel()
     size = np.sqrt(np.maximum(largest[:, None] * largest[columns][None, :], 1e-300))
     D, error = np.empty_like(B), np.empty_like(B)
-    for j, of in enumerate(unknown[columns]):
+    for j, (of, scale) in enumerate(zip(unknown[columns], sizes[columns], strict=True)):
         for part in WAYS:
-            D[:, j] = column_by_differences(system, step, int(of), part)[unknown]
+            D[:, j] = column_by_differences(system, step, int(of), part * scale)[unknown]
             error[:, j] = np.abs(B[:, j] - D[:, j]) / size[:, j]
             if error[:, j].max() <= TANGENT_TOLERANCE:
                 break
-    core.dx[:] = 0.0
     i, j = (int(k) for k in np.unravel_index(int(np.argmax(error)), error.shape))
     row, column = (name(system, int(unknown[k])) for k in (i, columns[j]))
     return TangentError(float(error[i, j]), row, column, (float(B[i, j]), float(D[i, j])))
@@ -389,10 +411,33 @@ def exact_stress(system: System) -> Iterator[None]:
             term.start_stress = True
 
 
-def column_by_differences(system: System, step: Any, unknown: int, part: float) -> Array:
-    """Central differences of the residual by one unknown, over a part of it or of one."""
+def natural_time(system: System) -> float:
+    """Length of a step in which inertia does what stiffness and forces do, 1 where there is nothing of one of them."""
+    unknown = system.free_unknowns
+    moves = np.where(system.order == 2, system.scale, 0.0)[unknown]
+    mass = system.tangent(instant(system.time, leading=1.0))[1]
+    force, stiffness = system.tangent(instant(system.time, theta=1.0))
+    inertia = float(np.abs(mass.diagonal()) @ moves**2)
+    rest = float(np.abs(stiffness.diagonal()) @ moves**2 + np.abs(force[unknown]) @ moves)
+    return math.sqrt(inertia / rest) if inertia > 0 and rest > 0 else 1.0
+
+
+def unknowns_sizes(system: System, step: Any) -> Array:
+    """By what free unknowns (n,) are changed: their scale; multipliers by forces whose work is that of others' changes.
+
+    Where there are no such forces, by 1.
+    """
+    scale = system.scale[system.free_unknowns]
+    A = abs(system.tangent(step)[1])
+    work, along = float((A.diagonal() * scale**2).max(initial=0.0)), np.asarray(A.T @ scale)
+    forces = np.divide(work, along, out=np.ones_like(along), where=(along > 0) & (work > 0))
+    sizes: Array = np.where(scale > 0, scale, forces)
+    return sizes
+
+
+def column_by_differences(system: System, step: Any, unknown: int, d: float) -> Array:
+    """Central differences of the residual by one unknown, over a length `d` of it on both sides."""
     dx = system.core.dx
-    d = part * max(1.0, abs(float(system.x[unknown])))
     here = float(dx[unknown])
     ends = []
     for sign in (1.0, -1.0):

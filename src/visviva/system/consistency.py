@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.scheme.clock import Clock
 from visviva.system.instant import COMPLIANCE, Instant, instant
+from visviva.system.memory import returning
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme, Table
@@ -103,23 +104,24 @@ def worst(at: Instant) -> float:
 def descend(system: System, damped: bool) -> float:
     """Take Gauss-Newton steps until the violation no longer shrinks; returns what is left."""
     best, kept, stalled = np.inf, system.x.copy(), 0
-    for _ in range(60 if damped else 25):
-        at = Instant(system)
-        size = worst(at)
-        if size < 0.5 * best:
-            stalled = 0
-        elif stalled >= (12 if damped else 4) or best < 1e-13:
-            break
-        stalled += 1
-        if size < best:
-            best, kept = size, system.x.copy()
-        if size <= ROUND_OFF / 4 or not np.isfinite(size):
-            break
-        at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
-        phi, zero = at.violation(), np.zeros(len(at.coordinates))
-        step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
-        longest = float(np.abs(step / at.scale).max(initial=0.0))
-        system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
+    with returning(system):
+        for _ in range(60 if damped else 25):
+            at = Instant(system)
+            size = worst(at)
+            if size < 0.5 * best:
+                stalled = 0
+            elif stalled >= (12 if damped else 4) or best < 1e-13:
+                break
+            stalled += 1
+            if size < best:
+                best, kept = size, system.x.copy()
+            if size <= ROUND_OFF / 4 or not np.isfinite(size):
+                break
+            at.factor(max(COMPLIANCE, 0.1 * size) if damped else COMPLIANCE)
+            phi, zero = at.violation(), np.zeros(len(at.coordinates))
+            step = at.soft(zero, -phi)[: len(zero)] if damped else at.solve(zero, -phi)[0]
+            longest = float(np.abs(step / at.scale).max(initial=0.0))
+            system.x[at.coordinates] += step * min(1.0, 0.5 / longest if longest > 0 else 1.0)
     system.x[:] = kept
     return best
 
@@ -160,17 +162,19 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
         return Correction(0.0, 0.0, {})
     v = system.v[at.coordinates].copy()
     drift = at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
     defect = at.G @ v + drift
+    reach = rate_reach(system, at, drift)
     before = float(np.abs(defect / reach).max(initial=0.0))
     if before <= ROUND_OFF:
         return Correction(before, before, {})
     change, _ = at.solve(np.zeros(len(v)), -defect)
     system.v[at.coordinates] = v + change
     rest = at.G @ (v + change) + drift
-    after = float(np.abs(rest / reach).max(initial=0.0))
+    reach = np.maximum(reach, rate_reach(system, at, drift))  # things may start here, or stop
+    relative = np.abs(rest) / reach
+    after = float(relative.max(initial=0.0))
     if after > 1e-9:
-        k = int(np.argmax(np.abs(rest / reach)))
+        k = int(np.argmax(relative))
         component, unknown = system.describe(int(at.multipliers[k]))
         system.v[at.coordinates] = v
         raise InputError(
@@ -186,8 +190,23 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
 def rate_violation(system: System, at: Instant) -> float:
     """Largest relative violation of the constraints' rates."""
     v, drift = system.v[at.coordinates], at.drift()
-    reach = abs(at.G) @ np.maximum(at.scale, np.abs(v)) + np.abs(drift) + 1e-300
-    return float(np.abs((at.G @ v + drift) / reach).max(initial=0.0))
+    return float(np.abs((at.G @ v + drift) / rate_reach(system, at, drift)).max(initial=0.0))
+
+
+def rate_reach(system: System, at: Instant, drift: Array) -> Array:
+    """What rates (m,) of constraints are measured by: their gradients times the speeds of the fastest unknowns.
+
+    Unknowns of one role compare by their scales; so no unit of time counts, and what rests beside what moves may have
+    the round-off of that.
+    """
+    relative, fastest = np.abs(system.v) * system.inverse_scale, np.zeros(len(system.x))
+    fields = [f for f in system.model.fields if f.order > 0]
+    for role in {f.role for f in fields}:
+        unknowns = np.concatenate([f.unknowns for f in fields if f.role is role])
+        fastest[unknowns] = relative[unknowns].max(initial=0.0)
+    speed = (fastest * system.scale)[at.coordinates]
+    reach: Array = abs(at.G) @ speed + np.abs(drift) + 1e-300
+    return reach
 
 
 def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
@@ -228,12 +247,11 @@ def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
 
 def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
     """Accelerations (n,) and multipliers (m,) of the present state; `still` leaves the velocities out."""
-    saved = system.x[at.multipliers].copy()
-    system.x[at.multipliers] = 0.0
-    force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
-    if system.model.prescribed and not still:
-        force = force + at.prescribed_inertia()
-    system.x[at.multipliers] = saved
+    with returning(system):
+        system.x[at.multipliers] = 0.0
+        force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
+        if system.model.prescribed and not still:
+            force = force + at.prescribed_inertia()
     right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
     return at.solve_consistent(-force, right)
 
@@ -266,18 +284,20 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
 
     Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
     """
-    x, v, clock, moves = system.x.copy(), system.v.copy(), system.clock, system.order == 2
-    system.x[moves] += time * v[moves] + 0.5 * time**2 * now[moves]
-    system.v[moves] += time * now[moves]
-    system.clock = Clock(system.time + time)
-    for p in system.model.prescribed:
-        system.x[p.unknowns], system.v[p.unknowns] = p.values(system.time), p.rates(system.time)
-    later = now.copy()
-    at = Instant(system)
-    at.factor()
-    of_motion = moves[at.coordinates]
-    later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
-    system.x[:], system.v[:], system.clock = x, v, clock
+    later, moves = now.copy(), system.order == 2
+    with returning(system):
+        system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
+        system.v[moves] += time * now[moves]
+        system.clock = Clock(system.time + time, system.clock.step)
+        for p in system.model.prescribed:
+            system.x[p.unknowns], system.v[p.unknowns] = (
+                p.values(system.time),
+                p.rates(system.time, system.clock.step),
+            )
+        at = Instant(system)
+        at.factor()
+        of_motion = moves[at.coordinates]
+        later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
     change, size = (float(np.linalg.norm(u * system.inverse_scale)) for u in (later - now, now))
     return later if change < 0.5 * size else now
 
@@ -302,39 +322,47 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     at = Instant(system)
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
-        x1 = system.x.copy()
-        system.x[:], system.core.dx[:] = x0, trial - x0
-        with_them = system.residual(step)
-        system.core.dx[at.multipliers] = -x0[at.multipliers]
-        impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
-        system.x[:], system.core.dx[:] = x1, 0.0
+        with returning(system):
+            system.x[:], system.core.dx[:] = x0, trial - x0
+            with_them = system.residual(step)
+            system.core.dx[at.multipliers] = -x0[at.multipliers]
+            impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
     at.factor()
     before = system.v[at.coordinates].copy()
     after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
-    work = drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     if table[1][2] == 0.0:  # nothing but rates is remembered
         system.v[at.coordinates] = after
-        return work
+        return drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     moves = system.order[at.coordinates] == 2
     change, coordinates = (after - before)[moves], at.coordinates[moves]
     for history, row in ((system.v, 2), (system.core.a, 3), (system.core.w, 4)):
         history[coordinates] += table[row][0] / table[2][0] * change
-    system.x[at.multipliers] += table[1][0] / table[2][0] * mu
+    change_of_multipliers = table[1][0] / table[2][0] * mu
+    system.x[at.multipliers] += change_of_multipliers
+    rows = driven_rows(system, at)  # work is booked with the mean of the forces at both ends of the step
+    work: Array = -0.5 * change_of_multipliers[rows] * (at.G[rows] @ (trial - x0)[at.coordinates])
     return work
+
+
+def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:
+    """Among the multipliers, those of what functions of time drive."""
+    drives = [u for u, _ in system.model.drives]
+    return np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives], dtype=np.int64)
 
 
 def drive_works(
     system: System, at: Instant, step: Any, x0: Array, trial: Array, mu: Array, mean: Array
 ) -> Array:
     """Work of each drive by its share of the impulses of a projection, along the `mean` of the rates."""
-    drives = np.array([u for u, _ in system.model.drives], dtype=int)
-    if not len(drives):
+    rows = driven_rows(system, at)
+    if not len(rows):
         return np.zeros(0)
-    rows = np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives])
+    drives = at.multipliers[rows]
     work: Array = -mu[rows] * (at.G[rows] @ mean)
     if step.theta_g == 0.0:
-        x1, along = system.x.copy(), np.zeros(len(system.x))
-        system.x[:], along[at.coordinates] = x0, step.h * mean
-        work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
-        system.x[:] = x1
+        along = np.zeros(len(system.x))
+        along[at.coordinates] = step.h * mean
+        with returning(system):
+            system.x[:] = x0
+            work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
     return work

@@ -21,6 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.base.differences import central_rate
+from visviva.system.memory import returning
+from visviva.system.scaling import by_weight, equilibration
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -34,6 +37,8 @@ NO_STEP = 1e-3
 """What stands for the length of steps before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
+LIGHT = 1e-6
+"""Mass of what has none, beside the scaled others: refinement takes off its effect."""
 REDUNDANT = 1e-9
 """A combination of scaled constraints whose gradient is shorter than this is redundant."""
 
@@ -124,8 +129,12 @@ class Instant:
         r: Array = self.system.residual(step, signals)[self.multipliers[: len(self.reach)]]
         return r
 
+    def _signal_rates(self, time: float) -> Array:
+        return np.array([f.rate(time, self.system.clock.step) for f in self.system.model.signals])
+
     def _by_signals(self, rate: Array) -> Array:
-        return 0.5 * (self.violation(ahead=rate) - self.violation(ahead=-rate))
+        h = self._moment
+        return 0.5 / h * (self.violation(ahead=h * rate) - self.violation(ahead=-h * rate))
 
     @property
     def _sees_clock(self) -> bool:
@@ -143,10 +152,11 @@ class Instant:
         if system.model.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
-            along = self.prescribed(lambda p: system.v[p.unknowns])
-            total = total + 0.5 * (self.values_at(along) - self.values_at(-along))
+            h = self._moment
+            along = h * self.prescribed(lambda p: system.v[p.unknowns])
+            total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
-            total = total + difference(lambda s: self.violation(s), 0.1 * self._moment)
+            total = total + central_rate(self.violation, 0.0, system.clock.step)
         return total
 
     def gradient_along(self, v: Array, later: float = 0.0, shift: float = 0.0) -> Array:
@@ -156,9 +166,9 @@ class Instant:
 
     def _gradients_near(self, v: Array, later: float = 0.0, shift: float = 0.0) -> sp.csr_array:
         system = self.system
-        system.core.dx[self.coordinates] = shift * v
-        A = system.tangent(instant(system.time + later, leading=1.0))[1]
-        system.core.dx[:] = 0.0
+        with returning(system):
+            system.core.dx[self.coordinates] = shift * v
+            A = system.tangent(instant(system.time + later, leading=1.0))[1]
         G: sp.csr_array = A[self._m][:, self._q]
         return G
 
@@ -179,9 +189,7 @@ class Instant:
         if np.any(v):
             total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
         if system.model.signals:
-            functions = system.model.signals
-            bend = difference(lambda s: np.array([f.rate(system.time + s) for f in functions]), self._moment)
-            total = total + self._by_signals(bend)
+            total = total + self._by_signals(central_rate(self._signal_rates, system.time, system.clock.step))
         if system.model.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
@@ -205,25 +213,24 @@ class Instant:
 
     def prescribed_acceleration(self) -> Array:
         """Accelerations of the prescribed unknowns, zero elsewhere."""
-        return self.prescribed(lambda p: p.acceleration(self.system.time))
+        return self.prescribed(lambda p: p.acceleration(self.system.time, self.system.clock.step))
 
     def prescribed_inertia(self) -> Array:
         """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""
         system, a = self.system, self.prescribed_acceleration()
         factor = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
         step = instant(system.time, leading=factor)
-        system.core.dx[:] = a / factor
-        moved = system.residual(step)
-        system.core.dx[:] = 0.0
+        with returning(system):
+            system.core.dx[:] = a / factor
+            moved = system.residual(step)
         force: Array = (moved - system.residual(step))[self.coordinates]
         return force
 
     def values_at(self, dx: Array) -> Array:
         """Values (m,) of the constraints at a trial increment of all unknowns."""
-        self.system.core.dx[:] = dx
-        values = self.violation()
-        self.system.core.dx[:] = 0.0
-        return values
+        with returning(self.system):
+            self.system.core.dx[:] = dx
+            return self.violation()
 
     def _bend(self, v: Array) -> Array:
         """Second derivatives (m,) of the constraints along `v`."""
@@ -267,13 +274,13 @@ class Instant:
         if n + m == 0:  # all that moves is prescribed
             self._s = np.zeros(0)
             return
-        mass = self.metric
-        light = np.where(abs(mass).sum(axis=1) == 0, 1e-3 * typical(mass.diagonal()), 0.0)
-        K = sp.block_array([[mass + sp.diags_array(light), self.G.T], [self.G, None]], format="csr")
-        self._s = equilibration(K)
+        K = sp.block_array([[self.metric, self.G.T], [self.G, None]], format="csr")
+        unit = by_weight(self.metric.diagonal(), self.scale)
+        self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
         S = sp.diags_array(self._s)
-        soft = sp.diags_array(np.r_[np.zeros(n), np.full(m, -compliance)])
-        K = (S @ K @ S + soft).tocsc()
+        weightless = abs(self.metric).sum(axis=1) == 0
+        little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(m, -compliance)])
+        K = (S @ K @ S + little).tocsc()
         if self.metric is not self.M and K[:n, :n].nnz == n:  # meshes alone
             with suppress(
                 RuntimeError
@@ -290,18 +297,22 @@ class Instant:
     def refined(
         self, mass: sp.csr_array, f: Array, g: Array, improve: Callable[[Array], Array]
     ) -> tuple[Array, Array]:
-        """The exact solution by corrections that `improve` finds from what is left of the right-hand side."""
-        n, best = len(f), np.inf
+        """The exact solution by corrections that `improve` finds from what is left of the right-hand side.
+
+        What is left after the first need not be less than before, where the right-hand side holds rates of
+        constraints alone: the corrections tell.
+        """
+        n, last = len(f), (np.inf, np.inf)
         z = np.zeros(n + len(g))
         if not len(z):
             return f, g
-        for _ in range(6):
-            rest = np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]])
-            size = float(np.abs(self._s * rest).max(initial=0.0))
-            if not size < 0.5 * best:
+        for _ in range(8):
+            change = improve(np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]]))
+            relative = np.abs(change / self._s)
+            sizes = float(relative[:n].max(initial=0.0)), float(relative[n:].max(initial=0.0))
+            if not any(size < 0.5 * before for size, before in zip(sizes, last, strict=True)):
                 break
-            best = size
-            z = z + improve(rest)
+            z, last = z + change, sizes
         return z[:n], z[n:]
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
@@ -377,27 +388,6 @@ def by_complement(K: sp.csc_array, n: int) -> Callable[[Array], Array]:
         return np.concatenate([weight * (r[:n] - G.T @ mu), mu])
 
     return solve
-
-
-def typical(values: Array) -> float:
-    """Median of the positive values, 1 without any."""
-    positive = values[values > 0]
-    return float(np.median(positive)) if len(positive) else 1.0
-
-
-def equilibration(K: sp.csr_array) -> Array:
-    """Factors that scale rows and columns of a symmetric matrix to largest entries near one."""
-
-    import scipy.sparse as sp
-
-    s = np.ones(K.shape[0])
-    K = abs(K).tocsr()
-    for _ in range(3):
-        largest = K.max(axis=1).toarray().ravel()
-        d = 1 / np.sqrt(np.where(largest > 0, largest, 1.0))
-        s *= d
-        K = (sp.diags_array(d) @ K @ sp.diags_array(d)).tocsr()
-    return s
 
 
 def difference(f: Callable[[float], Array], d: float) -> Array:

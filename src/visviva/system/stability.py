@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.body.formulation import SUITED
+from visviva.system.scaling import equilibration
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -82,7 +83,7 @@ def count_falling(system: System, step: Any) -> int | None:
     if abs(K - K.T).max() > UNSYMMETRIC * abs(K).max():
         return None
     pressed = bears(system)[system.free_unknowns]
-    pivots = pivots_of(K, pressed)
+    pivots = pivots_of(K, pressed, system.scale[system.free_unknowns])
     if pivots is None:
         return None
     tiny = ROUNDING if pressed.any() else NEUTRAL
@@ -95,15 +96,12 @@ def bears(system: System) -> NDArray[np.bool_]:
     return np.concatenate([~f.fixed & f.role.bears for f in fields])
 
 
-def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_]) -> Array | None:
+def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_], scale: Array) -> Array | None:
     """Numbers (n,) with the signs of the eigenvalues of a symmetric matrix; None where they are not found."""
     import scipy.sparse as sp
 
-    scale = np.ones(K.shape[0])
-    for _ in range(3):  # rows and columns alike, until the largest entry of each is about one
-        largest = (sp.diags_array(scale) @ abs(K) @ sp.diags_array(scale)).max(axis=1).toarray().ravel()
-        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
-    A = sp.diags_array(scale) @ K @ sp.diags_array(scale)
+    s = equilibration(K, scale)
+    A = sp.diags_array(s) @ K @ sp.diags_array(s)
     A = A - sp.diags_array(np.where(pressed & (A.diagonal() == 0), COMPLIANCE, 0.0))
     return full_pivots(A.toarray()) if len(scale) <= FULL else sparse_pivots(A)
 

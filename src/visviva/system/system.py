@@ -24,7 +24,7 @@ from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 from visviva.system.build import build_core
-from visviva.system.memory import undisturbed
+from visviva.system.memory import Trial, undisturbed
 from visviva.system.newton import Newton, StepFailure
 from visviva.system.problem import problem_of, rigid_modes, uses_null_space
 from visviva.system.stability import Stability
@@ -298,10 +298,10 @@ class System(metaclass=Named):
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
-        s = self._signals
+        s, length = self._signals, step.h if step.has_length else self.clock.step
         for k, f in enumerate(self.model.signals):
             rate = f.rate_after if f.kinks and not step.has_length else f.rate
-            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1)
+            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1, length)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
             raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
@@ -316,7 +316,7 @@ class System(metaclass=Named):
             refuse_other("System.step", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
             repeated = self._repeated = scheme, h, scheme.step(self.time, h)
         step = repeated[2].moved_to(self.time)
-        if self._projects(scheme):
+        if self.projects(scheme):
             attempt = self.attempt(step)
             self.accept(attempt, scheme)
             return attempt.report
@@ -363,17 +363,12 @@ class System(metaclass=Named):
     def _solved(self, solve: Callable[..., Any], step: Any, signals: Array | None) -> Any:
         """Report of the core's function that solves a step; if it fails, the increment is discarded."""
         newton = self.newton
-        try:
+        with Trial(self):
             self.prescribe(step)
             options = newton.tolerance, newton.max_iterations, self._keep_factor, self._tangents
             report = solve(step, signals, *options)
-        except BaseException:  # a user's function has raised
-            self.core.discard()
-            raise
-        if not report.converged:
-            failure = StepFailure(self, self.time, step.h, report)
-            self.core.discard()
-            raise failure
+            if not report.converged:
+                raise StepFailure(self, self.time, step.h, report)
         return report
 
     def trouble(self) -> str:
@@ -388,7 +383,7 @@ class System(metaclass=Named):
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
         for p in self.model.prescribed:
-            self.v[p.unknowns] = p.rates(self.time)
+            self.v[p.unknowns] = p.rates(self.time, self.clock.step)
         self.touch()
 
     @property
@@ -409,18 +404,15 @@ class System(metaclass=Named):
 
     def accept(self, attempt: Attempt, scheme: Scheme) -> None:
         """Make the increment of an attempt the new state."""
-        project = self._projects(scheme)
+        project = self.projects(scheme)
         x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
-        try:
+        with Trial(self):
             self.core.accept(attempt.step, attempt.signals, True)
-        except BaseException:
-            self.core.discard()
-            raise
         self._arrive(attempt.step, attempt.signals, scheme)
         if project:
             self._project_step(scheme, x0, dx)
 
-    def _projects(self, scheme: Scheme) -> bool:
+    def projects(self, scheme: Scheme) -> bool:
         """Whether rates are projected here, as the core does not."""
         if not scheme.projects_velocity or self.core.projects_rates:
             return False

@@ -127,12 +127,13 @@ def equations(system: System) -> tuple[Instant, Array, Array]:
     """Matrix (n + m, n + m) of accelerations and multipliers, scaled on both sides by the last array."""
     import scipy.sparse as sp
 
-    from visviva.system.instant import Instant, equilibration
+    from visviva.system.instant import Instant
+    from visviva.system.scaling import equilibration
 
     at = Instant(system)
     m = len(at.multipliers)
     K = np.block([[at.M.toarray(), at.columns.toarray()], [at.G.toarray(), np.zeros((m, m))]])
-    scale = equilibration(sp.csr_array(abs(K) + abs(K.T)))
+    scale = equilibration(sp.csr_array(abs(K) + abs(K.T)), np.concatenate([at.scale, np.zeros(m)]))
     return at, scale[:, None] * K * scale, scale
 
 

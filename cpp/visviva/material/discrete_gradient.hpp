@@ -1,0 +1,112 @@
+// The discrete gradient of an energy of any number of strains, and its tangent (Gonzalez 1996; partitioned as
+// by Gross & Betsch 2011). Energies say n, weight(k), n_blocks, block(k), is_quadratic(), evaluate<second>(e,
+// potential).
+#pragma once
+#include "visviva/material/potential.hpp"
+#include "visviva/term/step.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// All strains go from e0 to e1.
+struct Whole {
+    static constexpr bool moves(int) { return true; }
+    static constexpr bool ends(int) { return false; }
+};
+
+/// One block of strains does, while the others rest: those before it at their ends and those behind it at
+/// their starts, or the other way round.
+template <class Energy>
+struct Part {
+    int block;
+    bool forward;
+    VISVIVA_INLINE bool moves(int k) const { return Energy::block(k) == block; }
+    VISVIVA_INLINE bool ends(int k) const {
+        return forward ? Energy::block(k) < block : Energy::block(k) > block;
+    }
+};
+
+/// The factor f of the correction f d to the gradient m in the middle, and its derivatives df by strains at
+/// their ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule
+/// in the gradients, and nothing where it is below the rounding of the energy or where the strains hardly
+/// change: what is left out is of third order, what rounding leaves of f d and its gradient is not.
+template <bool tangent, class Energy, class Path, int n = Energy::n>
+VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* from, const V* to, const V* d,
+                            const Potential<n>& m, V* df) {
+    Potential<n> p0, p1;
+    energy.template evaluate<false>(from, p0), energy.template evaluate<false>(to, p1);
+    V first{}, second{}, simpson{}, size{}, place{}, work{}, stress{};
+    for (int k = 0; k < n; ++k) {
+        if (!path.moves(k)) continue;
+        const V w = broadcast(Energy::weight(k));
+        const V change = p1.s[k] - p0.s[k], bend = change - 2.0 * (m.s[k] - p0.s[k]);
+        first += w * change * change, second += w * bend * bend, simpson += w * bend * d[k];
+        size += w * d[k] * d[k], place += w * (from[k] * from[k] + to[k] * to[k]);
+        work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
+    }
+    const V b = select(second <= 1e-8 * first, simpson / 6.0, p1.W - p0.W - work);
+    const VI idle =
+        (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
+    const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;
+    for (int l = 0; tangent && l < n; ++l) {
+        const double half = path.moves(l) ? 0.5 : 1.0;
+        V slope = p1.s[l] - (path.moves(l) ? m.s[l] + 2.0 * f * d[l] : p0.s[l]);
+        for (int k = 0; k < n; ++k)
+            if (path.moves(k)) slope -= (half * Energy::weight(k)) * m.second(k, l) * d[k];
+        df[l] = inverse * slope;
+    }
+    return f;
+}
+
+/// Adds a share of s along a path, with s . (e1 - e0) = W(e1) - W(e0) for what moves, and of T = ds/de1, both
+/// per component of the metric.
+template <bool tangent, class Energy, class Path, int n = Energy::n>
+VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, double share, const V* e0, const V* e1,
+                              V* s, V* T) {
+    V from[n], to[n], middle[n], d[n], f{}, df[n] = {};
+    for (int k = 0; k < n; ++k) {
+        from[k] = path.ends(k) ? e1[k] : e0[k];
+        to[k] = path.moves(k) ? e1[k] : from[k];
+        middle[k] = 0.5 * (from[k] + to[k]), d[k] = to[k] - from[k];
+    }
+    Potential<n> m;
+    energy.template evaluate<tangent>(middle, m);
+    if (!energy.is_quadratic()) f = correction<tangent>(energy, path, from, to, d, m, df);
+    for (int k = 0; k < n; ++k) {
+        if (!path.moves(k)) continue;
+        s[k] += share * (m.s[k] + f * d[k]);
+        for (int l = 0; tangent && l < n; ++l) {
+            if (!path.moves(l) && !path.ends(l)) continue;
+            T[n * k + l] += share * ((path.moves(l) ? 0.5 : 1.0) * m.second(k, l) + d[k] * df[l]);
+        }
+        if constexpr (tangent) T[n * k + k] += (share / Energy::weight(k)) * f;
+    }
+}
+
+/// s with s . (e1 - e0) = W(e1) - W(e0), and T = ds/de1. Several blocks of strains go one after the other, in
+/// both orders, so that each keeps its own units: the mean is of second order.
+template <bool tangent, class Energy, int n = Energy::n>
+VISVIVA_INLINE void discrete_gradient(const Energy& energy, const V* e0, const V* e1, V* s, V* T) {
+    for (int k = 0; k < n; ++k) s[k] = V{};
+    for (int k = 0; tangent && k < n * n; ++k) T[k] = V{};
+    if constexpr (Energy::n_blocks == 1) {
+        add_along<tangent>(energy, Whole(), 1.0, e0, e1, s, T);
+    } else {
+        for (int forward = 0; forward < 2; ++forward)
+            for (int block = 0; block < Energy::n_blocks; ++block)
+                add_along<tangent>(energy, Part<Energy>{block, forward == 1}, 0.5, e0, e1, s, T);
+    }
+}
+
+/// Stresses s, and moduli T: by the strains at the end for discrete gradients, else by those at theta, et.
+template <bool tangent, class Energy, int n = Energy::n>
+VISVIVA_INLINE void stress_of(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et,
+                              V* s, V* T) {
+    if (step.stress == Stress::discrete_gradient) return discrete_gradient<tangent>(energy, e0, e1, s, T);
+    Potential<n> p;
+    energy.template evaluate<tangent>(et, p);
+    for (int k = 0; k < n; ++k) s[k] = p.s[k];
+    for (int k = 0; tangent && k < n; ++k)
+        for (int l = 0; l < n; ++l) T[n * k + l] = p.second(k, l);
+}
+
+}  // namespace visviva::VISVIVA_ISA

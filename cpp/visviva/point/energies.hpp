@@ -1,0 +1,207 @@
+// Energies over strains of several fields, each written once over any number type.
+#pragma once
+#include "visviva/point/internal.hpp"
+#include "visviva/point/pairings.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// Weights of a tensor and of scalars behind it.
+constexpr double behind_tensor(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+
+/// det C - 1 of c = C - I
+template <class T>
+VISVIVA_INLINE T determinant_less_one(const T* c) {
+    const T plane = c[0] + c[1] + (c[0] * c[1] - c[3] * c[3]);
+    const T cofactors = (2.0 * c[3]) * (c[4] * c[5]) - c[0] * (c[4] * c[4]) - c[1] * (c[5] * c[5]);
+    return plane + c[2] * (plane + 1.0) + (cofactors - c[4] * c[4] - c[5] * c[5]);
+}
+
+/// mu / 2 (tr c - 2 ln J) + lambda / 2 ln^2 J, and ln J
+template <class T>
+VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
+    log_j = 0.5 * log1p(determinant_less_one(c));
+    return (0.5 * mu) * (c[0] + c[1] + c[2] - 2.0 * log_j) + (0.5 * lambda) * (log_j * log_j);
+}
+
+/// e(C, s) of psi(C, theta) = W(C) - beta (theta - theta0) ln J + c (theta - theta0 - theta ln(theta /
+/// theta0)). Parameters: lambda, mu, beta, capacity c, theta0, conductivity.
+struct ThermoelasticEnergy : PlainEnergy {
+    static constexpr int n = 7, max_par = 6, n_blocks = 2;
+    static constexpr int block(int k) { return k / 6; }
+    static constexpr double weight(int k) { return behind_tensor(k); }
+    const V* p;
+    explicit ThermoelasticEnergy(const V* par) : p(par) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        differentiate<second>(
+            *this, e,
+            [this](const auto* x) {
+                auto log_j = x[6];
+                const auto w = neo_hookean(x, p[0], p[1], log_j);
+                const auto heat = expm1((1.0 / p[3]) * (x[6] - p[2] * log_j));
+                return w + (p[4] * p[2]) * log_j + (p[3] * p[4]) * heat;
+            },
+            to);
+    }
+};
+
+/// The entropy balance s' = div(k grad theta / theta) + k |grad theta|^2 / theta^2 tests the entropy, and
+/// that the temperature is D_s e the temperature. Both have the same shape functions, so that heat flows and
+/// nothing of the energy is lost. Fourier's flux in the reference.
+struct HeatPairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        const auto &theta = z.e[10], *slope = z.e + 11;
+        const V k = z.par[5];
+        for (int a = 0; a < 6; ++a) f[a] = z.s[a];
+        const auto square = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
+        f[6] = z.rate[6] - k * square / (theta * theta);
+        for (int a = 0; a < 3; ++a) f[7 + a] = k * slope[a] / theta, f[11 + a] = 0.0 * theta;
+        f[10] = theta - z.s[6];
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State&) {
+        return V{};
+    }
+};
+
+/// W(C) + mu_v / 2 (A : C - 3 - ln det A - ln det C), A the inverse of the viscous Cauchy-Green tensor; both
+/// less I. Parameters: lambda, mu, mu_v, viscosity eta. A' = A Y A / eta with Y = -dW/dA, so that Y : A' >=
+/// 0.
+struct ViscoelasticEnergy : TensorEnergy {
+    static constexpr int n = 12, max_par = 4, n_internal = 6;
+    const V* p;
+    explicit ViscoelasticEnergy(const V* par) : p(par) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        differentiate<second>(
+            *this, e,
+            [this](const auto* c) {
+                auto log_j = c[0];
+                const auto w = neo_hookean(c, p[0], p[1], log_j), *a = c + 6;
+                auto inner = c[0] * a[0];
+                for (int k = 0; k < 6; ++k) {
+                    if (k < 3) inner = inner + c[k] + a[k];
+                    if (k > 0) inner = inner + tensor_weight(k) * (c[k] * a[k]);
+                }
+                return w + (0.5 * p[2]) * (inner - log1p(determinant_less_one(a)) - 2.0 * log_j);
+            },
+            to);
+    }
+    /// The rate of A; the six derivatives by components count an entry off the diagonal twice.
+    template <class T>
+    void flow(const T* force, const T* internal, T* rate) const {
+        constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+        constexpr int a[6] = {0, 1, 2, 0, 1, 2}, b[6] = {0, 1, 2, 1, 2, 0};
+        T A[6], Y[6];
+        for (int k = 0; k < 6; ++k) {
+            A[k] = k < 3 ? internal[k] + 1.0 : internal[k];
+            Y[k] = (1.0 / tensor_weight(k)) * force[k];
+        }
+        for (int k = 0; k < 6; ++k) {
+            rate[k] = 0.0 * A[0];
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j)
+                    rate[k] = rate[k] + (1.0 / p[3]) * (A[at[a[k]][i]] * Y[at[i][j]] * A[at[j][b[k]]]);
+        }
+    }
+};
+
+/// ((1 - d)^2 + rest) W(C) + toughness / (2 length) (d^2 + length^2 |grad d|^2) (AT2). Parameters: lambda,
+/// mu, toughness, length, rest, penalty per volume of healing.
+struct DamageEnergy : PlainEnergy {
+    static constexpr int n = 10, max_par = 6, n_blocks = 2;
+    static constexpr int block(int k) { return k < 6 ? 0 : 1; }
+    static constexpr double weight(int k) { return behind_tensor(k); }
+    const V* p;
+    explicit DamageEnergy(const V* par) : p(par) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        differentiate<second>(
+            *this, e,
+            [this](const auto* x) {
+                auto log_j = x[6];
+                const auto w = neo_hookean(x, p[0], p[1], log_j), sound = x[6] - 1.0;
+                const auto square = x[7] * x[7] + x[8] * x[8] + x[9] * x[9];
+                return (sound * sound + p[4]) * w +
+                       (0.5 * p[2] / p[3]) * (x[6] * x[6] + (p[3] * p[3]) * square);
+            },
+            to);
+    }
+};
+
+/// What heals in a step meets a penalty (Gerasimov & De Lorenzis 2019).
+struct IrreversiblePairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        for (int k = 0; k < 10; ++k) f[k] = z.s[k];
+        f[6] = f[6] - z.par[5] * positive(-z.change[6]);
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State& z) {
+        const V healed = positive(-z.change[6]);
+        return z.par[5] * healed * healed;
+    }
+};
+
+/// barrier c^2 (1 - c)^2 + kappa / 2 |grad c|^2. Parameters: barrier, kappa, mobility.
+struct SeparationEnergy : PlainEnergy {
+    static constexpr int n = 4, max_par = 3, n_blocks = 2;
+    static constexpr int block(int k) { return k == 0 ? 0 : 1; }
+    const V* p;
+    explicit SeparationEnergy(const V* par) : p(par) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        differentiate<second>(
+            *this, e,
+            [this](const auto* x) {
+                const auto product = x[0] * (x[0] - 1.0);
+                return p[0] * (product * product) + (0.5 * p[1]) * (x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
+            },
+            to);
+    }
+};
+
+/// Cahn & Hilliard: the balance c' = div(M grad mu) tests the concentration, that the potential is D_c W
+/// tests the potential, whose shape functions are the same.
+struct DiffusionPairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        f[0] = z.rate[0];
+        f[4] = z.e[4] - z.s[0];
+        for (int k = 1; k < 4; ++k) f[k] = z.par[2] * z.e[4 + k], f[4 + k] = -z.s[k];
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State& z) {
+        V square{};
+        for (int k = 5; k < 8; ++k) square += z.e[k] * z.e[k];
+        return z.h * z.par[2] * square;
+    }
+};
+
+/// 1/2 e . C e, C symmetric, its upper triangle by rows: of a section.
+template <int size>
+struct SectionEnergy : PlainEnergy {
+    static constexpr int n = size, max_par = size * (size + 1) / 2;
+    const V* p;
+    explicit SectionEnergy(const V* par) : p(par) {}
+    bool is_quadratic() const { return true; }
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        to.W = V{};
+        for (int a = 0; a < n; ++a) {
+            to.s[a] = V{};
+            for (int b = 0; b < n; ++b) {
+                const V c = p[a < b ? packed(n, a, b) : packed(n, b, a)];
+                to.s[a] += c * e[b];
+                if (second && a <= b) to.d[packed(n, a, b)] = c;
+            }
+            to.W += 0.5 * to.s[a] * e[a];
+        }
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA

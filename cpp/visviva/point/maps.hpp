@@ -1,0 +1,75 @@
+// Solids: the strain C - I of the deformation gradient, alone or with strains of other fields behind it.
+#pragma once
+#include "visviva/point/point.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// Local unknowns and groups of a map by its table `groups`.
+template <class Map>
+struct Layout {
+    static constexpr int group_of(int j) {
+        int g = 0;
+        for (; j >= Map::groups[g].components * Map::groups[g].columns; ++g)
+            j -= Map::groups[g].components * Map::groups[g].columns;
+        return g;
+    }
+};
+
+/// e = C - I from y = F - I, row-major.
+template <class T>
+constexpr void right_cauchy_green(const T* y, T* e) {
+    constexpr int a[6] = {0, 1, 2, 0, 1, 2}, b[6] = {0, 1, 2, 1, 2, 0};
+    for (int k = 0; k < 6; ++k) {
+        e[k] = y[3 * a[k] + b[k]] + y[3 * b[k] + a[k]];
+        for (int m = 0; m < 3; ++m) e[k] = e[k] + y[3 * m + a[k]] * y[3 * m + b[k]];
+    }
+}
+
+constexpr double identity_entry(int j) { return j < 9 && j % 4 == 0 ? 1.0 : 0.0; }
+
+struct SolidMap : Layout<SolidMap> {
+    static constexpr int n_groups = 1, n_components = 3, n_local = 9, n_strains = 6;
+    static constexpr Group groups[] = {{3, 3, 2}};
+    static constexpr double origin(int j) { return identity_entry(j); }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        right_cauchy_green(y, e);
+    }
+};
+
+/// (C, d, grad d)
+struct SolidScalarMap : Layout<SolidScalarMap> {
+    static constexpr int n_groups = 2, n_components = 4, n_local = 13, n_strains = 10;
+    static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 0}};
+    static constexpr double origin(int j) { return identity_entry(j); }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        right_cauchy_green(y, e);
+        for (int k = 0; k < 4; ++k) e[6 + k] = y[9 + k];
+    }
+};
+
+/// (C, s, grad s, theta, grad theta): the entropy is transported, the temperature acts as a multiplier does.
+struct SolidEntropyMap : Layout<SolidEntropyMap> {
+    static constexpr int n_groups = 3, n_components = 5, n_local = 17, n_strains = 14;
+    static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int j) { return identity_entry(j); }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        right_cauchy_green(y, e);
+        for (int k = 0; k < 8; ++k) e[6 + k] = y[9 + k];
+    }
+};
+
+/// (c, grad c, mu, grad mu)
+struct ConcentrationMap : Layout<ConcentrationMap> {
+    static constexpr int n_groups = 2, n_components = 2, n_local = 8, n_strains = 8;
+    static constexpr Group groups[] = {{1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        for (int k = 0; k < 8; ++k) e[k] = y[k];
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA

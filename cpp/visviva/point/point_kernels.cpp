@@ -1,0 +1,22 @@
+// What physics there are: which strain map goes with which energy and pairing. Compiled once per instruction
+// set.
+#include "visviva/point/director_maps.hpp"
+#include "visviva/point/energies.hpp"
+#include "visviva/point/point_kernel.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+template <class Map, class Energy, class Pairing = GradientPairing>
+constexpr PointKernels table = PointKernel<Physics<Map, Energy, Pairing>>::table;
+
+extern const PointKernels point_tables[n_physics];
+const PointKernels point_tables[n_physics] = {
+    table<SolidMap, ViscoelasticEnergy>,
+    table<SolidEntropyMap, ThermoelasticEnergy, HeatPairing>,
+    table<SolidScalarMap, DamageEnergy, IrreversiblePairing>,
+    table<ConcentrationMap, SeparationEnergy, DiffusionPairing>,
+    table<BeamMap, SectionEnergy<6>>,
+    table<ShellMap, SectionEnergy<8>>,
+};
+
+}  // namespace visviva::VISVIVA_ISA

@@ -1,0 +1,126 @@
+#include "visviva/point/point_term.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace visviva {
+
+namespace {
+constexpr int L8 = point_lanes;
+}
+
+PointTerm::PointTerm(const PointData& d)
+    : slots_(d.index, d.n, d.n_slots, d.n_slots), kernels_(point_kernels(d.kind)) {
+    needs_rates = true;
+    const PointShape& shape = kernels_.shape;
+    if (static_cast<int>(d.groups.size()) != shape.n_groups)
+        throw std::invalid_argument("a physics needs its groups of unknowns");
+    PointView& v = view_;
+    v.n = d.n, v.n_blocks = slots_.n_blocks(), v.n_points = d.n_points, v.n_slots = d.n_slots;
+    v.n_par = shape.n_par, n_history_ = shape.n_history;
+    int slot = 0;
+    for (int g = 0; g < shape.n_groups; ++g) {
+        const PointGroupData& from = d.groups[g];
+        PointGroup& to = v.group[g];
+        if (from.n_nodes > point_max_nodes) throw std::invalid_argument("an element has too many nodes");
+        to.n_nodes = from.n_nodes, to.first_slot = slot, to.is_position = from.is_position;
+        slot += from.n_nodes, v.n_unknowns += from.n_nodes * shape.group[g].components;
+        in_lanes(weights_[g], from.weights,
+                 static_cast<std::int64_t>(d.n_points) * from.n_nodes * shape.group[g].columns, d.n);
+        in_lanes(mass_[g], from.mass, from.n_nodes * (from.n_nodes + 1) / 2, d.n);
+        to.weights = weights_[g].data(), to.mass = from.mass ? mass_[g].data() : nullptr;
+    }
+    if (slot != d.n_slots) throw std::invalid_argument("the nodes of the groups are not those of the index");
+    in_lanes(w_, d.volume, d.n_points, d.n);
+    in_lanes(par_, d.par, static_cast<std::int64_t>(d.n_points) * v.n_par, d.n);
+    in_lanes(reference_, d.reference, static_cast<std::int64_t>(d.n_points) * shape.n_strains, d.n);
+    v.index = slots_.index(), v.w = w_.data(), v.par = par_.data();
+    v.reference = d.reference ? reference_.data() : nullptr;
+    const std::size_t lanes = static_cast<std::size_t>(v.n_blocks) * L8;
+    out_.assign(point_ledger_rows * lanes, 0.0);
+    for (auto* h : {&history0_, &history1_}) h->assign(lanes * d.n_points * n_history_, 0.0);
+    v.history0 = history0_.data(), v.history1 = history1_.data();
+}
+
+void PointTerm::connect(const Pattern& pattern) {
+    slots_.connect(pattern);
+    view_.row = slots_.row(), view_.length = slots_.length(), view_.offset = slots_.offset();
+}
+
+void PointTerm::set_callback(LawCallback f, const std::vector<double>& start) {
+    callback_ = std::move(f);
+    const std::size_t n = static_cast<std::size_t>(view_.n_blocks) * view_.n_points * L8,
+                      k = kernels_.shape.n_energy;
+    for (auto* a : {&e0_, &et_, &e1_, &called_s_}) a->assign(k * n, 0.0);
+    called_W_.assign(n, 0.0), called_T_.assign(k * k * n, 0.0);
+    view_.called_W = called_W_.data(), view_.called_s = called_s_.data(), view_.called_T = called_T_.data();
+    n_history_ = static_cast<int>(start.size());
+    history0_.resize(start.size() * n);
+    for (std::size_t i = 0; i < history0_.size(); ++i) history0_[i] = start[i / n];
+    history1_ = history0_;
+    view_.history0 = history0_.data(), view_.history1 = history1_.data();
+    called_lost_.assign(start.empty() ? 0 : n, 0.0);
+    view_.called_lost = start.empty() ? nullptr : called_lost_.data();
+}
+
+void PointTerm::call_back(const Context& c, bool want_tangent) {
+    if (!callback_) return;
+    kernels_.strains(view_, c.step, c.vectors, e0_.data(), et_.data(), e1_.data());
+    const int n = view_.n_blocks * view_.n_points * L8;
+    LawArguments a{};
+    a.n = a.stride = n, a.n_e = kernels_.shape.n_energy, a.want_tangent = want_tangent;
+    a.t = c.step.te, a.h = c.step.h, a.stress = c.step.stress;
+    a.e0 = e0_.data(), a.e1 = e1_.data(), a.e_eval = et_.data();
+    a.n_h = n_history_, a.h0 = history0_.data(), a.h1 = history1_.data(), a.lost = called_lost_.data();
+    a.S = called_s_.data(), a.D = called_T_.data(), a.W = called_W_.data();
+    callback_(a);
+}
+
+void PointTerm::residual(const Context& c, double* r) {
+    call_back(c, false);
+    slots_.for_tasks([&](int begin, int end) { kernels_.residual(view_, c.step, c.vectors, begin, end, r); });
+}
+
+void PointTerm::linearise(const Context& c, double* r, double* values) {
+    call_back(c, true);
+    slots_.assemble(values, [&](int begin, int end) {
+        kernels_.tangent(view_, c.step, c.vectors, begin, end, r, values);
+    });
+}
+
+void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
+    call_back(c, false);
+    slots_.for_tasks(
+        [&](int begin, int end) { kernels_.ledger(view_, c.step, c.vectors, v1, begin, end, out_.data()); });
+    const std::size_t stride = static_cast<std::size_t>(view_.n_blocks) * L8;
+    double total[point_ledger_rows] = {};
+    for (int k = 0; k < point_ledger_rows; ++k)
+        for (int e = 0; e < view_.n; ++e) total[k] += out_[k * stride + e];
+    sums.energy[energy_account] += total[0];
+    if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
+    if (dissipation_account >= 0) sums.work[dissipation_account] -= total[2];
+    for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
+}
+
+// The internal variables at the end are those of the accepted step: whatever was looked at since its last
+// residual.
+void PointTerm::accept(const Context& c) {
+    if (n_history_ == 0) return;
+    call_back(c, false);
+    slots_.for_tasks([&](int begin, int end) {
+        kernels_.ledger(view_, c.step, c.vectors, c.vectors.rate, begin, end, out_.data());
+    });
+    std::copy(history1_.begin(), history1_.end(), history0_.begin());
+}
+
+void PointTerm::write_memory(std::vector<double>& memory) const {
+    memory.insert(memory.end(), history0_.begin(), history0_.end());
+}
+
+bool PointTerm::read_memory(const double*& memory) {
+    std::copy(memory, memory + history0_.size(), history0_.begin());
+    memory += history0_.size();
+    return false;
+}
+
+}  // namespace visviva

@@ -1,0 +1,71 @@
+"""Scaled equations: by what their unknowns are measured, so that nothing depends on units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+Array = NDArray[np.float64]
+
+SWEEPS = 12
+"""Each takes the root of what rows differ by; bodies of grams beside such of thousands of tons need some ten."""
+
+
+def typical(values: Array) -> float:
+    """Median of the positive values, 1 without any."""
+    positive = values[values > 0]
+    return float(np.median(positive)) if len(positive) else 1.0
+
+
+def by_weight(own: Array, scale: Array) -> Array:
+    """Changes (n,) of coordinates that weigh one: kg and kg m^2 do not compare.
+
+    Those without an own mass (0 in `own`) are measured by what others weigh that move by their scales.
+    """
+    weight = own * scale**2
+    return scale / np.sqrt(np.where(own > 0, weight, typical(weight)))
+
+
+def equilibration(K: sp.csr_array, scale: Array) -> Array:
+    """Factors that scale rows and columns of a symmetric matrix to largest entries near one.
+
+    The sweeps begin where units do not count, as those of ``cpp/visviva/linear/scaled.cpp``; else directors without
+    mass or stiffness, for instance, would shrink until what is tied to them does not feel them.
+
+    Parameters
+    ----------
+    K : sparse array (n, n)
+    scale : array (n,)
+        A large change of each unknown, 0 for those that stand for forces.
+    """
+
+    import scipy.sparse as sp
+
+    K = abs(K).tocsr()
+    s = by_units(K, scale)
+    for _ in range(SWEEPS):
+        largest = (sp.diags_array(s) @ K @ sp.diags_array(s)).max(axis=1).toarray().ravel()
+        largest[largest == 0] = 1.0
+        s /= np.sqrt(largest)
+        if np.abs(np.log2(largest)).max(initial=0.0) < 1:
+            break
+    return s
+
+
+def by_units(K: sp.csr_array, scale: Array) -> Array:
+    """Factors that make all entries of a matrix without signs parts of one energy."""
+
+    import scipy.sparse as sp
+
+    reach, own = (K @ sp.diags_array(scale)).max(axis=1).toarray().ravel(), K.diagonal()
+    effect = reach * scale
+    unit = np.sqrt(typical(effect[effect > 1e-8 * effect.max(initial=0.0)]))
+    of_forces = np.where(
+        reach > 0, unit / np.where(reach > 0, reach, 1.0), 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    )
+    return np.where(scale > 0, scale / unit, of_forces)

@@ -1,0 +1,104 @@
+"""Contact of small, far, thin and fine things: nothing is judged by what has nothing to do with it."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+RUBBER = vv.NeoHooke(young=1e6, poisson=0.3)
+
+
+@pytest.mark.parametrize("micrometre", [1.0, 1e6])
+@pytest.mark.parametrize("stiffness", [1e-3, 1e3, 1e5])
+def test_small_balls_leave_with_their_restitution_and_are_not_held(
+    micrometre: float, stiffness: float
+) -> None:
+    """Of a silicon ball of 10 micrometres half the velocity is left, and no pressure pulls."""
+    um = micrometre
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=1e-5 * um),
+        density=2330.0 / um**3,
+        position=(0, 0, 3e-5 * um),
+        velocity=(0, 0, -1e-3 * um),
+    )
+    floor = vv.Plane()
+    contact = vv.Contact(first=ball, second=floor, stiffness=stiffness, restitution=0.5)
+    system = vv.System([ball, floor, contact])
+    pressures: list[float] = []
+    vv.simulate(
+        system, until=0.03, step=1e-4, observe=lambda s: pressures.append(float(contact.pressures[0]))
+    )
+    assert system.v[2] == pytest.approx(0.5e-3 * um, rel=1e-9)
+    assert min(pressures) >= 0
+
+
+@pytest.mark.parametrize("start", [0.0, 1.0])
+def test_overlap_at_the_start_is_refused_whatever_the_time(start: float) -> None:
+    lower = vv.Solid(mesh=vv.BoxMesh(size=(2, 2, 1), counts=(2, 2, 1)), material=RUBBER, density=1.0)
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 1)).build().moved((0.5, 0.5, 0.8))
+    upper = vv.Solid(mesh=mesh, material=RUBBER, density=1.0)
+    contact = vv.Contact(first=upper, first_faces="z0", second=lower, second_faces="z1")
+    system = vv.System([lower, upper, contact])
+    system.time = start
+    with pytest.raises(vv.InputError, match=r"overlap by 0\.2"):
+        vv.simulate(system, until=start + 0.1, step=0.01)
+
+
+def steps_of(parts: list[Any], until: float, step: float) -> tuple[int, int]:
+    statistics = vv.simulate(vv.System(parts), until=until, step=step).statistics
+    return statistics.steps, statistics.rejected
+
+
+@pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-6])
+def test_thin_sheets_do_not_slow_what_flies_away(thickness: float) -> None:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build().moved((0, 0, 5))
+    block = vv.Solid(mesh=mesh, material=RUBBER, density=1e3, velocity=(0, 0, 20.0))
+    sheet = vv.Obstacle(shape=vv.Box(size=(1, 1, thickness)))
+    assert steps_of([block, sheet, vv.Contact(first=block, second=sheet)], 0.2, 0.01) == (20, 0)
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("shape", [vv.Sphere(radius=1e-4), vv.Cylinder(radius=1e-4, length=1e-4)])
+def test_small_shapes_do_not_slow_what_passes_far_away(shape: Any, enforcement: Any) -> None:
+    ball = vv.PointMass(mass=1.0, position=(100, 0, 0), velocity=(0, 50, 0))
+    stone = vv.Obstacle(shape=shape)
+    contact = vv.Contact(first=ball, second=stone, stiffness=1e5, enforcement=enforcement)
+    assert steps_of([ball, stone, contact], 1.0, 0.1) == (10, 0)
+
+
+def test_what_would_pass_through_a_sheet_is_still_stopped() -> None:
+    ball = vv.PointMass(mass=1.0, position=(0.013, 0.02, 0.21), velocity=(0, 0, -1.0))
+    sheet = vv.Obstacle(shape=vv.Box(size=(1, 1, 0.01)))
+    contact = vv.Contact(first=ball, second=sheet, stiffness=1e3, restitution=1.0)
+    system = vv.System([ball, sheet, contact])
+    result = vv.simulate(system, until=0.5, step=0.05)
+    assert result.statistics.rejected > 0
+    assert system.v[2] == pytest.approx(1.0)
+
+
+def plate(n: int) -> vv.SurfaceMesh:
+    """A plate of 2 (n + 1)^2 vertices."""
+    shape = vv.BoxMesh(size=(2, 2, 0.1), counts=(n, n, 1), origin=(-1, -1, -0.05)).build()
+    quads = np.concatenate(list(shape.boundary().cells.values()))
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return vv.SurfaceMesh(points=shape.points, triangles=triangles)
+
+
+def test_fine_surfaces_cost_in_proportion_to_their_vertices() -> None:
+    """Sixteen times the vertices take less than a hundred times as long, not 256 times."""
+    spent = []
+    for n in (10, 43):
+        slab = vv.RigidBody(shape=plate(n), density=1.0, position=(0, 0, 0.0501))
+        table = vv.Obstacle(shape=vv.Box(size=(4, 4, 1)), at=(0, 0, -0.5))
+        contact = vv.Contact(first=slab, second=table, enforcement="penalty", stiffness=1.0)
+        system = vv.System([slab, table, contact, vv.Gravity()])
+        vv.simulate(system, until=0.05, step=0.005)
+        begin = time.process_time()
+        vv.simulate(system, until=0.1, step=0.005)
+        spent.append(time.process_time() - begin)
+    assert spent[1] < 100 * spent[0]

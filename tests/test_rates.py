@@ -1,0 +1,82 @@
+"""Python functions of time have the rates of the same expressions, whatever the time and the unit it is counted in."""
+
+import math
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.base.differences import central_rate, forward_curvature, forward_rate
+
+PERIODS = [1e-6, 1e-3, 0.2, 1.0, 1e5]
+
+
+@pytest.mark.parametrize("period", PERIODS)
+@pytest.mark.parametrize("periods", [0.0, 0.31, 1500.2])
+def test_differences_over_parts_of_a_step_see_what_the_step_resolves(period, periods):
+    w, t, step = 2 * math.pi / period, periods * period, period / 20
+    phase = w * t
+    f = lambda t: np.array([math.sin(w * t), math.cos(w * t)])  # noqa: E731
+    rate = w * np.array([math.cos(phase), -math.sin(phase)])
+    assert central_rate(f, t, step) == pytest.approx(rate, abs=1e-9 * w)
+    assert forward_rate(f, t, step) == pytest.approx(rate, abs=2e-9 * w)
+    curvature = w**2 * np.array([-math.sin(phase), -math.cos(phase)])
+    assert forward_curvature(f, t, step) == pytest.approx(curvature, abs=1e-6 * w**2)
+
+
+@pytest.mark.parametrize("period", [1e-6, 1e-3, 0.2, 1.0, 1e2])
+@pytest.mark.parametrize("t", [0.0, 0.3, 1.7])
+def test_without_a_step_a_distance_is_found(period, t):
+    w = 2 * math.pi / period
+    rate = vv.TimeFunction(lambda t: math.sin(w * t)).rate(t)
+    rounding = 1e-15 * w * t  # of the phase, which no difference can mend
+    assert rate == pytest.approx(w * math.cos(w * t), abs=(1e-8 + 1e3 * rounding) * w)
+
+
+def shaken(motion, *, start, period, scheme):
+    """A body on a slide with a motor, over a quarter of a period from a `start`."""
+    ground, body = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    slide = vv.Prismatic(a=ground, b=body, at=(0, 0, 0), axis=(1, 0, 0))
+    system = vv.System([ground, body, slide, vv.Motor(joint=slide, motion=motion)])
+    system.time = start
+    return vv.simulate(system, until=start + period / 4, step=period / 100, scheme=scheme, project=True)
+
+
+@pytest.mark.parametrize(
+    "scheme", [vv.EnergyMomentum(), vv.GeneralizedAlpha(), vv.VariationalMidpoint()], ids=str
+)
+@pytest.mark.parametrize(("period", "start"), [(0.2, 300.0), (1e-3, 0.0), (1e-5, 0.0)])
+def test_motors_by_functions_move_like_those_by_expressions(scheme, period, start):
+    w = 2 * math.pi / period
+    options = {"start": start, "period": period, "scheme": scheme}
+    by_text = shaken(f"{period!r}*sin({w!r}*t)", **options)
+    by_function = shaken(lambda t: period * math.sin(w * t), **options)
+    assert by_function.rates[0][0] == pytest.approx(2 * math.pi, rel=1e-8)
+    assert by_function.ledger["kinetic"] == pytest.approx(by_text.ledger["kinetic"], abs=1e-7)
+
+
+def rod(motion, period):
+    mesh = vv.BoxMesh(size=(1, 0.2, 0.2), counts=(4, 1, 1))
+    rubber = vv.NeoHooke(young=1e3 / period**2, poisson=0.3)
+    solid = vv.Solid(mesh=mesh, material=rubber, density=1.0)
+    system = vv.System([solid, vv.Prescribed(solid=solid, nodes="x0", motion=motion)])
+    return vv.simulate(system, until=period / 4, step=period / 100, scheme=vv.GeneralizedAlpha())
+
+
+def cavity(velocity, period):
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(3, 3), cell="quad9")
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0 / period)
+    walls = [vv.NoSlip(fluid=water, faces=side) for side in ("x0", "x1", "y0")]
+    system = vv.System([water, vv.VelocityBoundary(fluid=water, faces="y1", velocity=velocity), *walls])
+    return vv.simulate(system, until=period / 4, step=period / 100, scheme=vv.GeneralizedAlpha())
+
+
+@pytest.mark.parametrize("period", [1.0, 1e-3, 1e-6])
+@pytest.mark.parametrize("model", [rod, cavity])
+def test_what_functions_prescribe_moves_like_what_expressions_do(model, period):
+    w = 2 * math.pi / period
+    size = 0.05 if model is rod else 1 / period
+    by_text = model((f"{size!r}*sin({w!r}*t)", 0, 0), period)
+    by_function = model(lambda t, X: np.outer(np.full(len(X), size * math.sin(w * t)), [1, 0, 0]), period)
+    kinetic = by_text.ledger["kinetic"]
+    assert by_function.ledger["kinetic"] == pytest.approx(kinetic, abs=1e-7 * kinetic.max())
