@@ -73,22 +73,14 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
 
 // Four corners of a box press on a plane where three would do, and what sticks may be held by a support as
 // well. So little give in the tangent of a step, and none in the residual, leaves alone what changes nothing.
-// Where rigid bodies rub, so little would let rounding pull vertices that stick far over Coulomb's limit:
-// they get a part of the compliance that the step's inertia has.
 double ContactTerm::compliance(int A, const Context& c) const {
-    constexpr double little = 1e-10, of_inertia = 2.5e-4;
+    constexpr double little = 1e-10;
     const bool instant =
         c.step.h > 0 && !c.step.has_length();  // where modes take closed gaps for constraints
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
-    if (is_inertial(c)) return of_inertia / tangential(A, c);
     const double stiffness = augmentation(A, c) + mass;
     return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
-}
-
-// Only what is redundant gives way in the residual as well, until it has vanished.
-double ContactTerm::yields(int A, int i, const Context& c) const {
-    return redundant_.empty() || redundant_[A][i] == 0 ? 0 : compliance(A, c) * redundant_[A][i];
 }
 
 // Without friction; where there is no contact multipliers vanish.
@@ -100,10 +92,7 @@ ContactScatter::Border ContactTerm::border(int A, const Context& c, const Eigen:
     if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
     for (int i = normal; i < m; ++i) b.square(i, i) = -1 / tangential(A, c);
     if (!active_[A]) return b;
-    if (normal) b.square(0, 0) -= compliance(A, c);
-    if (m > normal)  // what slips has its traction by Coulomb's law
-        b.square.bottomRightCorner(m - normal, m - normal) -=
-            compliance(A, c) * traction_[A].by_trial.topLeftCorner(m - normal, m - normal);
+    for (int i = 0; i < m; ++i) b.square(i, i) -= compliance(A, c);
     b.row.setZero(m, g1.size()), b.column.setZero(g1.size(), m);
     if (normal) b.row.row(0) = -g1.transpose(), b.column.col(0) = -f;
     return b;

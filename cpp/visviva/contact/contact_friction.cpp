@@ -1,9 +1,7 @@
 // What friction adds to a contact: tractions, their tangent, memory and books.
 #include <algorithm>
-#include <cmath>
 
 #include "visviva/contact/contact_term.hpp"
-#include "visviva/contact/redundancy.hpp"
 
 namespace visviva {
 
@@ -32,26 +30,16 @@ void ContactTerm::find_traction(int A, const Context& c) {
 
 // Of multipliers any stiffness leads to the same, but within a step masses answer to a traction by their
 // inertia: where that of the step is not counted, slips of short steps do not tell in the trial traction
-// beside the multiplier, and nothing tells their direction. Rigid bodies have nothing else.
+// beside the multiplier, and nothing tells their direction.
 double ContactTerm::tangential(int A, const Context& c) const {
-    constexpr double of_whole = 8;  // a rigid body moves as a whole, not a layer of it
     const FrictionOptions& o = options_.friction;
-    const double inertia = std::abs(c.step.motion[1][0]) * o.inertia[A];
-    if (is_inertial(c)) return of_whole * inertia;
-    return o.stiffness[A] + (has_tangential() ? inertia : 0);
+    return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
 }
 
-bool ContactTerm::is_inertial(const Context& c) const {
-    const bool sticks = has_tangential() && rebounds() && holds(c) && c.step.has_length();
-    return sticks && options_.friction.inertia[0] > 0;
-}
-
-// Whether a gap closes as the step begins, so that its pressure is that of an impact: what touches anywhere
-// feels it.
-bool ContactTerm::begins_with_impact(const Context& c) const {
-    for (int A = 0; A < gaps_->n(); ++A)
-        if (closes(A, c)) return true;
-    return false;
+// Of a body that touches with one point, its gap closing as the step begins. Where several may, each feels
+// the impacts of the others, and which of them stick is not told by one law for each.
+bool ContactTerm::rubs_in_impact(const Context& c) const {
+    return has_tangential() && rebounds() && holds(c) && gaps_->n() == 1 && closes(0, c);
 }
 
 // An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step
@@ -72,41 +60,6 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     if (part < 1) free_[A] = before.normalized();
     const Eigen::Vector2d t = base_[A] + stopped + part * before;
     return t - free_[A] * free_[A].dot(t);
-}
-
-// Where vertices of a rigid body stick, parts of their tractions do nothing but pull against each other. They
-// are found by the sizes of their forces, and made to vanish.
-void ContactTerm::find_redundant() {
-    std::vector<std::pair<int, int>> entries;  // gap, direction
-    for (int A = 0; A < gaps_->n(); ++A) {
-        redundant_[A].setZero();
-        for (int i = 0; active_[A] && !slips_[A] && i + 1 < gaps_->skin().dim; ++i)
-            entries.emplace_back(A, i);
-    }
-    const auto m = static_cast<Eigen::Index>(entries.size());
-    if (m < gaps_->skin().dim) return;
-    Eigen::Matrix3Xd places(3, m), directions(3, m);
-    Eigen::VectorXd sizes(m);
-    for (Eigen::Index k = 0; k < m; ++k) {
-        const auto [A, i] = entries[k];
-        places.col(k) = touching_point(A), directions.col(k) = grips_[A].tangent.col(i);
-        sizes[k] = options_.area[A] * base_[A][i];
-    }
-    const Eigen::VectorXd part = redundant_part(places, directions, sizes);
-    for (Eigen::Index k = 0; k < m; ++k) {
-        const auto [A, i] = entries[k];
-        redundant_[A][i] = part[k] / options_.area[A];
-    }
-}
-
-// Of the first surface.
-Eigen::Vector3d ContactTerm::touching_point(int A) const {
-    const Eigen::VectorXd x = stencil_of(A, Xt_), &w = grips_[A].weight;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double total = 0;
-    for (Eigen::Index v = 0; v < w.size(); ++v)
-        if (w[v] < 0) sum += w[v] * x.segment<3>(3 * v), total += w[v];
-    return sum / total;
 }
 
 Sliding ContactTerm::slip(int A) const {

@@ -84,7 +84,7 @@ void ContactTerm::update_active_set(const Context& c) {
 // multipliers serve as they are, so that a change of the active set changes nothing but their rows and
 // columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
 double ContactTerm::augmentation(int A, const Context& c) const {
-    const bool plain = !c.step.is_static() && (!has_friction() || rebounds());
+    const bool plain = !c.step.is_static() && !has_friction();
     return plain || c.backwards ? 0 : options_.stiffness[A];
 }
 

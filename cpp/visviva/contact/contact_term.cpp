@@ -30,7 +30,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
-    carried_.assign(n, 0.0), redundant_.assign(n, none);
+    carried_.assign(n, 0.0);
     elastic_.resize(gaps_->skin().constant.size(), gaps_->n()), stored_.assign(n, 0.0);
 }
 
@@ -137,11 +137,10 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
-    impacts_ = has_tangential() && rebounds() && holds(c) && begins_with_impact(c);
+    impacts_ = rubs_in_impact(c);
     find_rubbed(c);
     segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { find_traction(A, c); });
-    if (is_inertial(c) && gaps_->skin().is_rigid()) find_redundant();
 }
 
 void ContactTerm::residual(const Context& c, double* r) {
@@ -156,7 +155,7 @@ void ContactTerm::residual(const Context& c, double* r) {
         if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
         for (int i = 0; i < scatter_.n_tangential(); ++i)
             r[options_.friction.multiplier[A] + i] +=
-                (traction_[A].value[i] - base_[A][i]) / tangential(A, c) - yields(A, i, c);
+                (traction_[A].value[i] - base_[A][i]) / tangential(A, c);
         if (!active_[A]) continue;
         force(A, c, f);
         const auto& stencil = gaps_->stencil(A);

@@ -139,14 +139,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void add_to_ledger(const Context&, LedgerSums&);
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
-    bool begins_with_impact(const Context&) const;
-    // Whether what sticks is held by the inertia of rigid bodies alone.
-    bool is_inertial(const Context&) const;
+    bool rubs_in_impact(const Context&) const;
     Eigen::Vector2d trial(int A, const Context&);
     Sliding slip(int A) const;
-    void find_redundant();
-    Eigen::Vector3d touching_point(int A) const;
-    double yields(int A, int i, const Context&) const;
     void find_mean_increments(const Context&);
     Impact impact(int A, const Eigen::VectorXd& f) const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
@@ -192,12 +187,11 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<int> unsettled_gaps_;
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;
-    std::vector<double> massed_;              // the start of the step for which masses were made
-    std::vector<Eigen::Vector2d> base_;       // tractions before the step's slip: elastic ones or multipliers
-    std::vector<Eigen::Vector2d> free_;       // unit vectors along which an impact lets slip turn round, or 0
-    std::vector<Eigen::Vector2d> redundant_;  // parts of the tractions of what sticks that move nothing
-    std::vector<double> carried_;             // of the velocities before the step in what must not slip
-    bool impacts_ = false;                    // whether a gap closes as the step begins
+    std::vector<double> massed_;         // the start of the step for which masses were made
+    std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
+    std::vector<Eigen::Vector2d> free_;  // unit vectors along which an impact lets slip turn round, or 0
+    std::vector<double> carried_;        // of the velocities before the step in what must not slip
+    bool impacts_ = false;               // whether what sticks does so in an impact
     std::vector<Traction> traction_;
     ElasticSlip elastic_;
     std::vector<double> stored_;  // energy of elastic slip at the end of the step last booked

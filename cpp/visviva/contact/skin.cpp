@@ -1,6 +1,5 @@
 #include "visviva/contact/skin.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace visviva {
@@ -24,10 +23,6 @@ void Skin::increments(const double* dq, std::vector<double>& D) const {
 void Skin::add_force(int v, const double* f, double factor, double* r) const {
     for (int k = first[v]; k < first[v + 1]; ++k)
         for (int i = 0; i < dim; ++i) r[unknown[k] + i] += factor * weight[k] * f[i];
-}
-
-bool Skin::is_rigid() const {
-    return std::none_of(mesh_node.begin(), mesh_node.end(), [](char m) { return m != 0; });
 }
 
 void NormalField::build(const Skin& skin) {

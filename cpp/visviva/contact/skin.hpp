@@ -27,8 +27,6 @@ struct Skin {
         while (facets[facet * facet_corners + n - 1] < 0) --n;
         return n;
     }
-    /// Whether none of its vertices are nodes of meshes.
-    bool is_rigid() const;
     const int* corners(int facet) const { return &facets[facet * facet_corners]; }
 
     /// Calls f(place, form) for the forms of vertices, with the place of each vertex in the list.
