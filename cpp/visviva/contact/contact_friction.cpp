@@ -19,13 +19,11 @@ void ContactTerm::find_traction(int A, const Context& c) {
     base_[A] = elastic_.at_start(A);
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
-    traction_[A] = {}, slid_[A].setZero(), slips_[A] = 0;
+    traction_[A] = {}, slips_[A] = 0;
     if (!active_[A]) return;
-    slid_[A] = sliding(A).displacement();
     const double limit = o.coefficient * std::max(S_[A], 0.0);  // negative while the active set settles
-    const Eigen::Vector2d change =
-        c.backwards ? Eigen::Vector2d::Zero() : (tangential(A, c) * slid_[A]).eval();
-    traction_[A] = coulomb(base_[A] + change, limit);
+    traction_[A] = coulomb(c.backwards ? base_[A] : trial(A, c), limit);
+    traction_[A].by_trial *= Eigen::Matrix2d::Identity() - free_[A] * free_[A].transpose();
     slips_[A] = traction_[A].slips;
     if (S_[A] < 0) traction_[A].by_limit.setZero();
 }
@@ -38,10 +36,42 @@ double ContactTerm::tangential(int A, const Context& c) const {
     return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
 }
 
-Sliding ContactTerm::sliding(int A, const std::vector<double>& D) const {
+// Of a body that touches with one point, its gap closing as the step begins. Where several may, each feels
+// the impacts of the others, and which of them stick is not told by one law for each.
+bool ContactTerm::rubs_in_impact(const Context& c) const {
+    return has_tangential() && rebounds() && holds(c) && gaps_->n() == 1 && closes(0, c);
+}
+
+// An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step
+// itself would throw it back as fast as it came. Where pressures turn the slip round, friction lets it go on
+// as far as the mean of both ends vanishes, for against that it would give energy: what must not slip is D
+// with (c0 + s) / c1 of v0, 0 <= s <= 1. Which s is told by slips rather than by tractions, which jump.
+Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
+    constexpr double by_traction = 1.0 / 8;
+    const double k = tangential(A, c), *v1 = c.step.motion[2];
+    carried_[A] = 0, free_[A].setZero();
+    if (!impacts_) return base_[A] + k * slip(A).displacement();
+    carried_[A] = v1[1] / v1[0];
+    const Eigen::Vector2d stopped = k * slip(A).displacement(), told = by_traction * base_[A] + stopped,
+                          before = k / v1[0] * sliding(A, stencil_of(A, V0_)).displacement();
+    if (told.dot(before) >= 0) return base_[A] + stopped;
+    const double part = std::min(-told.dot(before) / before.squaredNorm(), 1.0);
+    carried_[A] += part / v1[0];
+    if (part < 1) free_[A] = before.normalized();
+    const Eigen::Vector2d t = base_[A] + stopped + part * before;
+    return t - free_[A] * free_[A].dot(t);
+}
+
+Sliding ContactTerm::slip(int A) const {
+    Eigen::VectorXd way = stencil_of(A, D_);
+    if (impacts_) way += carried_[A] * stencil_of(A, V0_);
+    return sliding(A, way);
+}
+
+Sliding ContactTerm::sliding(int A, const Eigen::VectorXd& D) const {
     Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
     turning.head(gaps_->n_turning(A)).setOnes();
-    return {grips_[A], stencil_of(A, Xr_), stencil_of(A, D), turning, gaps_->skin().dim};
+    return {grips_[A], stencil_of(A, Xr_), D, turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {
@@ -56,7 +86,7 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
                                Border& b) const {
     const FrictionOptions& o = options_.friction;
     const Traction& t = traction_[A];
-    const Sliding sliding = this->sliding(A);
+    const Sliding sliding = slip(A);
     const double turn = c.step.theta;
     const Eigen::MatrixXd directions = sliding.directions();
     const double stiffness = tangential(A, c);
@@ -74,7 +104,7 @@ void ContactTerm::add_friction(int A, const Context& c, const Eigen::VectorXd& g
 }
 
 double ContactTerm::slip_work(int A, const std::vector<double>& way) const {
-    return -traction_[A].value.dot(sliding(A, way).displacement());
+    return -traction_[A].value.dot(sliding(A, stencil_of(A, way)).displacement());
 }
 
 // What slip takes is what the forces do less what the elastic slip stores; nothing happens in no time.

@@ -20,7 +20,10 @@ void ContactTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
 
 // Whether a gap of rigid bodies closes as the step begins, so that its pressure is that of an impact.
 bool ContactTerm::collides(int A, const Context& c) const {
-    if (!rebounds() || !holds(c) || !active_[A]) return false;
+    return rebounds() && holds(c) && active_[A] && closes(A, c);
+}
+
+bool ContactTerm::closes(int A, const Context& c) const {
     return -c.step.h * rate0_[A] > touching * search_.reach() * area0_[A];
 }
 

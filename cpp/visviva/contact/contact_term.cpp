@@ -29,7 +29,8 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
-    grips_.resize(n), traction_.resize(n), base_.assign(n, none), slid_.assign(n, none);
+    grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
+    carried_.assign(n, 0.0);
     elastic_.resize(gaps_->skin().constant.size(), gaps_->n()), stored_.assign(n, 0.0);
 }
 
@@ -136,6 +137,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
+    impacts_ = rubs_in_impact(c);
     find_rubbed(c);
     segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { find_traction(A, c); });

@@ -138,6 +138,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void find_traction(int A, const Context&);
     void add_to_ledger(const Context&, LedgerSums&);
     bool collides(int A, const Context&) const;
+    bool closes(int A, const Context&) const;
+    bool rubs_in_impact(const Context&) const;
+    Eigen::Vector2d trial(int A, const Context&);
+    Sliding slip(int A) const;
     void find_mean_increments(const Context&);
     Impact impact(int A, const Eigen::VectorXd& f) const;
     void add_to_vertices(int A, const Eigen::VectorXd& f, std::vector<double>& sum) const;
@@ -151,8 +155,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void narrow();
     void book_friction(int A, const Context&, const std::vector<double>& way, LedgerSums&);
-    Sliding sliding(int A) const { return sliding(A, D_); }
-    Sliding sliding(int A, const std::vector<double>& D) const;
+    Sliding sliding(int A) const { return sliding(A, stencil_of(A, D_)); }
+    Sliding sliding(int A, const Eigen::VectorXd& D) const;
     double slip_work(int A, const std::vector<double>& way) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     static Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& a) {
@@ -185,7 +189,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<Grip> grips_, masses_;
     std::vector<double> massed_;         // the start of the step for which masses were made
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
-    std::vector<Eigen::Vector2d> slid_;  // weighted displacements in the step
+    std::vector<Eigen::Vector2d> free_;  // unit vectors along which an impact lets slip turn round, or 0
+    std::vector<double> carried_;        // of the velocities before the step in what must not slip
+    bool impacts_ = false;               // whether what sticks does so in an impact
     std::vector<Traction> traction_;
     ElasticSlip elastic_;
     std::vector<double> stored_;  // energy of elastic slip at the end of the step last booked
