@@ -300,3 +300,20 @@ def test_checks_that_are_broken_off_leave_what_was_given(calls: int, monkeypatch
     with pytest.raises(Told):
         system.check()
     assert np.array_equal(system.x[:3], given) or np.linalg.norm(system.x[:3]) == pytest.approx(1, abs=1e-14)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.GeneralizedAlpha(), vv.BDF2()])
+def test_an_edited_state_goes_on_as_one_given_so(scheme: vv.Scheme) -> None:
+    """Accelerations and earlier rates were those of the state before."""
+
+    def swing(x: tuple[float, ...]) -> vv.System:
+        ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=x)
+        return vv.System([ground, ball, vv.Spring(a=ground, b=ball, stiffness=40.0, free_length=0.5)])
+
+    edited, fresh = swing((1.0, 0.0, 0.0)), swing((1.2, 0.0, 0.0))
+    vv.simulate(edited, until=0.5, step=0.01, scheme=scheme)
+    for system in (edited, fresh):
+        system.x[:3], system.v[:3] = (1.2, 0.0, 0.0), (0.0, 0.3, 0.0)
+        system.touch()
+        vv.simulate(system, until=system.time + 0.5, step=0.01, scheme=scheme)
+    assert edited.x == pytest.approx(fresh.x, abs=1e-12)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,9 +22,11 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.base.errors import InputError
+from visviva.model.callback import Function
 from visviva.model.field import Field
+from visviva.model.history import Evolving
 from visviva.model.model import Model
-from visviva.model.points import PhysicsKind
+from visviva.model.points import Group, PhysicsKind, add_points
 
 Array = NDArray[np.float64]
 
@@ -308,12 +312,99 @@ def test_cantilever_plate_does_not_lock(thickness: float) -> None:
     assert tip == pytest.approx(exact, rel=2e-3)
 
 
-def test_groups_and_parameters_are_checked() -> None:
-    class Wrong(Separating):
-        def build(
-            self, model: Model, kind: PhysicsKind, fields: list[tuple[Field, str]], p: list[float]
-        ) -> None:
-            super().build(model, kind, fields, p[:-1])
+def spoilt(**changes: Any) -> Any:
+    """A separating block that hands over something else."""
 
-    with pytest.raises(InputError, match="parameters"):
-        vv.System([Wrong()])
+    class Spoilt(Separating):
+        def contribute(self, model: Model) -> None:
+            groups = [
+                Group(f.start + self.cells, np.ones((8, 8, 4))) for f in (self.concentration, self.potential)
+            ]
+            given = {"volume": np.ones((len(self.cells), 8)), "parameters": [4.0, 0.1, 1.0], **changes}
+            if "group" in given:
+                groups[1] = replace(groups[1], **given.pop("group"))
+            add_points(model, self, PhysicsKind.CAHN_HILLIARD, groups, **given)
+
+    return Spoilt()
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"),
+    [
+        ({"parameters": [4.0, 0.1]}, "parameters"),
+        ({"parameters": [4.0, np.nan, 1.0]}, "parameters"),
+        ({"volume": np.ones((3, 8))}, "group 0"),
+        ({"volume": np.ones(8)}, "volume"),
+        ({"volume": -np.ones((2, 8))}, "volume"),
+        ({"group": {"unknowns": np.full((2, 8), 10000)}}, "beyond"),
+        ({"group": {"unknowns": np.full((2, 8), 0.5)}}, "whole numbers"),
+        ({"group": {"weights": np.ones((8, 7, 4))}}, "weights"),
+        ({"group": {"weights": np.full((8, 8, 4), np.inf)}}, "finite"),
+        ({"group": {"weights": np.ones((8, 8, 3))}}, "columns"),
+        ({"group": {"mass": np.ones((2, 5))}}, "mass"),
+        ({"energy": lambda e: e[0]}, "Function"),
+        ({"energy": Function(lambda e: e[0], 3, 1, "three")}, "3 strains"),
+        ({"energy": Evolving(lambda e, h: e[0], lambda *a: a[2], 4, 1, "one")}, "internal variables"),
+    ],
+)
+def test_what_does_not_fit_is_refused(changes: dict[str, Any], named: str) -> None:
+    with pytest.raises(InputError, match=named):
+        vv.System([spoilt(**changes)])
+
+
+LAME, YIELD = (20.0, 10.0), 0.2
+WEIGHTS = np.array([1.0, 1, 1, 2, 2, 2])[:, None]
+
+
+def plastic_energy(c: Array, p: Array) -> Array:
+    """Of small elastic strains E - p."""
+    E = 0.5 * c - p
+    return 0.5 * LAME[0] * E[:3].sum(axis=0) ** 2 + LAME[1] * (WEIGHTS * E * E).sum(axis=0)
+
+
+def plastic_update(e0: Array, e1: Array, p0: Array, h: float) -> Array:
+    """Radial return of von Mises' plasticity, at no rate."""
+    assert h > 0
+    s = 0.5 * e1 - p0
+    s[:3] -= s[:3].mean(axis=0)
+    s = 2 * LAME[1] * s
+    size = np.sqrt((WEIGHTS * s * s).sum(axis=0))
+    beyond = np.maximum(size - np.sqrt(2 / 3) * YIELD, 0)
+    return np.asarray(p0 + beyond / (2 * LAME[1]) / np.where(size > 0, size, 1) * s)
+
+
+class Plastic(Held):
+    """Stretched to a Green strain of 0.1 and back."""
+
+    def declare(self, model: Model) -> None:
+        self.straighten()
+        self.motion = self.move(model)
+        still = np.zeros(self.motion.size)
+        model.prescribe(
+            self, self.motion, np.arange(len(still)), lambda t: self.placed(t).ravel(), lambda t, h: still
+        )
+
+    def placed(self, t: float) -> Array:
+        return self.X * (np.sqrt(1 + 0.2 * min(t, 2 - t)), 1, 1)
+
+    def contribute(self, model: Model) -> None:
+        law = Evolving(plastic_energy, plastic_update, 6, 6, "plastic")
+        fields = [(self.motion, "g")]
+        self.build(model, PhysicsKind.VISCOELASTIC, fields, [0.0, 0, 0, 1], energy=law, start=[0.0] * 6)
+
+
+@pytest.mark.parametrize("scheme", [vv.Static(), vv.BDF2(), vv.EnergyMomentum()])
+def test_plastic_work(scheme: vv.Scheme) -> None:
+    """There and back: 2/3 yield stress times plastic strain, booked whole under every scheme."""
+    system = vv.System([Plastic(counts=(2, 1, 1), speed=0.0)])
+    result = vv.simulate(system, until=2.0, step=0.01, scheme=scheme)
+    exact = 2 / 3 * YIELD * (0.2 - 3 * YIELD / (2 * LAME[1])) * 0.06
+    assert -result.ledger["work_dissipated"][-1] == pytest.approx(exact, rel=0.01)
+
+
+def test_books_of_a_second_run_start_where_the_first_ended() -> None:
+    """Rate-independent histories lose nothing where no time passes."""
+    system = vv.System([Plastic(counts=(2, 1, 1), speed=0.0)])
+    first, second = (vv.simulate(system, until=t, step=0.05, scheme=vv.Midpoint()) for t in (0.8, 1.5))
+    assert second.ledger["total"][0] == pytest.approx(first.ledger["total"][-1], rel=1e-12)
+    assert second.ledger["work_dissipated"][0] == 0.0

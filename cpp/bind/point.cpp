@@ -77,6 +77,7 @@ void bind_point(nb::module_& m) {
         .def("set_callback", [](PointTerm& t, nb::object f,
                                 const std::vector<double>& start) { t.set_callback(law_callback(f), start); })
         .def("history", &history)
+        .def_prop_ro("n_strains", &PointTerm::n_strains)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {
             t.energy_account = energy, t.kinetic_account = kinetic, t.dissipation_account = dissipation;
             t.owner = owner;

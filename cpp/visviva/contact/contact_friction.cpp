@@ -37,9 +37,11 @@ double ContactTerm::tangential(int A, const Context& c) const {
 }
 
 // Of a body that touches with one point, its gap closing as the step begins. Where several may, each feels
-// the impacts of the others, and which of them stick is not told by one law for each.
+// the impacts of the others, and which of them stick is not told by one law for each. Schemes whose
+// velocities follow from the step alone throw nothing back.
 bool ContactTerm::rubs_in_impact(const Context& c) const {
-    return has_tangential() && rebounds() && holds(c) && gaps_->n() == 1 && closes(0, c);
+    return c.step.motion[2][1] != 0 && has_tangential() && rebounds() && holds(c) && gaps_->n() == 1 &&
+           closes(0, c);
 }
 
 // An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step

@@ -40,7 +40,7 @@ template <bool tangent, class Energy, int n = Energy::n>
 void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V* s, V* T) {
     constexpr int n_h = Energy::n_internal, n_s = n - n_h, most = 25;
     const bool ends = step.stress == Stress::discrete_gradient;
-    const double theta = step.theta;
+    const double theta = step.theta, dt = step.h > 0 ? step.h : 0;  // nothing evolves on the way back
     V A[n_h * n_h], right[n_h * (n_s > 0 ? n_s : 1)], slope[n_h * n_h];
     for (int k = n_s; k < n; ++k) e1[k] = e0[k];
     for (int iteration = 0; iteration <= most; ++iteration) {
@@ -57,12 +57,12 @@ void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V
         energy.flow(force, h, rate);
         V R[n_h], largest{};
         for (int k = 0; k < n_h; ++k) {
-            R[k] = e1[n_s + k] - e0[n_s + k] - step.h * rate[k].v;
+            R[k] = e1[n_s + k] - e0[n_s + k] - dt * rate[k].v;
             for (int l = 0; l < n_h; ++l) {
-                slope[n_h * k + l] = step.h * rate[k].g[l];  // dR/ds
-                V a = broadcast(k == l ? 1.0 : 0.0) - (share * step.h) * rate[k].g[n_h + l];
+                slope[n_h * k + l] = dt * rate[k].g[l];  // dR/ds
+                V a = broadcast(k == l ? 1.0 : 0.0) - (share * dt) * rate[k].g[n_h + l];
                 for (int m = 0; m < n_h; ++m)
-                    a += (ends ? 1.0 : theta) * step.h * rate[k].g[m] * T[n * (n_s + m) + n_s + l];
+                    a += (ends ? 1.0 : theta) * dt * rate[k].g[m] * T[n * (n_s + m) + n_s + l];
                 A[n_h * k + l] = a;
             }
             largest = vmax(largest, vabs(R[k]));

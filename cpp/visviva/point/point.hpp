@@ -49,7 +49,8 @@ struct PointView {
     const double* called_lost = nullptr;  // by internal variables, or null
 };
 
-/// Per element: energy, kinetic energy, dissipated work, momenta (6).
-inline constexpr int point_ledger_rows = 9;
+/// Per element: energy, kinetic energy, work dissipated by the pairing, momenta (6), what internal variables
+/// lose.
+inline constexpr int point_ledger_rows = 10;
 
 }  // namespace visviva

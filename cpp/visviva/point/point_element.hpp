@@ -297,13 +297,13 @@ struct PointElement {
             const V w = volume(q);
             if (v.called_W) {
                 row[0] += w * vload(v.called_W + point(q));
-                if (v.called_lost) row[2] += w * vload(v.called_lost + point(q));
+                if (v.called_lost) row[9] += w * vload(v.called_lost + point(q));
             } else {
                 Potential<n_z> end;
                 Energy(p.par).template evaluate<false>(p.z1, end);
                 row[0] += w * end.W;
             }
-            for (int k = n_s; !v.called_W && k < n_z; ++k) row[2] -= w * p.s[k] * (p.z1[k] - p.z0[k]);
+            for (int k = n_s; !v.called_W && k < n_z; ++k) row[9] -= w * p.s[k] * (p.z1[k] - p.z0[k]);
             if constexpr (!Pairing::is_gradient) row[2] += w * Pairing::dissipated(state_of<false>(p, p.s));
         }
     }

@@ -69,7 +69,7 @@ void PointTerm::call_back(const Context& c, bool want_tangent) {
     const int n = view_.n_blocks * view_.n_points * L8;
     LawArguments a{};
     a.n = a.stride = n, a.n_e = kernels_.shape.n_energy, a.want_tangent = want_tangent;
-    a.t = c.step.te, a.h = c.step.h, a.stress = c.step.stress;
+    a.t = c.step.te, a.h = c.backwards || !c.step.has_length() ? 0 : c.step.h, a.stress = c.step.stress;
     a.e0 = e0_.data(), a.e1 = e1_.data(), a.e_eval = et_.data();
     a.n_h = n_history_, a.h0 = history0_.data(), a.h1 = history1_.data(), a.lost = called_lost_.data();
     a.S = called_s_.data(), a.D = called_T_.data(), a.W = called_W_.data();
@@ -98,7 +98,9 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
         for (int e = 0; e < view_.n; ++e) total[k] += out_[k * stride + e];
     sums.energy[energy_account] += total[0];
     if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
-    if (dissipation_account >= 0) sums.work[dissipation_account] -= total[2];
+    // What is lost within the material is lost once, not by halves there and back.
+    if (!c.backwards) lost_ = total[9];
+    if (dissipation_account >= 0) sums.work[dissipation_account] -= total[2] + (c.backwards ? -lost_ : lost_);
     for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
 }
 

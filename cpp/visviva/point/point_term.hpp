@@ -54,6 +54,7 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory {
     /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside
     /// the core [variable][block][point][8].
     const Aligned<double>& history() const { return history0_; }
+    int n_strains() const { return kernels_.shape.n_energy; }
     int n_history() const { return n_history_; }
     bool is_called() const { return static_cast<bool>(callback_); }
 
@@ -63,6 +64,7 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory {
     void call_back(const Context&, bool want_tangent);
 
     int n_history_ = 0;
+    double lost_ = 0;  // by internal variables in the step
     Slots slots_;
     PointView view_;
     const PointKernels& kernels_;

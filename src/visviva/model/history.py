@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import RunError
+from visviva.base.errors import RunError, VisvivaError
 from visviva.model.callback import Function, LawCallback
 
 Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ class Evolving(Function):
         Maps strains (n_e, n) and internal variables (n_h, n) to energies (n,).
     update : callable
         Maps strains at the start and the end of a step (where schemes without discrete gradients evaluate stresses),
-        variables at its start, and its length to variables (n_h, n) at its end. It may be called with any strains,
-        and its results must follow from its arguments alone.
+        variables at its start, and its length, which is positive, to variables (n_h, n) at its end. It may be called
+        with any strains, and its results must follow from its arguments alone.
     n_e, n_h : int
         Numbers of strains and of internal variables per point.
     """
@@ -39,21 +39,32 @@ class Evolving(Function):
         self, energy: Callable[[Any, Any], Any], update: Update, n_e: int, n_h: int, label: str
     ) -> None:
         super().__init__(lambda z: energy(z[:n_e], z[n_e:]), n_e + n_h, 1, label)
-        self.update, self.n_strains = update, n_e
+        self.update, self.n_strains, self.n_h = update, n_e, n_h
 
     def end(self, e0: Array, e1: Array, h0: Array, h: float) -> Array:
-        """Internal variables (n_h, n) at the end of a step, shape and numbers checked."""
-        found = np.asarray(self.update(e0, e1, h0, h), dtype=float)
-        if found.shape != h0.shape or not np.all(np.isfinite(found)):
+        """Internal variables (n_h, n) at the end of a step, checked; where no time passes they stay."""
+        if not h > 0:
+            return h0.copy()
+        try:
+            found = np.asarray(self.update(e0.copy(), e1.copy(), h0.copy(), h), dtype=float)
+        except VisvivaError:
+            raise
+        except Exception as error:
+            raise RunError(f"{self.label}: its update raised {type(error).__name__}: {error}") from error
+        if found.shape != h0.shape:
+            raise RunError(f"{self.label}: its update returned shape {found.shape}, expected {h0.shape}")
+        if not np.all(np.isfinite(found)):
+            k = int(np.argmin(np.isfinite(found).all(axis=0)))
             raise RunError(
-                f"{self.label}: its update returned shape {found.shape} for variables {h0.shape}, or numbers that are "
-                "not finite"
+                f"{self.label}: its update returned {found[:, k].tolist()} at the strains {e1[:, k].tolist()}"
             )
         return found
 
     def slope(self, e0: Array, e1: Array, h0: Array, h: float) -> Array:
         """Derivatives (n_h, n_e, n) of the variables at the end by the strains there, by central differences."""
         n = self.n_strains
+        if not h > 0:
+            return np.zeros((self.n_h, *e1.shape))
         size = 6e-6 * np.maximum(np.abs(e1), np.maximum(0.1 * np.abs(e1).max(axis=0), 1e-3))
         parts = []
         for k in range(n):

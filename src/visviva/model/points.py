@@ -85,6 +85,8 @@ def add_points(
     InputError
         If groups or parameters are not those of the physics.
     """
+    volume = np.asarray(volume, dtype=float)
+    refuse_misfits(component, groups, volume, parameters, model.n_unknowns)
     m, q = volume.shape
     tables = [
         (
@@ -108,6 +110,7 @@ def add_points(
         raise InputError(f"{component.label}: {error}") from error
     term.name = component.label
     if energy is not None:
+        refuse_energy(component, energy, start, term.n_strains)
         callback = evolving_callback(energy) if isinstance(energy, Evolving) else callback_of(energy)
         model.keep(callback)
         term.set_callback(callback, list(start))
@@ -118,3 +121,57 @@ def add_points(
     term.book_point(stored, kinetic, lost, model.index(component))
     model.batch(term)
     return term
+
+
+def refuse_misfits(
+    component: Owner, groups: Sequence[Group], volume: Array, parameters: ArrayLike, n_unknowns: int
+) -> None:
+    """Refuse sizes that do not go together, unknowns that are none, numbers that are not finite.
+
+    Raises
+    ------
+    InputError
+    """
+
+    def refuse(what: str) -> InputError:
+        return InputError(f"{component.label}: {what}")
+
+    if volume.ndim != 2 or not np.all(np.isfinite(volume)) or not np.all(volume > 0):
+        raise refuse(f"volume needs positive numbers (m, q), got shape {volume.shape}")
+    m, q = volume.shape
+    if np.ndim(parameters) not in (1, 3) or not np.all(np.isfinite(np.asarray(parameters, dtype=float))):
+        raise refuse("parameters need finite numbers (p,) or (m, q, p)")
+    for k, g in enumerate(groups):
+        unknowns, weights = np.asarray(g.unknowns), np.asarray(g.weights)
+        if not np.issubdtype(unknowns.dtype, np.integer) or unknowns.ndim != 2 or len(unknowns) != m:
+            raise refuse(
+                f"group {k} needs whole numbers ({m}, nodes) as unknowns, got shape {unknowns.shape}"
+            )
+        if unknowns.min() < 0 or unknowns.max() >= n_unknowns:
+            raise refuse(f"group {k} names unknowns beyond the {n_unknowns} of the model")
+        nodes = unknowns.shape[1]
+        if weights.ndim not in (3, 4) or weights.shape[-3:-1] != (q, nodes) or weights.shape[0] not in (m, q):
+            raise refuse(f"group {k} needs weights ({m}, {q}, {nodes}, columns), got shape {weights.shape}")
+        mass = np.zeros((m, nodes * (nodes + 1) // 2)) if g.mass is None else np.asarray(g.mass)
+        if mass.shape != (m, nodes * (nodes + 1) // 2):
+            raise refuse(f"group {k} needs mass {(m, nodes * (nodes + 1) // 2)}, got shape {mass.shape}")
+        if not np.all(np.isfinite(weights)) or not np.all(np.isfinite(mass)):
+            raise refuse(f"group {k} has weights or mass that are not finite")
+
+
+def refuse_energy(component: Owner, energy: Function, start: Sequence[float], n_strains: int) -> None:
+    """Refuse an energy of other strains than those of the physics, or a start of other variables than it has.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(energy, Function):
+        raise InputError(f"{component.label}: energy = {energy!r} is no Function or Evolving of strains")
+    n_e, n_h = (energy.n_strains, energy.n_h) if isinstance(energy, Evolving) else (energy.n_e, 0)
+    if n_e != n_strains:
+        raise InputError(f"{component.label}: its energy sees {n_e} strains, this physics has {n_strains}")
+    if len(start) != n_h or not np.all(np.isfinite(np.asarray(start, dtype=float))):
+        raise InputError(
+            f"{component.label}: start = {list(start)} gives no finite value to each of {n_h} internal variables"
+        )

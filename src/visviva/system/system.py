@@ -261,6 +261,7 @@ class System(metaclass=Named):
             return
         self._last = None
         self.is_edited = self.is_given = True
+        self.has_acceleration = False
         self.core.invalidate()
 
     def describe(self, unknown: int) -> tuple[str, str]:
