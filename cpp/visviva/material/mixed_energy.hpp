@@ -18,21 +18,13 @@ struct FbarEnergy : TensorEnergy {
     bool is_quadratic() const { return kind == MaterialKind::hooke && small; }
     VISVIVA_INLINE double scaled(int k) const { return directions == 3 || k == 0 || k == 1 || k == 3; }
 
-    // det C - 1 of the scaled part
-    template <class T>
-    VISVIVA_INLINE T determinant_less_one(const T* c) const {
-        const T plane = c[0] + c[1] + (c[0] * c[1] - c[3] * c[3]);
-        if (directions == 2) return plane;
-        const T cofactors = (2.0 * c[3]) * (c[4] * c[5]) - c[0] * (c[4] * c[4]) - c[1] * (c[5] * c[5]);
-        return plane + c[2] * (plane + 1.0) + (cofactors - c[4] * c[4] - c[5] * c[5]);
-    }
-
     // Cbar - I of (C - I, C0 - I); for small strains the trace is exchanged
     template <class T>
     VISVIVA_INLINE void strain(const T* c, T* bar) const {
         const double share = 1.0 / directions;
         T t = small ? share * (c[6] + c[7] - c[0] - c[1])
-                    : expm1(share * (log1p(determinant_less_one(c + 6)) - log1p(determinant_less_one(c))));
+                    : expm1(share * (log1p(determinant_less_one(c + 6, directions == 2)) -
+                                     log1p(determinant_less_one(c, directions == 2))));
         if (small && directions == 3) t = t + share * (c[8] - c[2]);
         for (int k = 0; k < 6; ++k) {
             bar[k] = c[k];

@@ -17,6 +17,15 @@ struct Potential {
 /// Weights of tensors one after the other.
 constexpr double tensor_weight(int k) { return k % 6 < 3 ? 1.0 : 2.0; }
 
+/// det C - 1 of c = C - I, alone in the plane of 11, 22 and 12 or in space.
+template <class T>
+VISVIVA_INLINE T determinant_less_one(const T* c, bool in_plane = false) {
+    const T plane = c[0] + c[1] + (c[0] * c[1] - c[3] * c[3]);
+    if (in_plane) return plane;
+    const T cofactors = (2.0 * c[3]) * (c[4] * c[5]) - c[0] * (c[4] * c[4]) - c[1] * (c[5] * c[5]);
+    return plane + c[2] * (plane + 1.0) + (cofactors - c[4] * c[4] - c[5] * c[5]);
+}
+
 /// What energies have if they do not say otherwise: one block of strains of equal units, no internal
 /// variables.
 struct PlainEnergy {

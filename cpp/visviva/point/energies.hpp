@@ -8,14 +8,6 @@ namespace visviva::VISVIVA_ISA {
 /// Weights of a tensor and of scalars behind it.
 constexpr double behind_tensor(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
 
-/// det C - 1 of c = C - I
-template <class T>
-VISVIVA_INLINE T determinant_less_one(const T* c) {
-    const T plane = c[0] + c[1] + (c[0] * c[1] - c[3] * c[3]);
-    const T cofactors = (2.0 * c[3]) * (c[4] * c[5]) - c[0] * (c[4] * c[4]) - c[1] * (c[5] * c[5]);
-    return plane + c[2] * (plane + 1.0) + (cofactors - c[4] * c[4] - c[5] * c[5]);
-}
-
 /// mu / 2 (tr c - 2 ln J) + lambda / 2 ln^2 J, and ln J
 template <class T>
 VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {

@@ -18,7 +18,6 @@ struct Group {
     int components, columns;
     int order;            // in time
     bool is_end = false;  // its value at the end acts, as that of multipliers, not that at theta
-    int n_local() const { return components * columns; }
 };
 
 /// And what is known of them at run time.
