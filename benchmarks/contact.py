@@ -193,7 +193,7 @@ def profile_tori(mesh: Any, flight: int, impact: int, late: float) -> None:
     ahead = FIRST_TOUCH - (flight + 2) * study.step  # until then the left torus flies without any strain
     system.x[left.motion.unknowns] += np.tile(ahead * np.array((30.0, 0.0, 23.0)), left.grid.n_nodes)
     system.time = ahead
-    system.touch()
+    system.invalidate()
     parts: dict[str, Cost] = {"free flight": Cost(), "impact": Cost(), "later": Cost()}
     print(f"two tori, {len(system.x)} unknowns with pressures")
     until = max(late, FIRST_TOUCH + impact * study.step) + 1.0
@@ -215,7 +215,7 @@ def print_parts(system: vv.System, h: float, scheme: vv.Scheme, contact: vv.Cont
     """One residual, tangent and solution of the present state, timed by calls of their own."""
     step = scheme.step(system.time, h)
     signals, core = system.signals(step).copy(), system.core
-    residual, d, values = np.zeros(len(system.x)), np.zeros(len(system.x)), np.zeros(core.n_entries)
+    residual, d, values = np.zeros(len(system.x)), np.zeros(len(system.x)), np.zeros(len(system.pattern[1]))
     core.dx[:] = np.where(system.order == 2, h * system.v, 0.0)
     clock = time.process_time
 
@@ -246,7 +246,7 @@ def growth() -> None:
         step = scheme.step(0.0, 0.2)
         system.prescribe(step)
         signals, residual = system.signals(step).copy(), np.zeros(len(system.x))
-        values = np.zeros(system.core.n_entries)
+        values = np.zeros(len(system.pattern[1]))
         before, times = contact.costs, 5
         for _ in range(times):
             system.core.find_neighbours()

@@ -49,7 +49,7 @@ def costs(
     prepare(system, scheme)
     step = scheme.step(system.time, 0.01)
     core, signals = system.core, system.signals(step).copy()
-    residual, values = np.zeros(len(system.x)), np.zeros(core.n_entries)
+    residual, values = np.zeros(len(system.x)), np.zeros(len(system.pattern[1]))
     other = values.copy()
     r = best(lambda: core.assemble(step, signals, residual, None), repeat, clock)
     both = best(lambda: core.assemble(step, signals, residual, values), repeat, clock)

@@ -72,7 +72,7 @@ def run(case: Case, scheme: str, step: float, steps: int, sample_every: int) -> 
     system, bodies = system_of(case)
     record = Record()
     system.check()
-    system.take_stock()
+    system.evaluate_ledger()
     audit(record, system)
     with record.timed():
         marching = vv.march(system, until=steps * step, step=step)

@@ -41,7 +41,7 @@ def whole_iteration(record: Record, system: vv.System, step: Any) -> None:
     core, signals = system.core, system.signals(step).copy()
     residual, d, whole = np.zeros(len(system.x)), np.zeros(len(system.x)), Record()
     copying = Record()
-    values = np.zeros(core.n_entries)
+    values = np.zeros(len(system.pattern[1]))
     right = np.random.default_rng(0).standard_normal(len(d))
     core.assemble(step, signals, residual, values)  # memory touched for the first time is slow
     other = values.copy()
@@ -65,7 +65,7 @@ def run(case: SolidCase, variant: str, audited: bool) -> Record:
     marching = vv.march(system, until=case.steps * case.step, step=case.step, scheme=scheme)
     for _ in range(case.steps):
         if audited:
-            system.take_stock()
+            system.evaluate_ledger()
             record.energies.append(float(system.core.energy.sum()))
         with record.timed("cpu"):
             report = next(marching)

@@ -47,14 +47,14 @@ def parts(system: vv.System, step: Any, repeat: int) -> dict[str, float]:
     """Microseconds of the parts at the present state; what a call from Python takes by itself is subtracted."""
     core, signals = system.core, system.signals(step).copy()
     residual, d = np.zeros(len(system.x)), np.zeros(len(system.x))
-    values = np.zeros(2 * core.n_entries + 10 * len(d))  # room for what is eliminated before solving
+    values = np.zeros(len(system.pattern[1]))
     call = best(lambda: core.refuse(step, signals), repeat)
     r = best(lambda: core.assemble(step, signals, residual, None), repeat)
     both = best(lambda: core.assemble(step, signals, residual, values), repeat)
     whole = best(lambda: core.linearise(step, signals, residual), max(1, repeat // 3))
     right = residual.copy() if residual.any() else np.random.default_rng(0).standard_normal(len(d))
     solve = best(lambda: core.linear_solve(step, right, d), repeat)
-    ledger = best(lambda: core.evaluate_ledger(step, signals), repeat)
+    ledger = best(lambda: core.evaluate_ledger(step, signals, True), repeat)
     return {
         "residual": r - call,
         "tangent": both - r,

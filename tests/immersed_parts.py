@@ -138,3 +138,36 @@ def falling(body: vv.Solid | vv.RigidBody, n: int, cell: str) -> tuple[vv.System
         pass
     k = RADIUS / SHAFT
     return system, lighter * RADIUS**2 / 4 * (np.log(1 / k) - 0.9157 + 1.7244 * k**2 - 1.7302 * k**4)
+
+
+def strip() -> Components:
+    """A heavy beam that stands in a fluid at rest and falls over."""
+    box = vv.RectangleMesh(size=(1, 1), counts=(6, 6))
+    fluid = vv.Fluid(mesh=box, density=1.0, viscosity=0.05)
+    section = vv.RectangleSection(width=0.05, height=1.0, young=200.0, density=2.0)
+    beam = vv.Beam(
+        mesh=vv.LineMesh(points=[(0.5, 0, 0), (0.5, 0.5, 0)], count=3), section=section, first=(1, 0, 0)
+    )
+    wet = vv.ImmersedThin(body=beam, fluid=fluid, displaced=0.05)
+    fall = vv.Gravity(acceleration=(3, -1, 0))
+    return [
+        fluid,
+        vv.NoSlip(fluid=fluid, faces="all"),
+        beam,
+        vv.Clamped(solid=beam, nodes="start"),
+        wet,
+        fall,
+    ]
+
+
+def leaflet() -> Components:
+    """A shell that floats in a flow."""
+    stirred: Any = lambda X: np.prod(np.sin(np.pi * X), axis=1)[:, None] * [0.3, 0.0, 0.5]  # noqa: E731
+    box = vv.BoxMesh(size=(1, 1, 1), counts=(3, 3, 3), cell="hex8")
+    fluid = vv.Fluid(mesh=box, density=1.0, viscosity=0.05, velocity=stirred)
+    flat = vv.RectangleMesh(size=(0.5, 0.5), counts=(2, 2), origin=(0.25, 0.25)).build()
+    points = np.column_stack([flat.points, 0.4 + 0.2 * flat.points[:, 0]])
+    section = vv.HomogeneousSection(thickness=0.05, young=50.0, poisson=0.3, density=2.0)
+    shell = vv.Shell(mesh=vv.Mesh(points, flat.cells), section=section)
+    wet = vv.ImmersedThin(body=shell, fluid=fluid, displaced=0.05)
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all"), shell, wet]

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 import visviva as vv
-from visviva.study.run import Recorder, run
+from visviva.study.recorder import Recorder
+from visviva.study.run import run
 
 
 def run_until(

@@ -53,11 +53,10 @@ def package(build: Path, into: Path) -> None:
 
 
 def environment(scratch: Path) -> dict[str, str]:
-    """Errors end the process; leaks are only reported, since Python has its own."""
+    """Errors end the process, undefined behaviour by a trap; leaks are only reported, since Python has its own."""
     log, python = f"log_path={scratch / 'log'}", f"{scratch}{os.pathsep}{HERE}"
     options = {
-        "ASAN_OPTIONS": f"detect_leaks=1:malloc_context_size=60:fast_unwind_on_malloc=0:{log}",
-        "UBSAN_OPTIONS": f"halt_on_error=1:print_stacktrace=1:{log}",
+        "ASAN_OPTIONS": f"detect_leaks=1:handle_sigill=1:malloc_context_size=60:fast_unwind_on_malloc=0:{log}",
         "LSAN_OPTIONS": "exitcode=0",
         "LD_PRELOAD": f"{library('libasan.so')} {library('libubsan.so')}",
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -409,3 +410,13 @@ def test_positions_that_are_no_numbers_are_refused(value: tuple[float, ...]) -> 
 def test_times_that_are_not_positive_are_refused(until: float, step: float) -> None:
     with pytest.raises(vv.InputError, match=r"not a positive number|not after the present time"):
         vv.simulate(vv.System([vv.PointMass(mass=1.0)]), until=until, step=step)
+
+
+@pytest.mark.parametrize("motion", ["t**3", "t**2", lambda t: t**3])
+def test_motions_that_start_from_rest_violate_nothing(motion: Any) -> None:
+    """Their rates at the start are round-off of nothing."""
+    ground, arm = vv.Ground(), vv.RigidBody(mass=2.0, inertia=(0.1, 0.1, 0.1), position=(1, 0, 0))
+    hinge = vv.Revolute(a=ground, b=arm, at=(0, 0, 0), axis=(0, 0, 1))
+    report = vv.System([ground, arm, hinge, vv.Motor(joint=hinge, motion=motion)]).check()
+    assert report.velocities.before < 1e-9
+    assert "initial velocities consistent" in str(report) or callable(motion)

@@ -29,7 +29,7 @@ Run = Callable[..., tuple[int, str, str]]
 def _no_pictures(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Drawing takes seconds; one test does it."""
     if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("visviva.study.run.Recorder.draw", lambda self: None)
+        monkeypatch.setattr("visviva.study.recorder.Recorder.draw", lambda self: None)
 
 
 @pytest.fixture
@@ -127,6 +127,16 @@ def test_scene_files_run_with_changes(cli: Run) -> None:
     assert RunDirectory.open("here").read_summary()["parameters"] == {"crank.mass": 2.5}
     assert cli("run", SCENE, "--out", "here", "--resume", "--until", 0.2)[0] == 0
     assert read_table("here/ledger.csv")["time"][-1] == pytest.approx(0.2)
+
+
+def test_resume_ends_where_the_scene_says(cli: Run) -> None:
+    """Whatever end the run was given before."""
+    scene = Path("short.yaml")
+    scene.write_text(Path(SCENE).read_text(encoding="utf-8"), encoding="utf-8")
+    assert cli("run", scene, "--until", 0.05, "--set", "run.until=0.1", "--out", "here")[0] == 0
+    assert read_table("here/ledger.csv")["time"][-1] == pytest.approx(0.05)
+    assert cli("run", scene, "--out", "here", "--resume")[0] == 0
+    assert read_table("here/ledger.csv")["time"][-1] == pytest.approx(0.1)
 
 
 def test_resume_takes_what_the_run_was_given(cli: Run) -> None:
@@ -286,7 +296,7 @@ def test_full_disk_is_a_failed_run_that_resumes(cli: Run, monkeypatch: pytest.Mo
     assert "No space left on device" in err
     monkeypatch.setattr(os, "pwrite", real)
     assert len(read_table("split/ledger.csv")["time"]) < 31
-    assert cli("run", "crane", "--resume", "--out", "split")[0] == 0
+    assert cli("run", "crane", "--resume", "--until", 0.3, "--out", "split")[0] == 0
     assert Path("whole/ledger.csv").read_bytes() == Path("split/ledger.csv").read_bytes()
 
 
@@ -299,7 +309,7 @@ def test_failed_step_keeps_state_and_files(cli: Run, monkeypatch: pytest.MonkeyP
     assert code == 1
     assert "failed" in err
     assert "smaller step" in err
-    assert load_state("runs/crane.yaml/state.h5")[1]["time"] == 0.0
+    assert load_state("runs/crane.yaml/state.h5")["stepper"].values["time"] == 0.0
     assert len(read_table("runs/crane.yaml/ledger.csv")["time"]) == 1
 
 
@@ -313,7 +323,7 @@ def test_failed_check_exits_with_1(cli: Run, monkeypatch: pytest.MonkeyPatch) ->
     assert "momentum_z is not conserved" in err
 
 
-def test_ctrl_c_exits_with_130_and_resumes(tmp_path: Path) -> None:
+def test_ctrl_c_exits_with_130_and_resumes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     command = [
         sys.executable,
         "-m",
@@ -335,12 +345,11 @@ def test_ctrl_c_exits_with_130_and_resumes(tmp_path: Path) -> None:
     assert process.returncode == 130
     assert "--resume" in err
     assert "Traceback" not in err
-    stopped = float(load_state(tmp_path / "c" / "state.h5")[1]["time"])
+    stopped = float(load_state(tmp_path / "c" / "state.h5")["stepper"].values["time"])
     assert 0 < stopped < 2
     assert read_table(ledger)["time"][-1] == stopped
-    resumed = [*command[:5], "--resume", "--until", str(round(stopped, 4) + 0.05), *command[7:]]
-    done = subprocess.run(resumed, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    code = main([*command[3:5], "--resume", "--until", str(round(stopped, 4) + 0.05), *command[7:]])
+    assert code == 0, capsys.readouterr().err
     assert read_table(ledger)["time"][-1] > stopped
 
 

@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 from contact_parts import PYRAMID, RUBBER, bricks, contact_of, plates, pushed, rigid_on_brick
 from numpy.typing import NDArray
+from saved import saved_arrays
 
 import visviva as vv
 from visviva.base.errors import InputError
 from visviva.component.component import Component
 from visviva.contact.resolve import linearised
 from visviva.mesh.faces import Faces
-from visviva.output import load_state
 from visviva.scene import read_scene, write_scene
 from visviva.study.run import run
 
@@ -269,7 +269,7 @@ def test_resumed_during_contact_bit_by_bit(name: str, tmp_path: Path) -> None:
     run(RESTARTS[name](0.08), tmp_path / "split", resume=True, pictures=False)
     for table in ("ledger.csv", "probes.csv"):
         assert (tmp_path / "whole" / table).read_bytes() == (tmp_path / "split" / table).read_bytes()
-    states = [load_state(tmp_path / part / "state.h5")[0] for part in ("whole", "split")]
+    states = [saved_arrays(tmp_path / part) for part in ("whole", "split")]
     assert states[0].keys() == states[1].keys()
     assert all(states[0][k].tobytes() == states[1][k].tobytes() for k in states[0])
 
@@ -371,7 +371,7 @@ def test_a_corner_that_an_edge_cuts_off_turns_no_force() -> None:
         sides.append(vv.Solid(mesh=vv.Mesh(points, {"hex8": np.arange(8)[None]}), material=RUBBER))
     contact = vv.Contact(first=sides[0], second=sides[1], initial="press")
     vv.System([*sides, contact])
-    gaps = contact._gaps(1.0)[0]
+    gaps = contact._gaps(1.0).core
     assert contact.opposite is not None
     places = np.vstack([contact.places, contact.opposite.places])
     passes = int(np.argmin(np.abs(contact.places - ALONG[0][2]).sum(axis=1)))
@@ -412,7 +412,7 @@ def test_blocks_of_equal_outlines_take_few_iterations(n: int, other: int) -> Non
 def test_edges_along_each_other_do_not_amplify_rounding() -> None:
     """Gradients of the gaps hardly change where meshes shift by less than a billionth against each other."""
     _, contact, _ = aligned(3, 3)
-    gaps = contact._gaps(1.0)[0]
+    gaps = contact._gaps(1.0).core
     assert contact.opposite is not None
     X = np.vstack([contact.places, contact.opposite.places])
     x, y = X[:, 0] - 0.5, X[:, 1] - 0.5

@@ -37,6 +37,25 @@ def test_small_balls_leave_with_their_restitution_and_are_not_held(
     assert min(pressures) >= 0
 
 
+def test_a_ball_bounces_off_rubber_alike_in_metres_and_micrometres() -> None:
+    """The little give that the tangent has is of the mass of a facet's layer: with that by area Newton crept."""
+    ends, iterations = [], []
+    for um in (1.0, 1e6):
+        mesh = vv.BoxMesh(size=(0.4 * um, 0.4 * um, 0.2 * um), counts=(2, 2, 1))
+        rubber = vv.NeoHooke(young=1e5 / um, poisson=0.3)
+        block = vv.Solid(mesh=mesh, material=rubber, density=1000 / um**3)
+        place, velocity = (0.17 * um, 0.13 * um, 0.26 * um), (0.3 * um, 0, -um)
+        shape = vv.Sphere(radius=0.05 * um)
+        ball = vv.RigidBody(shape=shape, density=1000 / um**3, position=place, velocity=velocity)
+        contact = vv.Contact(first=ball, second=block, second_faces="z1", restitution=0.5)
+        system = vv.System([block, ball, vv.Fixed(solid=block, nodes="z0"), contact])
+        statistics = vv.simulate(system, until=0.06, step=0.004).statistics
+        ends.append(ball.point().position.value(system.x) / um)
+        iterations.append(statistics.iterations)
+    assert ends[1] == pytest.approx(ends[0], rel=1e-9)
+    assert iterations[1] <= 1.1 * iterations[0]  # what is left is rounding
+
+
 @pytest.mark.parametrize("start", [0.0, 1.0])
 def test_overlap_at_the_start_is_refused_whatever_the_time(start: float) -> None:
     lower = vv.Solid(mesh=vv.BoxMesh(size=(2, 2, 1), counts=(2, 2, 1)), material=RUBBER, density=1.0)

@@ -105,3 +105,20 @@ def test_a_chain_to_the_ground_is_held() -> None:
     refuse_free(system)
     u = vv.quasi_static(system, until=1.0, step=1.0)
     assert np.abs(u.states[-1] - u.states[0]).max() < 1e-14
+
+
+@pytest.mark.parametrize("start", [vv.quasi_static, vv.simulate, vv.equilibrium, vv.System.check])
+def test_an_incompressible_solid_held_throughout(start: Callable[..., Any]) -> None:
+    """Its pressures are any; it was called a motion that joints do not allow, by 1.8e-16, or went on in statics."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="hex27")
+    rubber = vv.NeoHooke(young=10.0, poisson=0.5)
+    block = vv.Solid(mesh=mesh, material=rubber, density=1.0, formulation="mixed", name="block")
+    motion = (lambda t: 0.01 * t, lambda t: 0.0 * t, lambda t: 0.0 * t)
+    system = vv.System([block, vv.Prescribed(solid=block, nodes="all", motion=motion)])
+    options = {} if start is vv.System.check else {"until": 1.0}
+    if start in (vv.quasi_static, vv.simulate):
+        options["step"] = 0.5
+    with pytest.raises(
+        vv.InputError, match=r"'block': all of its position .*nothing tells its pressure.*0\.4999"
+    ):
+        start(system, **options)

@@ -37,3 +37,19 @@ def test_ball_that_sticks_in_an_impact_rolls(share: float, stiffness: float) -> 
     lost = result.ledger["work_friction"][-1] / ball.mass_properties().mass
     assert lost == pytest.approx(-9 / 7, rel=1e-4)
     result.assert_conserved("energy", tolerance=1e-11)
+
+
+@pytest.mark.parametrize("h", [1e-2, 1e-3])
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_elastic_slip_rubs_in_an_impact_or_says_that_it_cannot(share: float, h: float) -> None:
+    """It brakes by mu (1 + e) v; its impulse vanished with the step without a word."""
+    point, plane = vv.PointMass(mass=1.0, position=(0, 0, 0.3037), velocity=(1, 0, -2)), vv.Plane()
+    options = {"tangential": "penalty", "restitution": share}
+    contact = vv.Contact(first=point, second=plane, stiffness=1e5, friction=0.1, **options)
+    system = vv.System([point, plane, contact])
+    if h > 1e-3:
+        vv.simulate(system, until=0.3, step=h)
+        assert system.v[0] == pytest.approx(1 - 0.1 * (1 + share) * 2, rel=1e-9)
+        return
+    with pytest.raises(vv.StepFailure, match=r"contact-1.*an impact rubs.*tangential='multipliers'"):
+        vv.simulate(system, until=0.3, step=h)

@@ -16,9 +16,10 @@ from visviva.analysis.march import prepare
 from visviva.base.errors import InputError
 from visviva.component.component import Component
 from visviva.examples import valve
+from visviva.flow import location
 from visviva.flow.location import Location
 from visviva.flow.transfer import Transfer
-from visviva.mesh.cells import CELLS
+from visviva.mesh.cells import CELLS, Cell
 from visviva.system.consistency import initial_acceleration
 from visviva.system.problem import problem_of
 
@@ -71,6 +72,32 @@ def test_places_in_long_curved_cells_are_found_without_a_warning() -> None:
         found, at = search.find(places)
     assert np.array_equal(found, chosen)
     assert np.allclose(at, xi, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("cell", ["tri3", "tri6", "quad4", "quad8", "quad9"])
+def test_straight_cells_need_no_iteration(cell: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sheared cells far from the origin, one of which is bent: Newton's method is asked about places in that alone."""
+    mesh = vv.RectangleMesh(size=(4, 1), counts=(4, 3), cell=cell).build()
+    points, nodes = mesh.points @ [[1.0, 0.3], [0.2, 0.7]] + 50.0, mesh.cells[cell]
+    points[nodes[0, 0]] -= 0.05 if cell != "tri3" else 0.0
+    xi = np.random.default_rng(0).uniform(0.1, 0.4, (200, 2))
+    chosen = np.arange(200) % mesh.n_cells
+    places = np.einsum("nk,nkd->nd", CELLS[cell].N(xi), points[nodes[chosen]])
+    bent: list[int] = []
+    newton = location.inverse
+
+    def counted(cell: Cell, corners: Array, x: Array) -> Array:
+        bent.append(len(x))
+        return newton(cell, corners, x)
+
+    monkeypatch.setattr(location, "inverse", counted)
+    found, at = Location(vv.Mesh(points, mesh.cells)).find(places)
+    assert np.array_equal(found, chosen)
+    assert np.allclose(at, xi, rtol=0, atol=1e-12)
+    if cell == "tri3":  # which no node can bend
+        assert bent == []
+    else:
+        assert np.sum(chosen == 0) <= sum(bent) < len(chosen)
 
 
 # --- motion -------------------------------------------------------------------------------------------------

@@ -88,7 +88,7 @@ def test_nothing_between_steps_changes_a_bit(name: str, scheme: vv.Scheme, tmp_p
     assert len(whole) >= STEPS  # or more, where one is halved
     assert np.array_equal(split(name, scheme), whole)
     assert np.array_equal(marched(name, scheme, vv.System.check), whole)
-    assert np.array_equal(marched(name, scheme, vv.System.touch), whole)
+    assert np.array_equal(marched(name, scheme, vv.System.invalidate), whole)
     assert np.array_equal(resumed(name, scheme, tmp_path / "state.h5"), whole)
 
 
@@ -105,7 +105,7 @@ def test_steps_follow_from_the_state_alone(name: str, scheme: vv.Scheme) -> None
     prepare(new, scheme)
     for vector in ("x", "v", "a", "w"):
         getattr(new.core, vector)[:] = getattr(old.core, vector)
-    new.touch()
+    new.invalidate()
     for system in (old, new):
         system.step(STEP, scheme)
     apart = np.abs(new.x - old.x)[old.order > 0]

@@ -84,6 +84,10 @@ def test_refused_runs_leave_the_earlier_one(tmp_path: Path) -> None:
     with pytest.raises(vv.InputError, match="moved far"):
         run(vv.Study(bob(3.0), 0.02, 0.01), tmp_path / "run", overwrite=True, pictures=False)
     assert (tmp_path / "run" / "ledger.csv").read_bytes() == kept
+    for options in ({}, {"adaptive": vv.Adaptive()}, {"scheme": vv.Static()}):
+        with pytest.raises(vv.InputError, match=r"step = 0\.05 is longer than the way of 0\.02"):
+            run(vv.Study(bob(), 0.02, 0.05, **options), tmp_path / "run", overwrite=True, pictures=False)
+        assert (tmp_path / "run" / "ledger.csv").read_bytes() == kept
     with pytest.raises(vv.InputError, match="exclude each other"):
         run(vv.Study(bob(), 0.02, 0.01), tmp_path / "run", overwrite=True, resume=True, pictures=False)
     run(vv.Study(bob(3.0), 0.03, 0.01), tmp_path / "run", overwrite=True, project=True, pictures=False)
@@ -96,14 +100,14 @@ def test_states_edited_later_are_looked_at_again() -> None:
     system = bob()
     simulated(system, False)
     system.x[0] = 1.3
-    system.touch()
+    system.invalidate()
     with pytest.raises(vv.InputError, match=r"moved far: position of PointMass 'bob' by 0\.3"):
         vv.simulate(system, until=0.04, step=0.01)
     vv.simulate(system, until=0.04, step=0.01, project=True)
     assert np.linalg.norm(system.x[:3]) == pytest.approx(1.0)
     system.v[:3] = (0, 0, 2)  # along the rod, nearly
     system.v[:3] += 5 * system.x[:3]
-    system.touch()
+    system.invalidate()
     with pytest.raises(vv.InputError, match="velocity of PointMass 'bob'"):
         vv.simulate(system, until=0.06, step=0.01)
 
@@ -113,7 +117,7 @@ def test_touching_alone_changes_nothing(scheme: vv.scheme.schemes.Scheme) -> Non
     one, other = bob(), bob()
     for system in (one, other):
         vv.simulate(system, until=0.1, step=0.05, scheme=scheme)
-    other.touch()
+    other.invalidate()
     for system in (one, other):
         vv.simulate(system, until=0.2, step=0.05, scheme=scheme)
     assert np.abs(one.x[:3] - other.x[:3]).max() < 1e-13

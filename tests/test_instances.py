@@ -78,7 +78,7 @@ def test_static_brick_finds_back_to_its_shape() -> None:
     free = ~brick.motion.fixed
     rest = system.x[brick.motion.unknowns].copy()
     system.x[np.array(brick.motion.unknowns)[free]] += 0.05 * np.random.default_rng(2).standard_normal(12)
-    system.touch()
+    system.invalidate()
     system.step(1.0, vv.Static())
     assert system.x[brick.motion.unknowns] == pytest.approx(rest, abs=1e-12)
 

@@ -29,7 +29,7 @@ def test_the_campaign_sees_a_difference(tmp_path: Path, monkeypatch: pytest.Monk
     table = (tmp_path / "one" / "states.npy").read_bytes()
     (tmp_path / "same" / "states.npy").write_bytes(table[:-1] + bytes([table[-1] ^ 1]))
     assert kill.difference(tmp_path / "one", tmp_path / "same") == "states.npy"
-    assert load_state(tmp_path / "one" / "state.h5")[1]["statistics.steps"] == 5
+    assert load_state(tmp_path / "one" / "state.h5")["statistics"].values["steps"] == 5
 
 
 def test_memory_of_a_solid_stays() -> None:

@@ -13,7 +13,7 @@ import visviva as vv
 from visviva.component.component import Component
 from visviva.examples import crane, flexible_slider_crank, pendulum, screw, spring_pendulum
 from visviva.scene import language, read_scene, scene_schema, write_scene
-from visviva.study.run import probe_columns
+from visviva.study.study import probe_columns
 
 ANSWER = "what Python gives back, not what a scene is composed of"
 CALL = "a function of Python; the command line runs studies"
@@ -21,11 +21,12 @@ BASE = "a base class of Python"
 CODE = "written in Python by the user"
 OUTSIDE = {
     "InputError": ANSWER, "RunError": ANSWER, "VisvivaError": ANSWER, "StepFailure": ANSWER,
-    "NoEquilibrium": ANSWER, "Result": ANSWER, "Modes": ANSWER, "Mesh": ANSWER + "; files name a source of it",
+    "NoEquilibrium": ANSWER, "Result": ANSWER, "Modes": ANSWER, "Buckling": ANSWER,
+    "Mesh": ANSWER + "; files name a source of it",
     "Faces": "named by text in files: the sets of a mesh",
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
     "Material": BASE, "Scheme": BASE, "Term": CODE,
-    "march": CALL, "simulate": CALL, "equilibrium": CALL, "modes": CALL, "quasi_static": CALL,
+    "march": CALL, "simulate": CALL, "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
     "arc_length": CALL, "reaction": CALL + "; ReactionForce and ReactionTorque record it",
 }  # fmt: skip
 NEEDS_CODE = {"Constraint", "GeneralizedForce", "Potential", "UserTerm", "UserMaterial"}

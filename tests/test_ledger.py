@@ -42,7 +42,7 @@ def test_violations_are_relative() -> None:
     system = vv.System([a, b, rod])
     system.report = system.check(repair=False)
     books = vv.results.ledger.Bookkeeper(system)
-    system.take_stock()
+    system.evaluate_ledger()
     defect = books.book(0.0, system.core)[-2]
     assert system.core.defect.max() == pytest.approx(0.5 * (1000**2 - 999**2), rel=1e-12)
     assert defect == pytest.approx(1e-3, rel=0.6)

@@ -1,6 +1,7 @@
 """Forces, torques, springs, dampers and bushings against closed forms and exact balances."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -415,3 +416,42 @@ def test_loads_say_what_is_wrong():
         vv.Bushing(a=ground, b=brick)
     with pytest.raises(ValueError, match="itself"):
         vv.System([brick, vv.TorquePair(a=brick, b=brick, torque=(1, 0, 0))])
+
+
+def test_springs_between_points_that_coincide() -> None:
+    """Without a length of its own a spring pulls as one along each axis does: z'' = -10 z - t from rest."""
+
+    def ball(**options: Any) -> vv.System:
+        ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, 0))
+        spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=10.0, **options)
+        return vv.System([ground, ball, spring, vv.Force(on=ball, force=(0, 0, -1), times="t")])
+
+    still = vv.quasi_static(ball(free_length=0.0), until=1.0, step=0.5).states[-1]
+    assert still[:3] == pytest.approx([0, 0, -0.1], abs=1e-14)
+    moved = vv.simulate(ball(free_length=0.0), until=1.0, step=1e-3).states[-1]
+    w = np.sqrt(10.0)
+    assert moved[:3] == pytest.approx([0, 0, -(1.0 - np.sin(w) / w) / 10], abs=1e-6)
+    for options in ({"free_length": 0.0, "damping": 1.0}, {"free_length": 0.1}, {}):
+        with pytest.raises(
+            vv.InputError, match="no direction; move them apart, take a Bushing, or free_length=0"
+        ):
+            ball(**options)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BDF2(), vv.GeneralizedAlpha(), vv.Static()])
+def test_loads_are_asked_for_times_of_steps_alone(scheme: vv.Scheme) -> None:
+    """A history that was measured over the run need not be known outside of it."""
+    asked: list[float] = []
+
+    def measured(t: float) -> float:
+        asked.append(t)
+        if not 0 <= t <= 0.1:
+            raise ValueError(f"not measured at {t}")
+        return 3 * t
+
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1))
+    block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=10.0, poisson=0.3), density=1.0)
+    pull = vv.Traction(solid=block, faces="x1", traction=(1, 0, 0), times=measured)
+    run([block, vv.Fixed(solid=block, nodes="x0"), pull], until=0.1, step=0.02, scheme=scheme)
+    assert min(asked) == 0.0
+    assert max(asked) == pytest.approx(0.1, rel=1e-12)

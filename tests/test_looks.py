@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -79,7 +80,15 @@ SCHEMES = {
     "VariationalMidpoint": vv.VariationalMidpoint(),
     "BackwardEuler": vv.BackwardEuler(),
 }
-LOOKS: dict[str, Looked] = {"check": vv.System.check, "touch": vv.System.touch}
+
+
+def modes(system: vv.System) -> None:
+    """Found, or refused where there is no equilibrium."""
+    with suppress(vv.InputError):
+        vv.modes(system, 2)
+
+
+LOOKS: dict[str, Looked] = {"check": vv.System.check, "invalidate": vv.System.invalidate, "modes": modes}
 STEPS = 24
 
 
@@ -133,3 +142,13 @@ def test_runs_that_are_split(name: str, scheme: str) -> None:
         n = len(system.x)
         np.testing.assert_array_equal(system.x, plain[k - 1][:n])
         np.testing.assert_array_equal(system.v, plain[k - 1][n : 2 * n])
+
+
+def test_modes_at_rest_leave_multipliers_alone() -> None:
+    """Reactions of the state are found for the modes, which is no reason to write them into it."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0, -1))
+    rod = vv.Distance(a=ground.point(), b=ball.point())
+    system = vv.System([ground, ball, rod, vv.Gravity(acceleration=(0, 0, -4))])
+    before = system.x.copy()
+    assert vv.modes(system).angular == pytest.approx([2.0, 2.0])
+    np.testing.assert_array_equal(system.x, before)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -116,11 +117,26 @@ def test_no_length_is_tried_twice(
 def test_an_end_time_a_sliver_ahead_is_refused() -> None:
     system = falling()
     times_to(0.1, 0.01, system)
-    with pytest.raises(vv.InputError, match="less than a hundredth of step"):
+    with pytest.raises(vv.InputError, match=r"step = 0\.01 is longer than the way of 1e-05"):
         times_to(0.1 + 1e-5, 0.01, system)
-    with pytest.raises(vv.InputError, match="less than a hundredth of step"):
+    with pytest.raises(vv.InputError, match=r"step = 0\.01 is longer than the way of 1e-05"):
         list(vv.march(system, until=0.1 + 1e-5, step=0.01, adaptive=vv.Adaptive()))
     assert times_to(0.1 + 1e-16, 0.01, system) == [0.1]
+
+
+@pytest.mark.parametrize("options", [{}, {"adaptive": vv.Adaptive()}, {"scheme": vv.Static()}], ids=str)
+def test_a_first_step_beyond_the_end_is_refused(options: dict[str, Any]) -> None:
+    """A run would be one step of another length than was asked for."""
+    ground, ball = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    springs = {"stiffness": (1, 1, 1), "rotational_stiffness": (1, 1, 1)}
+    hold = vv.Bushing(a=ground, b=ball, at=(0, 0, 0), **springs)
+    system = vv.System([ground, ball, hold, vv.Force(on=ball, force=(1, 0, 0), times="t")])
+    with pytest.raises(vv.InputError, match=r"step = 0\.5 is longer than the way of 0\.1 .* at most 0\.1"):
+        vv.simulate(system, until=0.1, step=0.5, **options)
+    assert system.time == 0.0
+    vv.simulate(system, until=0.1, step=0.1, **options)
+    vv.simulate(system, until=0.25, step=0.1, **options)  # the last one is shorter
+    assert system.time == pytest.approx(0.25, rel=1e-12)
 
 
 def test_marching_on_keeps_the_count() -> None:
@@ -150,6 +166,7 @@ def test_load_steps_are_counted_and_halved_on_their_grid(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(Equilibrium, "iterate", third_fails)
     result = vv.quasi_static(hung(), until=0.7, step=0.1)
+    assert isinstance(result.times, np.ndarray)
     np.testing.assert_allclose(result.times, [0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7], rtol=1e-15)
 
 

@@ -83,8 +83,8 @@ def test_an_edited_state_is_refused_after_looks(look: Callable[[vv.System], obje
     vv.simulate(system, until=0.2, step=0.01)
     system.x[:3] = (1.3, 0, 0)
     look(system)
-    system.touch()
-    assert system.is_edited
+    system.invalidate()
+    assert system.stepper.is_edited
     with pytest.raises(vv.InputError, match="does not fit"):
         vv.simulate(system, until=0.4, step=0.01)
 
@@ -296,7 +296,7 @@ def test_checks_that_are_broken_off_leave_what_was_given(calls: int, monkeypatch
     ground, counter.ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
     system = vv.System([ground, counter.ball, vv.Distance(a=ground.point(), b=counter.ball.point()), counter])
     system.x[:3] = given = (1.2, 0.3, -0.1)
-    system.touch()
+    system.invalidate()
     with pytest.raises(Told):
         system.check()
     assert np.array_equal(system.x[:3], given) or np.linalg.norm(system.x[:3]) == pytest.approx(1, abs=1e-14)
@@ -314,6 +314,6 @@ def test_an_edited_state_goes_on_as_one_given_so(scheme: vv.Scheme) -> None:
     vv.simulate(edited, until=0.5, step=0.01, scheme=scheme)
     for system in (edited, fresh):
         system.x[:3], system.v[:3] = (1.2, 0.0, 0.0), (0.0, 0.3, 0.0)
-        system.touch()
+        system.invalidate()
         vv.simulate(system, until=system.time + 0.5, step=0.01, scheme=scheme)
     assert edited.x == pytest.approx(fresh.x, abs=1e-12)

@@ -47,7 +47,8 @@ def inside(cell: Cell, n: int = 7) -> np.ndarray:
 
 
 def test_shape_functions_are_one_at_their_node_and_zero_at_others(cell: Cell) -> None:
-    assert np.array_equal(cell.N(cell.nodes), np.eye(cell.n_nodes))
+    rounding = 1e-16 if cell.name == "line4" else 0.0  # thirds are no binary fractions
+    np.testing.assert_allclose(cell.N(cell.nodes), np.eye(cell.n_nodes), rtol=0, atol=rounding)
 
 
 def test_shape_functions_sum_to_one_and_reproduce_positions(cell: Cell) -> None:
@@ -72,7 +73,8 @@ def test_shape_functions_are_those_of_vtk(cell: Cell) -> None:
     low, high = (f(cell.nodes, axis=0) for f in (np.min, np.max))
     for x in [*inside(cell), *cell.nodes]:
         place = np.zeros(3)
-        place[: cell.dimension] = (x - low) / (high - low)  # all coordinates of VTK go from 0 to 1
+        # coordinates of VTK go from 0 to 1, but for the cubic line
+        place[: cell.dimension] = x if cell.name == "line4" else (x - low) / (high - low)
         weights = np.zeros(cell.n_nodes)
         theirs.InterpolateFunctions(place, weights)
         np.testing.assert_allclose(cell.N(x[None])[0], weights, atol=1e-13)

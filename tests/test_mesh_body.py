@@ -89,3 +89,30 @@ def test_its_picture_moves() -> None:
     shown = drawing.values(system.x, system.v)
     assert shown["mean_stretch"] == pytest.approx(1.0, abs=1e-12)
     assert shown["velocity"] == pytest.approx(np.tile((1.0, 0, 0), (12, 1)), abs=1e-12)
+
+
+def straight_beam() -> vv.Beam:
+    section = vv.GivenSection(stiffness=(200, 180, 300, 5, 4, 3), mass=1.0, moments=(0.03, 0.02, 0.0))
+    return vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=2), section=section)
+
+
+def flat_shell() -> vv.Shell:
+    section = vv.HomogeneousSection(thickness=0.1, young=1e4, density=2.0)
+    return vv.Shell(mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), section=section)
+
+
+@pytest.mark.parametrize("make", [straight_beam, flat_shell])
+def test_nodes_of_bodies_with_directors_are_not_moved_to_fit(make: Any) -> None:
+    body = make()
+    system = vv.System([body])
+    with pytest.raises(vv.InputError, match=rf"{body.label}: its nodes cannot be moved .* let its mesh fit"):
+        body.move_reference(system.model, np.array([0]), np.ones((1, 3)))
+
+
+@pytest.mark.parametrize("make", [straight_beam, flat_shell])
+def test_what_is_thin_says_so(make: Any) -> None:
+    body, block = make(), vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0)
+    assert body.is_thin
+    assert not block.is_thin
+    with pytest.raises(vv.InputError, match=rf"{body.label} has no surface about its thickness"):
+        vv.BodyForce(solid=body, force=(0, 0, 1))

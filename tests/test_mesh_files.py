@@ -230,8 +230,8 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
         mesh.with_nodes("x0", [1]).write(tmp_path / "mesh.msh")
     with pytest.raises(vv.InputError, match="meshio cannot write"):
         mesh.write(tmp_path / "mesh.unknown")
-    line = vv.Mesh([(0, 0), (1, 0)], {"line2": [(0, 1)]})
-    with pytest.raises(vv.InputError, match="cannot hold cells line2"):
+    line = vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], cell="line4").build()
+    with pytest.raises(vv.InputError, match="cannot hold cells line4"):
         line.write(tmp_path / "mesh.inp")
 
 

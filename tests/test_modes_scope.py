@@ -11,7 +11,8 @@ import scipy.sparse as sp
 from catalogue import CATALOGUE, Entry
 
 import visviva as vv
-from visviva.analysis.eigenmodes import factored
+from visviva.analysis.eigenmodes import balance
+from visviva.analysis.factors import factored
 from visviva.scheme.schemes import load_step
 from visviva.system.instant import Instant, instant
 
@@ -213,30 +214,46 @@ def differences(system: vv.System, step: Any) -> np.ndarray:
 
 
 def by_differences(system: vv.System) -> tuple[np.ndarray, float]:
-    """Eigenvalues where all that is without mass is in equilibrium, and how unsymmetric the tangent is."""
+    """Eigenvalues where all that is without mass is in equilibrium, complex where the tangent is not symmetric, and how
+    far it is from that."""
     moves = system.order[system.free_unknowns] > 0
     order, n = np.argsort(~moves, kind="stable"), int(moves.sum())
     A = differences(system, load_step(system.time, 0.0))[np.ix_(order, order)]
     factor = 2.0**30
     masses = [differences(system, instant(system.time, leading=sign * factor)) for sign in (1, -1)]
     M = ((masses[0] - masses[1]) / (2 * factor))[np.ix_(order[:n], order[:n])]
+    N, left = settled(A, n), settled(A.T, n)
+    lack = float(np.abs(A - A.T).max() / (np.abs(A).max() or 1.0))
+    if lack > 1e-5:
+        return np.sort_complex(sla.eigvals(left.T @ A @ N, left[:n].T @ M @ N[:n])), lack
+    return sla.eigvalsh(N.T @ (A + A.T) @ N / 2, N[:n].T @ M @ N[:n]), lack
+
+
+def settled(A: np.ndarray, n: int) -> np.ndarray:
+    """Basis of the motions that leave the equations after the first n fulfilled."""
     N = np.eye(len(A))
     if n < len(A):
         N = sla.null_space(A[n:] / np.abs(A[n:]).max(axis=1, keepdims=True), rcond=1e-8)
     _, length, V = np.linalg.svd(N[:n], full_matrices=False)
-    N = N @ V[length > 1e-7].T
-    lack = float(np.abs(A - A.T).max() / np.abs(A).max())
-    return sla.eigvalsh(N.T @ (A + A.T) @ N / 2, N[:n].T @ M @ N[:n]), lack
+    return np.asarray(N @ V[length > 1e-7].T)
 
 
-@pytest.mark.parametrize("entry", CATALOGUE[::6], ids=lambda entry: entry.name)
+APART = (
+    "rotating frame",
+    "damage points",
+)  # gyroscopic, see test_spinning.py; with a kink where nothing changes
+
+
+@pytest.mark.parametrize(
+    "entry", [e for e in CATALOGUE[::6] if not e.name.endswith(APART)], ids=lambda entry: entry.name
+)
 def test_modes_of_the_catalogue_are_those_of_dense_matrices_or_refused(entry: Entry) -> None:
     """Off the start, where contacts and fibres have kinks; there forces need not balance."""
     system = entry.system()
     moves = (system.order > 0) & ~np.concatenate([f.fixed for f in system.model.fields])
     scale = np.where(system.scale > 0, system.scale, 1.0)[moves]
     system.x[moves] += 1e-3 * np.random.default_rng(3).standard_normal(int(moves.sum())) * scale
-    system.touch()
+    system.invalidate()
     if np.any(system.order == 1):
         with pytest.raises(vv.InputError, match="first order in time"):
             vv.modes(system)
@@ -250,12 +267,16 @@ def test_modes_of_the_catalogue_are_those_of_dense_matrices_or_refused(entry: En
         refusal = str(error)
     if len(system.free_unknowns) > 150:
         return
+    at = Instant(system)
+    at.factor()
+    balance(system, at, 1e300)  # the multipliers that modes go by, which they leave as they are
     exact, lack = by_differences(system)
-    if lack > 1e-5:
-        assert "is not symmetric" in refusal
-        return
     assert not refusal
     largest = max(float(np.abs(exact).max(initial=0.0)), 1e-3)
+    if lack > 1e-5:  # loads that follow: conjugate pairs are given once
+        apart = np.abs(exact[:, None] - np.stack([squared, np.conj(squared)], axis=-1).ravel())
+        assert apart.min(axis=1).max() < 1e-6 * largest
+        return
     assert squared == pytest.approx(exact, rel=1e-6, abs=1e-6 * largest)
 
 

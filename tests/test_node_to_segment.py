@@ -144,3 +144,44 @@ def test_ends_that_slide_off_each_other(n: int) -> None:
     assert beyond[-1] > 0.02
     assert np.abs(np.diff(forces, 2)).max() < 0.02 * forces[-1]
     assert contact.pressures.min() > 0
+
+
+def pressed(formulation: str, upper: int, lower: int, width: float, down: float) -> list[vv.Component]:
+    """A block of so many facets a side pressed on another one; many of its vertices are above edges of facets."""
+    counts = [(k, k, 2) for k in (lower, upper)]
+    low = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=counts[0]), material=RUBBER, density=1.0)
+    place = ((1 - width) / 2, (1 - width) / 2, 1)
+    mesh = vv.BoxMesh(size=(width, width, 1), counts=counts[1], origin=place)
+    high = vv.Solid(mesh=mesh, material=RUBBER, density=1.0)
+    faces = {"first": high, "first_faces": "z0", "second": low, "second_faces": "z1"}
+    contact = vv.Contact(**faces, formulation=formulation, name="press")
+    push = vv.Prescribed(
+        solid=high, nodes="z1", motion=(lambda t: 0.0 * t, lambda t: 0.0 * t, lambda t: -down * t)
+    )
+    return [low, high, contact, push, vv.Fixed(solid=low, nodes="z0")]
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "width"), [(4, 3, 1.0), (5, 3, 1.0), (4, 3, 0.6), (3, 4, 0.6), (4, 4, 0.6)]
+)
+def test_statics_of_vertices_in_valleys_between_facets(upper: int, lower: int, width: float) -> None:
+    """The facets' pressures push such a vertex to each other; mortar tells the force, to what the meshes allow."""
+    forces = []
+    for formulation in ("node-to-segment", "mortar"):
+        parts = pressed(formulation, upper, lower, width, down=0.05)
+        system = vv.System(parts)
+        vv.quasi_static(system, until=1.0, step=0.1)
+        assert system.rejected == 0
+        assert isinstance(parts[2], vv.Contact)
+        forces.append(parts[2].forces.sum(axis=0))
+    node, mortar = forces
+    assert node[2] == pytest.approx(mortar[2], rel=0.025)
+    assert np.abs(node[:2]).max() < 5e-3 * node[2]  # the facets' slopes; by symmetry there is none
+
+
+def test_vertices_that_go_to_and_fro_are_named() -> None:
+    system = vv.System(pressed("node-to-segment", 3, 4, 0.6, down=0.3))
+    cure = r"Contact 'press' still goes to and fro between facets at 2 vertices, such as near \(0.8.*'mortar'"
+    with pytest.raises(vv.RunError, match=cure):
+        vv.quasi_static(system, until=1.0, step=0.1)
+    assert system.time > 0.3

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.study.fingerprint import Teller
@@ -24,7 +25,7 @@ def hung() -> vv.System:
     return vv.System([ground, ball, spring, guide, vv.Force(on=ball, force=(0, 0, -20), times="t")])
 
 
-def of_run(number: Kind, count: Kind, folder: Path) -> Sequence[float]:
+def of_run(number: Kind, count: Kind, folder: Path) -> NDArray[np.float64]:
     """A run that is resumed."""
     often: Any = {"every": count(1), "save_every": number(0), "frames_per_second": number(50)}
     run(vv.Study(hung(), number(1), number(1)), folder, pictures=False, **often)
@@ -33,12 +34,12 @@ def of_run(number: Kind, count: Kind, folder: Path) -> Sequence[float]:
     return run(later, folder, resume=True, pictures=False, **often).times
 
 
-def of_study(number: Kind, count: Kind, folder: Path) -> Sequence[float]:
+def of_study(number: Kind, count: Kind, folder: Path) -> NDArray[np.float64]:
     study = vv.Study(hung(), number(3), number(1))
     return vv.simulate(study.system, until=study.until, step=study.step, every=count(1)).times
 
 
-CALLS: dict[str, Callable[[Kind, Kind, Path], Sequence[float]]] = {
+CALLS: dict[str, Callable[[Kind, Kind, Path], NDArray[np.float64]]] = {
     "run": of_run,
     "Study": of_study,
     "simulate": lambda x, n, _: vv.simulate(hung(), until=x(3), step=x(1), every=n(1)).times,

@@ -166,7 +166,7 @@ def test_memory_decides_every_bit_of_histories(kind: type[Block]) -> None:
     for name in "xvaw":
         getattr(other.core, name)[:] = getattr(one.core, name)
     other.time = one.time
-    other.core.restore(np.array(one.core.memory()))
+    other.core.restore(one.core.memory())
     for _ in range(3):
         for system in (one, other):
             system.step(0.02)
@@ -337,6 +337,9 @@ def spoilt(**changes: Any) -> Any:
         ({"volume": np.ones(8)}, "volume"),
         ({"volume": -np.ones((2, 8))}, "volume"),
         ({"group": {"unknowns": np.full((2, 8), 10000)}}, "beyond"),
+        ({"reference": np.zeros(4)}, r"reference needs finite strains \(2, 8, 8\)"),
+        ({"reference": np.zeros((8, 8))}, "reference"),
+        ({"reference": np.full((2, 8, 8), np.nan)}, "reference"),
         ({"group": {"unknowns": np.full((2, 8), 0.5)}}, "whole numbers"),
         ({"group": {"weights": np.ones((8, 7, 4))}}, "weights"),
         ({"group": {"weights": np.full((8, 8, 4), np.inf)}}, "finite"),
@@ -408,3 +411,26 @@ def test_books_of_a_second_run_start_where_the_first_ended() -> None:
     first, second = (vv.simulate(system, until=t, step=0.05, scheme=vv.Midpoint()) for t in (0.8, 1.5))
     assert second.ledger["total"][0] == pytest.approx(first.ledger["total"][-1], rel=1e-12)
     assert second.ledger["work_dissipated"][0] == 0.0
+
+
+@pytest.mark.parametrize(("behind", "fits"), [(0, True), (1, False), (2, False)])
+def test_nodes_end_with_the_model(behind: int, fits: bool) -> None:
+    """The first unknown of a node of three stands three before the end of the model, or earlier."""
+
+    class Last(Separating):
+        def contribute(self, model: Model) -> None:
+            last = np.full((1, 8), model.n_unknowns - 3 + behind)
+            add_points(
+                model,
+                self,
+                PhysicsKind.VISCOELASTIC,
+                [Group(last, np.ones((1, 8, 3)))],
+                np.ones((1, 1)),
+                [1.0] * 4,
+            )
+
+    if fits:
+        vv.System([Last()])
+        return
+    with pytest.raises(InputError, match="beyond"):
+        vv.System([Last()])

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -16,10 +17,11 @@ import numpy as np
 import pytest
 from interrupting import at, run_until
 from rubbing import thrown
+from saved import saved_arrays
 
 import visviva as vv
 from visviva.examples import crane, four_bar
-from visviva.output import Trajectory, load_state, read_table
+from visviva.output import Trajectory, load_state, read_table, save_state
 from visviva.scheme.clock import Clock
 from visviva.study.restart import notes_of
 from visviva.study.run import run as run_study
@@ -88,7 +90,7 @@ def assert_same(one: Path, other: Path) -> None:
     """Both directories hold the same run, bit for bit."""
     for table in ("ledger.csv", "probes.csv", "states.npy"):
         assert (one / table).read_bytes() == (other / table).read_bytes(), table
-    a, b = load_state(one / "state.h5")[0], load_state(other / "state.h5")[0]
+    a, b = saved_arrays(one), saved_arrays(other)
     assert a.keys() == b.keys()
     for name in a:
         assert a[name].tobytes() == b[name].tobytes(), name
@@ -120,7 +122,7 @@ def test_steps_after_failures_are_halved_alike(tmp_path: Path) -> None:
 
     def composed() -> vv.Study:
         study = STUDIES["crane"]()
-        study.system.clock = Clock(step=study.step, halvings=4)
+        study.system.stepper.clock = Clock(step=study.step, halvings=4)
         return study
 
     run(composed(), tmp_path / "whole")
@@ -129,6 +131,59 @@ def test_steps_after_failures_are_halved_alike(tmp_path: Path) -> None:
     times = read_table(tmp_path / "whole" / "ledger.csv")["time"]
     assert np.diff(times).min() < 0.001
     assert_same(tmp_path / "whole", tmp_path / "split")
+
+
+def rewritten(path: Path, part: str, /, **changes: Any) -> None:
+    """Replace a record of a state file by another, or take it out."""
+    records = load_state(path)
+    record = records.pop(part)
+    save_state(path, [*records.values(), *([replace(record, **changes)] if changes else [])])
+
+
+@pytest.mark.parametrize("name", ["stepper", "state", "core: iterations", "core: flow 0", "core: tangent"])
+def test_records_of_other_versions_are_refused_by_name(name: str, tmp_path: Path) -> None:
+    run(streaming(), tmp_path / "run")
+    path = tmp_path / "run" / "state.h5"
+    again = (tmp_path / "run" / "state.h5").read_bytes()
+    rewritten(path, name, version=9)
+    part = name.removeprefix("core: ")
+    with pytest.raises(vv.InputError, match=rf"'{part}'.*version 9.*start the run anew"):
+        run(streaming(), tmp_path / "run", resume=True)
+    path.write_bytes(again)
+    rewritten(path, name, name="core: glue 3")
+    with pytest.raises(vv.InputError, match=r"'glue 3'.*unknown|has no record|glue 3.*unknown"):
+        run(streaming(), tmp_path / "run", resume=True)
+    path.write_bytes(again)
+    run(streaming(), tmp_path / "run", resume=True)
+
+
+def test_missing_and_broken_records_are_refused_by_name(tmp_path: Path) -> None:
+    run(streaming(), tmp_path / "run")
+    path = tmp_path / "run" / "state.h5"
+    again = path.read_bytes()
+    for name, message in (("core: flow 0", "'flow 0'.*is missing"), ("stepper", "no record 'stepper'")):
+        rewritten(path, name)
+        with pytest.raises(vv.InputError, match=message):
+            run(streaming(), tmp_path / "run", resume=True)
+        path.write_bytes(again)
+    longer = np.zeros(10_000)
+    rewritten(path, "core: flow 0", arrays={"numbers": longer})
+    with pytest.raises(vv.InputError, match=r"'flow 0'.*does not have the size"):
+        run(streaming(), tmp_path / "run", resume=True)
+    path.write_bytes(again)
+    records = load_state(path)
+    save_state(path, [*records.values(), replace(records["stepper"], name="weather")])
+    with pytest.raises(vv.InputError, match=r"'weather'.*unknown to this version"):
+        run(streaming(), tmp_path / "run", resume=True)
+
+
+def streaming() -> vv.Study:
+    """A lid drags water, whose pressures the flow's term remembers."""
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad4")
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    walls = [vv.NoSlip(fluid=water, faces=f) for f in ("x0", "x1", "y0")]
+    lid = vv.VelocityBoundary(fluid=water, faces="y1", velocity=(1.0, 0, 0))
+    return vv.Study(vv.System([water, *walls, lid]), 0.1, 0.05, vv.Midpoint())
 
 
 def test_history_of_terms_in_python(tmp_path: Path) -> None:
@@ -175,7 +230,7 @@ def test_ctrl_c_saves_the_state_and_resumes(tmp_path: Path) -> None:
     assert threading.current_thread() is threading.main_thread()
     run_until(at(0.2), study, tmp_path / "split")
     assert study.system.time == pytest.approx(0.2)
-    assert load_state(tmp_path / "split" / "state.h5")[1]["time"] == study.system.time
+    assert load_state(tmp_path / "split" / "state.h5")["stepper"].values["time"] == study.system.time
     run(STUDIES["crane"](), tmp_path / "split", resume=True)
     assert_same(tmp_path / "whole", tmp_path / "split")
 
@@ -188,7 +243,8 @@ def test_complete_run_resumed_stays_as_it_is(tmp_path: Path) -> None:
     assert result.statistics.steps == 60
     assert len(result.states) == 61
     assert (tmp_path / "run" / "summary.json").exists()
-    assert before[1] == load_state(tmp_path / "run" / "state.h5")[1]
+    after = load_state(tmp_path / "run" / "state.h5")
+    assert {name: r.values for name, r in before.items()} == {name: r.values for name, r in after.items()}
 
 
 def test_resume_refuses_another_system_step_or_scheme(tmp_path: Path) -> None:
@@ -257,7 +313,7 @@ def test_memory_decides_every_bit() -> None:
         for name in "xvaw":
             getattr(other.core, name)[:] = getattr(one.core, name)
         other.time = one.time
-        other.core.restore(np.array(one.core.memory()))
+        other.core.restore(one.core.memory())
         if one.time > 1.4:
             break
         one.step(0.005)

@@ -27,6 +27,7 @@ ROOMS = (
     "load",
     "contact",
     "flow",
+    "thermal",
     "system",
     "measure",
     "user",

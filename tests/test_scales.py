@@ -204,3 +204,30 @@ def test_flows_start_at_any_speed(speed: float) -> None:
     reference = np.array(channel(Units()))
     flow = channel(Units(T=1 / speed))
     np.testing.assert_allclose(flow, reference, rtol=0, atol=1e-8 * np.abs(reference).max())
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 1e-3, 1e3])
+@pytest.mark.parametrize("kind", ["placed", "thrown", "swinging"])
+def test_a_point_alone_is_measured_by_where_it_is_or_goes(kind: str, size: float) -> None:
+    """The same numbers of iterations as in metres: its length was one, and nanometres were off by 1e-4."""
+
+    def ran(s: float) -> tuple[Any, int]:
+        def pull(t: float, x: Any, v: Any) -> Any:
+            return -100 * x * (1 + x**2 / s**2)
+
+        if kind == "thrown":
+            ball = vv.PointMass(mass=1.0, velocity=(s, 0, 0))
+        else:
+            ball = vv.PointMass(mass=1.0, position=(s, 0, 0))
+        parts: Parts = [ball, vv.GeneralizedForce(of=[ball], force=pull)]
+        if kind == "swinging":
+            ground = vv.Ground()
+            rod = vv.Distance(a=ground.point(), b=ball.point())
+            parts = [ground, ball, rod, vv.Gravity(acceleration=(0, 0, -9.81 * s))]
+        system = vv.System(parts)
+        result = vv.simulate(system, until=1.0, step=0.02, scheme=vv.Midpoint())
+        return system.x[:3] / s, result.statistics.iterations
+
+    (small, ours), (metres, theirs) = ran(size), ran(1.0)
+    assert small == pytest.approx(metres, abs=1e-9)
+    assert abs(ours - theirs) <= 2

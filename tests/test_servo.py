@@ -191,7 +191,7 @@ def test_crane_refuses_schemes_whose_inputs_oscillate(scheme):
 def test_crane_balances_energy_under_energy_momentum_though_its_inputs_oscillate():
     system, _, joints, _ = crane()
     next(vv.march(system, until=0.0125, step=0.0125, scheme=vv.GeneralizedAlpha(rho=0)))
-    system.take_stock()
+    system.evaluate_ledger()
     energy = system.core.energy.sum()
     work = 0.0
     for _ in range(100):

@@ -80,7 +80,7 @@ def shaken(part: Any) -> vv.System:
     core.x[:] += 0.03 * rng.standard_normal(n)
     core.dx[:] = 0.03 * rng.standard_normal(n)
     core.v[:] = rng.standard_normal(n)
-    system.touch()
+    system.invalidate()
     return system
 
 

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 import visviva as vv
-from visviva.analysis.load_steps import Unstable
+from visviva.analysis.load_steps import Equilibrium, Unstable
+from visviva.scheme.schemes import load_step
 from visviva.study.run import run
+from visviva.system.scaling import asymmetry
 from visviva.system.stability import Stability
 
 LENGTH, WIDTH, YOUNG = 10.0, 0.5, 1000.0
@@ -109,7 +111,7 @@ def test_arcs_go_through_unstable_equilibria() -> None:
     result = vv.arc_length(vv.System([ground, tip, *bars, slide, push]), step=0.02, until=0.6, steps=400)
     falling = int(np.sum(np.diff(result.times) < 0))
     assert falling > 5
-    assert abs(result.system.stability.unstable - falling) <= 1
+    assert abs(result.system.stepper.stability.unstable - falling) <= 1
     assert "equilibria: unstable from" in result.audit()
 
 
@@ -134,4 +136,51 @@ def test_resumed_runs_remember_what_they_found(tmp_path: Path) -> None:
 
     run(study(0.75), tmp_path / "run", pictures=False)
     result = run(study(1.0), tmp_path / "run", resume=True, pictures=False)
-    assert result.system.stability == Stability(equilibria=4, unstable=2, first=0.75)
+    assert result.system.stepper.stability == Stability(equilibria=4, unstable=2, first=0.75)
+
+
+CRITICAL = np.pi**2 * 1e6 * 0.2 * 0.1**3 / 12 / (4 * 2.0**2)
+
+
+def slender() -> vv.System:
+    """A cantilever under its own axis, loaded by Euler's load at t = 1."""
+    mesh = vv.BoxMesh(size=(0.1, 0.2, 2.0), counts=(1, 1, 10), cell="hex20")
+    solid = vv.Solid(mesh=mesh, material=vv.SaintVenantKirchhoff(young=1e6, poisson=0.0), density=1.0)
+    push = vv.Traction(solid=solid, faces="z1", traction=(0, 0, -CRITICAL / 0.02), times="t")
+    return vv.System([solid, vv.Fixed(solid=solid, nodes="z0"), push])
+
+
+@pytest.mark.parametrize("step", [0.1, 0.01, 0.004])
+def test_equilibria_next_to_a_critical_load(step: float) -> None:
+    """The tangent is nearly singular there: rounding of the forces alone moves the column by more than 1e-13."""
+    system = slender()
+    result = vv.quasi_static(system, until=0.998, step=step)
+    assert system.rejected == 0
+    assert "equilibria: stable" in result.audit()
+    x = system.x.reshape(-1, 3)
+    assert x[:, 0].min() == pytest.approx(0.0, abs=1e-9)  # poisson=0: it shortens and stays straight
+    strain = -CRITICAL / 0.02 / 1e6 * 0.998
+    stretch = np.sqrt(1 + 2 * strain)  # E l (l^2 - 1) / 2 = load, to first order of strain
+    assert x[:, 2].max() == pytest.approx(2 * stretch, rel=2 * strain**2)
+
+
+@pytest.mark.parametrize("step", [0.2, 0.01])
+def test_beyond_a_critical_load_slender_columns_are_unstable(step: float) -> None:
+    system = slender()
+    with pytest.raises(Unstable, match="energy falls in one direction"):
+        vv.quasi_static(system, until=1.3, step=step)
+    assert 0.79 < system.time < 1.0
+
+
+def test_asymmetry_is_that_of_the_assembled_tangent() -> None:
+    """The core's, of the tangent factored last, against the matrix itself; of a load that follows."""
+    section = vv.GivenSection(stiffness=(1e3, 1e3, 1e3, 1, 1, 1))
+    beam = vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (0, 0, 1)], count=4), section=section)
+    follower = vv.FollowerForce(on=beam.frame(1.0), force=(0.3, 0, -1), times="t")
+    system = vv.System([beam, vv.Clamped(solid=beam, nodes="start"), follower])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    equations = Equilibrium(system, vv.Static())
+    equations.linearise(system.time)
+    exact = asymmetry(system.tangent(load_step(system.time, 0.0))[1]).data.max()
+    assert exact > 1e-5
+    assert system.core.asymmetry() == pytest.approx(exact, rel=1e-12)

@@ -250,7 +250,7 @@ def test_stress_does_the_work_of_the_nodal_forces(cell, name):
     solid = body(cell, REFERENCES[name][0], distorted=0.02)
     system = vv.System([solid])
     system.x[:] += 0.05 * RNG.uniform(-1, 1, len(system.x))
-    system.touch()
+    system.invalidate()
     forces = solid.nodal_forces(system.x)
     residual = system.residual(vv.Static().step(0.0, 0.0))
     np.testing.assert_allclose(forces[:, : solid.dimension].ravel(), -residual, atol=1e-12)

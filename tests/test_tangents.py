@@ -25,7 +25,7 @@ def fresh(entry: Entry) -> tuple[vv.System, Callable[[], None]]:
     def take_back() -> None:
         for name, values in zip(vectors, start, strict=True):
             getattr(core, name)[:] = values
-        system.touch()
+        system.invalidate()
 
     return system, take_back
 
@@ -41,7 +41,7 @@ def shake(system: vv.System, rng: np.random.Generator) -> None:
         history[:n] = rng.standard_normal(n)
     for f in system.model.fields:
         core.dx[f.start : f.start + f.size][f.fixed] = 0.0
-    system.touch()
+    system.invalidate()
 
 
 def slope(system: vv.System, step: object, free: Array, direction: Array, d: float) -> Array:

@@ -11,6 +11,7 @@ LIMITS = {
     ("term/term.hpp", "MeshAssembly"): 4,
     ("term/term.hpp", "NeighbourSearch"): 4,
     ("term/term.hpp", "TermMemory"): 4,
+    ("term/term.hpp", "TermHistory"): 3,
     ("linear/linear.hpp", "LinearSolver"): 6,
     ("linear/linear.hpp", "RigidSolver"): 4,
     ("linear/linear.hpp", "SolverSequence"): 4,

@@ -1,35 +1,15 @@
 // Binding of contact: surfaces as arrays.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/vector.h>
-
-#include "linear.hpp"
+#include "arrays.hpp"
+#include "parts.hpp"
 #include "visviva/contact/contact_term.hpp"
 #include "visviva/contact/search.hpp"
 #include "visviva/contact/segment_points.hpp"
 #include "visviva/contact/tie_term.hpp"
 #include "visviva/system/system.hpp"
 
-namespace nb = nanobind;
 using namespace visviva;
 
 namespace {
-
-using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
-
-template <class T>
-std::vector<T> vector_of(const nb::ndarray<const T, nb::c_contig, nb::device::cpu>& a) {
-    return {a.data(), a.data() + a.size()};
-}
-
-nb::ndarray<nb::numpy, double> copy_of(const std::vector<double>& values) {
-    auto* kept = new std::vector<double>(values);
-    nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
-    const std::size_t n = kept->size();
-    return nb::ndarray<nb::numpy, double>(kept->data(), 1, &n, owner);
-}
 
 Skin skin_of(int dim, const Ints& first, const Ints& unknown, const Doubles& weight, const Ints& mesh_node,
              const Doubles& constant, const Ints& facets, const Doubles& behind, const Doubles& ahead,
@@ -85,7 +65,7 @@ nb::tuple segment_points(const Skin& skin, const Doubles& X, const Ints& pairs, 
         values.insert(values.end(), p.first, p.first + facet_corners);
         values.insert(values.end(), p.second, p.second + facet_corners);
     }
-    return nb::make_tuple(copy_of(pair), copy_of(values));
+    return nb::make_tuple(handed_over(pair), handed_over(values));
 }
 
 // Gaps at positions of all vertices, weighted by area, the areas, and the gradients: of which gap, by which
@@ -103,13 +83,14 @@ nb::tuple linearised(Gaps& gaps, const Doubles& X) {
         for (int v : gaps.stencil(A)) row.push_back(A), vertex.push_back(v);
         gradient.insert(gradient.end(), found[A].gradient.begin(), found[A].gradient.end());
     }
-    return nb::make_tuple(copy_of(gap), copy_of(area), copy_of(row), copy_of(vertex), copy_of(gradient));
+    return nb::make_tuple(handed_over(gap), handed_over(area), handed_over(row), handed_over(vertex),
+                          handed_over(gradient));
 }
 
 void bind_tying(nb::module_& m) {
     m.def("near_facets", [](const Skin& skin, const Doubles& X, double margin) {
         const std::vector<int> pairs = near_facets(skin, X.data(), margin);
-        return copy_of({pairs.begin(), pairs.end()});
+        return handed_over({pairs.begin(), pairs.end()});
     });
     m.def("segment_points", segment_points);
     nb::class_<TieTerm, Term>(m, "TieTerm")
@@ -138,7 +119,7 @@ void bind_contact(nb::module_& m) {
         std::vector<double> all;
         for (const Sight& s : find_sights(dim, vector_of<double>(places), vector_of<int>(facets)))
             all.push_back(s.behind), all.push_back(s.ahead);
-        return copy_of(all);
+        return handed_over(all);
     });
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
@@ -150,31 +131,41 @@ void bind_contact(nb::module_& m) {
     m.def(
         "node_to_segment",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double radius, double reach,
-           bool rubs, double axis) {
-            return shared(make_node_to_segment(
-                skin, {vector_of<double>(areas), vector_of<double>(behind), radius, reach, rubs, axis}));
+           bool rubs, const Ints& turning, double axis) {
+            return shared(make_node_to_segment(skin, {vector_of<double>(areas), vector_of<double>(behind),
+                                                      radius, reach, rubs, vector_of<int>(turning), axis}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("radius"), nb::arg("reach"),
-        nb::arg("rubs"), nb::arg("axis"));
+        nb::arg("rubs"), nb::arg("turning"), nb::arg("axis"));
+    m.def(
+        "line_gaps",
+        [](const Skin& skin, const Doubles& areas, double radius, double reach, const Ints& start,
+           const Ints& own) {
+            return shared(make_line_gaps(skin, {vector_of<double>(areas), {}, radius, reach, false, {}, 0},
+                                         {vector_of<int>(start), vector_of<int>(own)}));
+        },
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("start"),
+        nb::arg("own"));
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,
            const Doubles& places) {
-            return shared(
-                make_self_contact(skin, {vector_of<double>(areas), vector_of<double>(behind), 0, reach, rubs},
-                                  vector_of<double>(places)));
+            return shared(make_self_contact(
+                skin, {vector_of<double>(areas), vector_of<double>(behind), 0, reach, rubs, {}, 0},
+                vector_of<double>(places)));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("reach"), nb::arg("rubs"),
         nb::arg("places"));
     m.def(
         "obstacle",
-        [](const Skin& skin, const Doubles& areas, double radius, bool rubs, int core, const Doubles& half,
-           double round, double axis) {
+        [](const Skin& skin, const Doubles& areas, double radius, const Ints& turning, int core,
+           const Doubles& half, double round, double axis) {
             ObstacleShape shape{static_cast<ObstacleShape::Core>(core), {}, round, axis};
             std::copy_n(half.data(), 3, shape.half);
-            return shared(make_obstacle(skin, {vector_of<double>(areas), {}, radius, 0, rubs}, shape));
+            return shared(make_obstacle(
+                skin, {vector_of<double>(areas), {}, radius, 0, false, vector_of<int>(turning), 0}, shape));
         },
-        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("rubs"), nb::arg("core"),
+        nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("turning"), nb::arg("core"),
         nb::arg("half"), nb::arg("round"), nb::arg("axis"));
     bind_tying(m);
     nb::class_<ContactTerm, Term>(m, "ContactTerm")
@@ -183,9 +174,11 @@ void bind_contact(nb::module_& m) {
             [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
                const Doubles& stiffness, const Doubles& area, bool conserving, bool rigid, double restitution,
                double size, bool presses_out, double friction, const Ints& tangential,
-               const Doubles& tangential_stiffness, const Doubles& inertia, const Doubles& damping) {
+               const Doubles& tangential_stiffness, const Doubles& inertia, const Doubles& most_inertia,
+               const Doubles& damping) {
                 FrictionOptions rubbing{friction, vector_of<int>(tangential),
-                                        vector_of<double>(tangential_stiffness), vector_of<double>(inertia)};
+                                        vector_of<double>(tangential_stiffness), vector_of<double>(inertia),
+                                        vector_of<double>(most_inertia)};
                 new (t) ContactTerm(std::move(gaps),
                                     {vector_of<int>(multiplier), vector_of<double>(stiffness),
                                      vector_of<double>(area), conserving, rigid, restitution, size,
@@ -195,7 +188,7 @@ void bind_contact(nb::module_& m) {
             nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("area"),
             nb::arg("conserving"), nb::arg("rigid"), nb::arg("restitution"), nb::arg("size"),
             nb::arg("presses_out"), nb::arg("friction"), nb::arg("tangential"),
-            nb::arg("tangential_stiffness"), nb::arg("inertia"), nb::arg("damping"))
+            nb::arg("tangential_stiffness"), nb::arg("inertia"), nb::arg("most_inertia"), nb::arg("damping"))
         .def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,
@@ -205,22 +198,24 @@ void bind_contact(nb::module_& m) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};
                      })
         .def_prop_ro(
-            "tractions", [](const ContactTerm& t) { return copy_of(t.tractions()); },
+            "tractions", [](const ContactTerm& t) { return handed_over(t.tractions()); },
             nb::rv_policy::automatic)
         .def_prop_ro(
             "slips",
             [](const ContactTerm& t) { return std::vector<int>(t.slips().begin(), t.slips().end()); })
         .def_prop_ro("unsettled", &ContactTerm::unsettled)
+        .def_prop_ro("roaming", &ContactTerm::roaming)
         .def_prop_ro(
-            "pressures", [](const ContactTerm& t) { return copy_of(t.pressures()); },
+            "pressures", [](const ContactTerm& t) { return handed_over(t.pressures()); },
             nb::rv_policy::automatic)
         .def_prop_ro(
-            "forces", [](const ContactTerm& t) { return copy_of(t.forces()); }, nb::rv_policy::automatic)
+            "forces", [](const ContactTerm& t) { return handed_over(t.forces()); }, nb::rv_policy::automatic)
         .def_prop_ro(
-            "friction_forces", [](const ContactTerm& t) { return copy_of(t.friction_forces()); },
+            "friction_forces", [](const ContactTerm& t) { return handed_over(t.friction_forces()); },
             nb::rv_policy::automatic)
         .def_prop_ro(
-            "gaps", [](const ContactTerm& t) { return copy_of(t.gap_values()); }, nb::rv_policy::automatic)
+            "gaps", [](const ContactTerm& t) { return handed_over(t.gap_values()); },
+            nb::rv_policy::automatic)
         .def_prop_ro(
-            "areas", [](const ContactTerm& t) { return copy_of(t.areas()); }, nb::rv_policy::automatic);
+            "areas", [](const ContactTerm& t) { return handed_over(t.areas()); }, nb::rv_policy::automatic);
 }

@@ -1,16 +1,11 @@
 // Binding of fluids.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
-#include "linear.hpp"
+#include "arrays.hpp"
+#include "parts.hpp"
 #include "visviva/flow/flow_term.hpp"
 #include "visviva/flow/open_term.hpp"
 
-namespace nb = nanobind;
 using namespace visviva;
 
-using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
 using Values = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 
 // The function writes `size` values at a time t. It is Python that owns it.

@@ -1,24 +1,13 @@
 // Binding of immersed solids.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 
-#include "linear.hpp"
+#include "arrays.hpp"
+#include "parts.hpp"
 #include "visviva/flow/immersed_term.hpp"
 
-namespace nb = nanobind;
 using namespace visviva;
 
 namespace {
-
-template <class T>
-using Array = nb::ndarray<const T, nb::c_contig, nb::device::cpu>;
-
-template <class T>
-std::vector<T> vector_of(const Array<T>& a) {
-    return {a.data(), a.data() + a.size()};
-}
 
 // A function that Python owns, while there is one.
 nb::object alive(const nb::weakref& function) {
@@ -37,8 +26,8 @@ Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t d
                                                       int* unknown, double* weight) {
         nb::gil_scoped_acquire gil;
         auto found = nb::cast<nb::tuple>(alive(f)(rows(starts, n, dim), rows(places, n, dim)));
-        const auto unknowns = nb::cast<Array<int>>(found[0]);
-        const auto weights = nb::cast<Array<double>>(found[1]);
+        const auto unknowns = nb::cast<Ints>(found[0]);
+        const auto weights = nb::cast<Doubles>(found[1]);
         if (unknowns.size() != n * width || weights.size() != n * width)
             throw std::runtime_error("an interpolation of an immersed solid has the wrong size");
         std::copy_n(unknowns.data(), n * width, unknown);
@@ -61,7 +50,7 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
     return [f = nb::weakref(function), n, dim](const double* places, const double* moves) {
         nb::gil_scoped_acquire gil;
         auto found = nb::cast<nb::tuple>(alive(f)(rows(places, n, dim), rows(moves, n, dim)));
-        const auto starts = nb::cast<Array<int>>(found[0]), unknowns = nb::cast<Array<int>>(found[1]);
+        const auto starts = nb::cast<Ints>(found[0]), unknowns = nb::cast<Ints>(found[1]);
         std::vector<std::vector<int>> coupled(n);
         for (std::size_t k = 0; k < n; ++k)
             coupled[k].assign(unknowns.data() + starts.data()[k], unknowns.data() + starts.data()[k + 1]);
@@ -95,9 +84,10 @@ void bind_immersed(nb::module_& m) {
     nb::class_<ImmersedTerm, Term>(m, "ImmersedTerm")
         .def(
             "__init__",
-            [](ImmersedTerm* t, int dim, int width, double damping, bool leaves, const Array<int>& vector,
-               const Array<double>& weight, const Array<int>& multiplier, const Array<bool>& held,
-               nb::object interpolate, nb::object admit, nb::object couple, nb::object reach) {
+            [](ImmersedTerm* t, int dim, int width, double damping, bool leaves, const Ints& vector,
+               const Doubles& weight, const Ints& multiplier,
+               const nb::ndarray<const bool, nb::c_contig, nb::device::cpu>& held, nb::object interpolate,
+               nb::object admit, nb::object couple, nb::object reach) {
                 const int n = static_cast<int>(multiplier.size()),
                           terms = static_cast<int>(vector.size()) / n;
                 new (t)

@@ -1,22 +1,14 @@
 // Choices of linear solvers, and the solvers on their own for tests and benchmarks.
-#include "linear.hpp"
-
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/function.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
 #include <algorithm>
 
+#include "arrays.hpp"
+#include "parts.hpp"
 #include "visviva/linear/linear_choice.hpp"
 #include "visviva/system/system.hpp"
 
-namespace nb = nanobind;
 using namespace visviva;
 
-using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Out = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
-using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
 using Longs = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
 
 namespace {

@@ -1,21 +1,11 @@
 // Binding of physics at points.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/vector.h>
-
+#include "arrays.hpp"
 #include "callback.hpp"
-#include "linear.hpp"
+#include "parts.hpp"
+#include "visviva/point/assumed_term.hpp"
 #include "visviva/point/point_term.hpp"
 
-namespace nb = nanobind;
 using namespace visviva;
-
-using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
-
-static const double* optional(const nb::object& a) {
-    return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
-}
 
 // Of (weights (n, points, nodes, columns), mass (n, pairs) or None, whether they are positions).
 static PointGroupData group_of(const nb::tuple& g) {
@@ -57,14 +47,50 @@ static nb::ndarray<nb::numpy, double, nb::ndim<2>> history(const PointTerm& t) {
     return nb::ndarray<nb::numpy, double, nb::ndim<2>>(out->data(), 2, shape, owner);
 }
 
+// Of weights (samples, slots), products (strain, left, right) and their factors.
+static AssumedData assumed_data(const Ints& index, const Doubles& weights, const Ints& products,
+                                const Doubles& factors, const Doubles& stiffness, const Doubles& reference) {
+    AssumedData d{};
+    d.n = static_cast<int>(index.shape(0)), d.n_slots = static_cast<int>(index.shape(1));
+    d.n_samples = static_cast<int>(weights.shape(0)), d.n_strains = static_cast<int>(reference.shape(1));
+    d.index = index.data(), d.weights = weights.data();
+    for (std::size_t k = 0; k < products.shape(0); ++k) {
+        const int* p = products.data() + 3 * k;
+        d.products.push_back({p[0], p[1], p[2], factors.data()[k]});
+    }
+    d.stiffness = stiffness.data(), d.reference = reference.data();
+    return d;
+}
+
 void bind_point(nb::module_& m) {
+    nb::class_<AssumedTerm, Term>(m, "AssumedTerm")
+        .def(
+            "__init__",
+            [](AssumedTerm* t, const Ints& index, const Doubles& weights, const Ints& products,
+               const Doubles& factors, const Doubles& stiffness, const Doubles& reference) {
+                new (t) AssumedTerm(assumed_data(index, weights, products, factors, stiffness, reference));
+            },
+            nb::arg("index"), nb::arg("weights"), nb::arg("products"), nb::arg("factors"),
+            nb::arg("stiffness"), nb::arg("reference"))
+        .def_rw("energy_account", &AssumedTerm::energy_account);
     nb::enum_<PhysicsKind>(m, "PhysicsKind")
         .value("VISCOELASTIC", PhysicsKind::viscoelastic)
         .value("THERMOELASTIC", PhysicsKind::thermoelastic)
         .value("DAMAGE", PhysicsKind::damage)
         .value("CAHN_HILLIARD", PhysicsKind::cahn_hilliard)
         .value("BEAM", PhysicsKind::beam)
-        .value("SHELL", PhysicsKind::shell);
+        .value("SHELL", PhysicsKind::shell)
+        .value("LAYER", PhysicsKind::layer)
+        .value("PRESSED_LAYER", PhysicsKind::pressed_layer)
+        .value("DAMPED_BEAM", PhysicsKind::damped_beam)
+        .value("CONDUCTION", PhysicsKind::conduction);
+    // Components of the unknowns of each group, and how many strains the map has.
+    m.def("point_shape", [](PhysicsKind kind) {
+        const PointShape& shape = point_kernels(kind).shape;
+        nb::list components;
+        for (int g = 0; g < shape.n_groups; ++g) components.append(shape.group[g].components);
+        return nb::make_tuple(components, shape.n_strains);
+    });
     nb::class_<PointTerm, Term>(m, "PointTerm")
         .def(
             "__init__",

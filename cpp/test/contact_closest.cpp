@@ -22,7 +22,7 @@ TEST_CASE("closest: beside a border, deep below its facet, what is beyond it cou
             const Eigen::Vector3d x = at(along, -aside, -up * 1.3);
             const Foot rim = closest(facet, 0, x);
             REQUIRE(rim.n == 2);
-            const Jet gap = beyond_border(facet, rim, part, x);
+            const Expansion gap = beyond_border(facet, rim, part, x);
             CHECK(std::abs(gap.value - (aside - part * edge)) < 1e-14);
             CHECK((gap.gradient.head<3>() + turn.col(1)).norm() < 1e-6);
         }

@@ -3,6 +3,7 @@
 
 #include "dense.hpp"
 #include "visviva/linear/reduce/contact_condensation.hpp"
+#include "visviva/linear/reduce/director_elimination.hpp"
 #include "visviva/linear/reduce/element_condensation.hpp"
 #include "visviva/linear/reduce/slave_elimination.hpp"
 
@@ -299,4 +300,104 @@ TEST_CASE("reductions around each other: elements condensed, then pressures exch
     const auto exchange = p.reduction(inner);
     // the exchange keeps the address of the pattern it was made for
     check(a, problem, *make_reduced(elements, make_reduced(exchange, make_sparse_lu())), numbers);
+}
+
+// --- directors: vectors whose length a multiplier holds
+
+namespace {
+
+// Nodes of a position and a vector, coupled whole with all others; the row and the column of a multiplier are
+// different places on the sphere.
+struct Held {
+    static constexpr int n_nodes = 4, width = 6, n = n_nodes * width;
+    MatrixXd a, coupled;
+    std::vector<char> fixed;
+    std::vector<int> node;
+    std::vector<HeldLength> lengths;
+
+    explicit Held(Numbers& numbers) {
+        a = side_by_side(arbitrary_matrix(numbers, n, 2), MatrixXd::Zero(n_nodes, n_nodes));
+        coupled = side_by_side(MatrixXd::Ones(n, n), MatrixXd::Zero(n_nodes, n_nodes));
+        fixed.assign(n + n_nodes, 0);
+        for (int i = 0; i < n; ++i) node.push_back(i / width * width);
+        for (int k = 0; k < n_nodes; ++k) {
+            node.push_back(n + k), lengths.push_back({width * k + 3, n + k});
+            for (int i = width * k; i < width * (k + 1); ++i) coupled(i, n + k) = coupled(n + k, i) = 1;
+            for (int c = 0; c < 3; ++c) {
+                const int i = width * k + 3 + c;
+                a(n + k, i) = 2 + numbers.one(), a(i, n + k) = 0.1 + a(n + k, i);
+            }
+            coupled(n + k, n + k) = 1;
+        }
+    }
+    void hold(int i) {
+        fixed[i] = 1;
+        a.row(i).setZero(), a.col(i).setZero(), a(i, i) = 1;
+    }
+    std::shared_ptr<DirectorElimination> reduction(const Problem& p) const {
+        auto listed = lengths;
+        for (HeldLength& l : listed) l = {Problem::unknown(l.unknown), Problem::unknown(l.multiplier)};
+        std::vector<int> numbered;
+        for (int k : node) numbered.push_back(Problem::unknown(k));
+        auto reduction = std::make_shared<DirectorElimination>(listed);
+        reduction->analyze(p.csr, p.by_unknown<char>(fixed, 1), p.by_unknown(numbered, Problem::fixed));
+        return reduction;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("directors: vectors of constant length leave one component and the multiplier, and come back") {
+    Numbers numbers(51);
+    const Held h(numbers);
+    Problem problem(h.a, h.coupled);
+    const auto reduction = h.reduction(problem);
+    CHECK(reduction->n() == 4);
+    CHECK(reduction->left().n == 20);
+    check(h.a, problem, *make_reduced(reduction, make_sparse_lu()), numbers);
+}
+
+TEST_CASE("directors: what is left is symmetric and definite where the tangent is on the constraints") {
+    Numbers numbers(52);
+    Held h(numbers);
+    MatrixXd k = arbitrary_matrix(numbers, Held::n, 2);
+    h.a.topLeftCorner(Held::n, Held::n) = k * k.transpose();
+    h.a.topRightCorner(Held::n, 4) = h.a.bottomLeftCorner(4, Held::n).transpose();
+    const Problem problem(h.a, h.coupled);
+    const auto reduction = h.reduction(problem);
+    REQUIRE(reduction->reduce(problem.values.data()));
+    MatrixXd left = MatrixXd::Zero(20, 20);
+    for (int i = 0; i < 20; ++i)
+        for (auto e = reduction->left().row[i]; e < reduction->left().row[i + 1]; ++e)
+            left(i, reduction->left().col[e]) = reduction->values()[e];
+    CHECK(difference(left, left.transpose()) < 1e-13);
+    CHECK(Eigen::SelfAdjointEigenSolver<MatrixXd>(left).eigenvalues()[0] > 0);
+}
+
+TEST_CASE("directors: components that are held do not move, and one alone leaves with its multiplier") {
+    Numbers numbers(53);
+    Held h(numbers);
+    h.hold(4);               // between the others
+    h.hold(10), h.hold(11);  // all but one
+    Problem problem(h.a, h.coupled);
+    const auto reduction = h.reduction(problem);
+    CHECK(reduction->n() == 4);
+    CHECK(reduction->left().n == 20);
+    const auto solver = make_reduced(reduction, make_sparse_lu());
+    solver->analyze(problem.csr, problem.blocks);
+    REQUIRE(problem.factor(*solver));
+    VectorXd b = numbers.vector(static_cast<int>(h.a.rows()));
+    for (int i : {4, 10, 11}) b[i] = 0;
+    CHECK(difference(problem.solve(*solver, b), h.a.fullPivLu().solve(b)) < 1e-11);
+}
+
+TEST_CASE("directors: a multiplier without a force is named") {
+    Numbers numbers(54);
+    Held h(numbers);
+    h.a.col(Held::n + 2).setZero();
+    const Problem problem(h.a, h.coupled);
+    const auto solver = make_reduced(h.reduction(problem), make_sparse_lu());
+    solver->analyze(problem.csr, problem.blocks);
+    CHECK_FALSE(problem.factor(*solver));
+    CHECK(solver->report().singular_unknown == Problem::unknown(Held::n + 2));
 }

@@ -1,10 +1,11 @@
 // Discrete gradients over blocks of strains, strain maps, internal variables.
 #include <doctest/doctest.h>
 
-#include "dense.hpp"
+#include "material_samples.hpp"
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
 #include "visviva/point/quadratic.hpp"
+#include "visviva/point/thermoelastic.hpp"
 
 using namespace visviva;
 using namespace visviva::isa_test;
@@ -43,16 +44,27 @@ void check_gradient(const Energy& energy, const VectorXd& e0, const VectorXd& e1
 
 TEST_CASE("point: discrete gradients give the change of energy, whole and in blocks") {
     Numbers numbers(3);
-    const V thermo[6] = {broadcast(20.0), broadcast(10.0), broadcast(0.4),
-                         broadcast(0.2),  broadcast(20.0), broadcast(0.5)},
-            damage[6] = {broadcast(20.0), broadcast(10.0), broadcast(0.5),
+    const V damage[6] = {broadcast(20.0), broadcast(10.0), broadcast(0.5),
                          broadcast(0.3),  broadcast(1e-3), broadcast(10.0)},
             maxwell[4] = {broadcast(20.0), broadcast(10.0), broadcast(8.0), broadcast(2.0)},
             phases[3] = {broadcast(4.0), broadcast(0.1), broadcast(1.0)};
-    check_gradient(ThermoelasticEnergy(thermo), 0.1 * numbers.vector(7), 0.1 * numbers.vector(7));
     check_gradient(DamageEnergy(damage), 0.1 * numbers.vector(10), 0.1 * numbers.vector(10));
     check_gradient(ViscoelasticEnergy(maxwell), 0.1 * numbers.vector(12), 0.1 * numbers.vector(12));
     check_gradient(SeparationEnergy(phases), numbers.vector(4), numbers.vector(4));
+}
+
+TEST_CASE("point: discrete gradients of every material that conducts heat give the change of energy") {
+    Numbers numbers(4);
+    for (const Material& material : materials) {
+        if (material.kind == MaterialKind::hooke) continue;
+        CAPTURE(material.name);
+        V par[thermal::n_par] = {};
+        const double heat[5] = {static_cast<double>(material.kind), 0.2, 20.0, 0.4, 0.03};
+        for (int k = 0; k < 5; ++k) par[k] = broadcast(heat[k]);
+        for (std::size_t k = 0; k < material.par.size(); ++k)
+            par[thermal::material + k] = broadcast(material.par[k]);
+        check_gradient(ThermoelasticEnergy(par), 0.1 * numbers.vector(7), 0.1 * numbers.vector(7));
+    }
 }
 
 template <class Map>
@@ -80,6 +92,7 @@ static void check_map() {
 TEST_CASE("point: what is found of strain maps at compile time is what they say") {
     check_map<SolidMap>();
     check_map<SolidEntropyMap>();
+    check_map<ScalarMap>();
     check_map<BeamMap>();
     check_map<ShellMap>();
 }
@@ -93,7 +106,7 @@ TEST_CASE("point: internal variables relax as in closed form, and never gain") {
     V e0[12] = {}, e1[12] = {}, et[12] = {}, s[12], T[144];
     e0[0] = e1[0] = broadcast(1e-6);
     for (int k = 0; k < 100; ++k) {
-        evolve<false>(energy, step, e0, e1, et, s, T);
+        CHECK(all(evolve<false>(energy, step, W, e0, e1, et, s, T)));
         double lost = 0;
         for (int i = 6; i < 12; ++i) lost -= s[i][0] * (e1[i][0] - e0[i][0]);
         CHECK(lost > 0);

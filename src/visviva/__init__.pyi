@@ -1,17 +1,26 @@
 # Public names, and where they are: each module is loaded when one of its names is first used.
 from .analysis.adaptive import Adaptive
 from .analysis.arc_length import ArcLength, arc_length
+from .analysis.buckling import Buckling, buckling
 from .analysis.eigenmodes import Modes, modes
 from .analysis.load_steps import NoEquilibrium, Static, quasi_static
 from .analysis.march import march, simulate
 from .analysis.relaxation import equilibrium
 from .base.errors import InputError, RunError, VisvivaError
 from .base.timefunction import TimeFunction
+from .body.beam import Beam
 from .body.coupling import DistributedCoupling, RigidCoupling
+from .body.extensible_shell import ExtensibleShell
 from .body.point_mass import Ground, PointMass
+from .body.polygon_section import PolygonSection
+from .body.profiles import BoxSection, ISection, RectangleSection, TubeSection
 from .body.rigid import RigidBody
+from .body.section import GivenSection, UserSection
 from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
+from .body.shell import Shell
+from .body.shell_section import HomogeneousSection, Laminate, Ply
 from .body.solid import Solid
+from .body.solid_section import SolidLaminate, SolidLayer, SolidSection
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
 from .contact.tying import Tie
@@ -19,6 +28,7 @@ from .flow.boundary import FreeSlip, NoSlip, VelocityBoundary
 from .flow.fluid import Fluid
 from .flow.immersed import Immersed
 from .flow.immersed_body import ImmersedBody
+from .flow.immersed_thin import ImmersedThin
 from .flow.opening import FluidTraction, Outlet
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
 from .joint.lower_pairs import (
@@ -38,17 +48,22 @@ from .linear.choice import Automatic, Direct, Iterative
 from .load.bushing import Bushing
 from .load.distributed import BodyForce
 from .load.drive import JointDamper, JointForce, JointSpring, Motor
+from .load.edge_moment import EdgeMoment
 from .load.force import FollowerForce, Force
 from .load.gravity import Gravity
+from .load.line_load import LineLoad
+from .load.rotating_frame import RotatingFrame
 from .load.spring import Damper, Spring
-from .load.support import Fixed, Prescribed, SymmetryPlane
+from .load.support import Clamped, Fixed, Prescribed, SymmetryPlane
 from .load.surface_loads import ElasticFoundation, Pressure, Traction
-from .load.torque import FollowerTorque, Torque, TorquePair
+from .load.thermal_strain import ThermalStrain
+from .load.torque import FollowerTorque, SemitangentialTorque, Torque, TorquePair
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from .material.material import Material
 from .material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
 from .material.tissue import HolzapfelGasserOgden
 from .material.user_material import UserMaterial
+from .measure.beam_probes import Resultants
 from .measure.contact_probes import ContactArea, ContactForce, ContactGap, ContactPressure
 from .measure.flow_probes import Courant, Divergence, FlowField, FlowForce, FlowRate
 from .measure.formula import Formula
@@ -74,6 +89,7 @@ from .measure.solid_probes import (
     Velocity,
     Volume,
 )
+from .measure.thermal_probes import TemperatureAt
 from .mesh.faces import Faces
 from .mesh.generate import (
     BoxMesh,
@@ -84,6 +100,7 @@ from .mesh.generate import (
     RectangleMesh,
     SphereMesh,
 )
+from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .model.term import Term
@@ -100,6 +117,10 @@ from .scheme.schemes import (
 from .study.study import Study
 from .system.newton import Newton, StepFailure
 from .system.system import System
+from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemperature, Radiation
+from .thermal.heat import Heat
+from .thermal.thermal_body import ThermalBody
+from .thermal.thermoelastic_solid import ThermoelasticSolid
 from .user.servo import Servo, ServoInputs
 from .user.terms import Constraint, GeneralizedForce, Potential, UserTerm
 
@@ -107,15 +128,20 @@ __all__ = [
     "BDF2",
     "Adaptive",
     "ArcLength",
+    "ArcMesh",
     "Automatic",
     "BackwardEuler",
+    "Beam",
     "BlatzKo",
     "BodyForce",
     "Box",
     "BoxMesh",
+    "BoxSection",
+    "Buckling",
     "Bushing",
     "Capsule",
     "CentreOfMass",
+    "Clamped",
     "Cone",
     "Constraint",
     "Contact",
@@ -123,6 +149,7 @@ __all__ = [
     "ContactForce",
     "ContactGap",
     "ContactPressure",
+    "Convection",
     "Courant",
     "Cylinder",
     "CylinderMesh",
@@ -135,8 +162,10 @@ __all__ = [
     "Distance",
     "DistributedCoupling",
     "Divergence",
+    "EdgeMoment",
     "ElasticFoundation",
     "EnergyMomentum",
+    "ExtensibleShell",
     "Extreme",
     "Faces",
     "FieldAt",
@@ -155,19 +184,29 @@ __all__ = [
     "GeneralizedAlpha",
     "GeneralizedForce",
     "Gent",
+    "GivenSection",
     "Gravity",
     "Ground",
+    "Heat",
+    "HeatFlux",
+    "HeatSource",
     "HollowCylinderMesh",
     "HollowTorusMesh",
     "HolzapfelGasserOgden",
+    "HomogeneousSection",
+    "ISection",
     "Immersed",
     "ImmersedBody",
+    "ImmersedThin",
     "InputError",
     "Iterative",
     "JointCoordinate",
     "JointDamper",
     "JointForce",
     "JointSpring",
+    "Laminate",
+    "LineLoad",
+    "LineMesh",
     "LinearElastic",
     "Material",
     "Mesh",
@@ -186,35 +225,47 @@ __all__ = [
     "Outlet",
     "Planar",
     "Plane",
+    "Ply",
     "PointMass",
     "PointOnLine",
     "PointOnPlane",
+    "PolygonSection",
     "Position",
     "Potential",
     "Prescribed",
+    "PrescribedTemperature",
     "Pressure",
     "Prismatic",
     "QuadrilateralMesh",
     "RackAndPinion",
+    "Radiation",
     "ReactionForce",
     "ReactionTorque",
     "RectangleMesh",
+    "RectangleSection",
     "Result",
+    "Resultants",
     "Revolute",
     "Rigid",
     "RigidBody",
     "RigidCoupling",
     "RopeOverWinch",
+    "RotatingFrame",
     "RunError",
     "SaintVenantKirchhoff",
     "Scheme",
     "Screw",
     "SectionForce",
     "SectionTorque",
+    "SemitangentialTorque",
     "Separation",
     "Servo",
     "ServoInputs",
+    "Shell",
     "Solid",
+    "SolidLaminate",
+    "SolidLayer",
+    "SolidSection",
     "Sphere",
     "SphereMesh",
     "Spherical",
@@ -228,14 +279,20 @@ __all__ = [
     "SurfaceMesh",
     "SymmetryPlane",
     "System",
+    "TemperatureAt",
     "Term",
+    "ThermalBody",
+    "ThermalStrain",
+    "ThermoelasticSolid",
     "Tie",
     "TimeFunction",
     "Torque",
     "TorquePair",
     "Traction",
+    "TubeSection",
     "Universal",
     "UserMaterial",
+    "UserSection",
     "UserTerm",
     "VariationalMidpoint",
     "Velocity",
@@ -244,6 +301,7 @@ __all__ = [
     "Volume",
     "Yeoh",
     "arc_length",
+    "buckling",
     "equilibrium",
     "march",
     "modes",

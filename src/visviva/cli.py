@@ -6,21 +6,26 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
+from visviva.scene.commands import (
+    FAILED,
+    as_before,
+    compose,
+    execute,
+    introduce,
+    refuse_earlier_run,
+    say,
+    shown,
+)
 
-if TYPE_CHECKING:
-    from visviva.results.result import Result
-    from visviva.scene.gallery import Source
-
-BAD_INPUT, FAILED = 2, 1
+BAD_INPUT = 2
 DEBUG = "--debug"
 UNEXPECTED = "an error that is not expected"
-SCENES = (".yaml", ".yml", ".toml")
 
 app = App(
     name="visviva",
@@ -59,59 +64,68 @@ Settings = Annotated[
 ]
 
 
+Out = Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")]
+Until = Annotated[float | None, Parameter(help="End time.")]
+Step = Annotated[float | None, Parameter(help="Step length.")]
+SchemeText = Annotated[
+    str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")
+]
+Tolerance = Annotated[
+    float | None, Parameter(help="Choose step sizes by this error per step; the step given is the first.")
+]
+Project = Annotated[
+    bool, Parameter(negative="", help="Accept an initial state that is moved far to fit the constraints.")
+]
+Resume = Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")]
+Force = Annotated[
+    bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
+]
+Every = Annotated[
+    int | None,
+    Parameter(
+        converter=whole,
+        help="Write tables and trajectory every so many steps; by default as fine as is useful.",
+    ),
+]
+Saving = Annotated[float, Parameter(help="Seconds between saves of the state.")]
+Overwrite = Annotated[
+    bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
+]
+NoLock = Annotated[bool, Parameter(negative="", help="Write also where the file system knows no locks.")]
+
+
 @app.command
 def run(
     model: Model,
     /,
     *,
-    out: Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")] = None,
-    until: Annotated[float | None, Parameter(help="End time.")] = None,
-    step: Annotated[float | None, Parameter(help="Step length.")] = None,
-    scheme: Annotated[
-        str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")
-    ] = None,
-    adaptive: Annotated[
-        float | None, Parameter(help="Choose step sizes by this error per step; the step given is the first.")
-    ] = None,
+    out: Out = None,
+    until: Until = None,
+    step: Step = None,
+    scheme: SchemeText = None,
+    adaptive: Tolerance = None,
     settings: Settings = [],  # noqa: B006  (cyclopts copies)
-    project: Annotated[
-        bool, Parameter(negative="", help="Accept an initial state that is moved far to fit the constraints.")
-    ] = False,
-    resume: Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")] = False,
-    force: Annotated[
-        bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
-    ] = False,
-    every: Annotated[
-        int | None,
-        Parameter(
-            converter=whole,
-            help="Write tables and trajectory every so many steps; by default as fine as is useful.",
-        ),
-    ] = None,
-    save_every: Annotated[float, Parameter(help="Seconds between saves of the state.")] = 5.0,
-    overwrite: Annotated[
-        bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
-    ] = False,
-    no_lock: Annotated[
-        bool, Parameter(negative="", help="Write also where the file system knows no locks.")
-    ] = False,
+    project: Project = False,
+    resume: Resume = False,
+    force: Force = False,
+    every: Every = None,
+    save_every: Saving = 5.0,
+    overwrite: Overwrite = False,
+    no_lock: NoLock = False,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
     """Run an example or a scene file and print an audit of what was conserved."""
     from visviva.scene.gallery import assignments
-    from visviva.study.run import run as run_study
 
-    directory = (
-        out or Path("runs") / Path(model).name
-    )  # an example and a scene of one name differ by the ending
-    changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive}
-    given = {key: value for key, value in changes.items() if value is not None}
-    parameters = assignments(settings)
     if resume and overwrite:
         raise InputError(
             "--resume and --overwrite exclude each other: continue the earlier run, or delete it"
         )
+    directory = out or Path("runs") / Path(model).name  # a scene's ending keeps it from an example's
+    changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive}
+    given = {key: value for key, value in changes.items() if value is not None}
+    parameters = assignments(settings)
     if resume:
         given, parameters = as_before(directory, given, parameters, force)
     elif not overwrite:
@@ -119,27 +133,9 @@ def run(
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source, project or resume)
     notes = {"study": source.name, "parameters": parameters, "given": given}
-    try:
-        result = run_study(
-            source.study,
-            directory,
-            resume=resume,
-            force=force,
-            overwrite=overwrite,
-            every=every,
-            save_every=save_every,
-            project=project,
-            lock=not no_lock,
-            notes=notes,
-        )
-    except KeyboardInterrupt as interrupt:
-        where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
-        say(f"{where} (state and files are in {directory})")
-        return exit_code(interrupt)
-    result.audit()
-    passed = report_check(source, result)
-    print(f"files are in {directory}")
-    return 0 if passed else FAILED
+    files = {"every": every, "save_every": save_every, "overwrite": overwrite, "lock": not no_lock}
+    going_on = {"resume": resume, "force": force, "project": project}
+    return execute(source, directory, notes=notes, **files, **going_on)
 
 
 @app.command
@@ -271,108 +267,6 @@ def info() -> None:
     for package, use in (("pyvista", "viewer and better pictures"), ("imageio_ffmpeg", "mp4 movies"),
                          ("trimesh", "bodies from surface meshes"), ("meshio", "mesh files")):  # fmt: skip
         print(f"{package}: {'found' if find_spec(package) else 'not installed'} ({use})")
-
-
-# --- what the commands share --------------------------------------------------------------------------------
-def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **allowed: bool) -> Source:
-    """The study that was asked for, with end time, step and scheme as given, and what its scene may do."""
-    from visviva.scene.gallery import compose_example
-
-    if Path(model).suffix in SCENES or os.sep in model:
-        from visviva.scene.reading import compose_scene
-
-        source = compose_scene(model, parameters, **allowed)
-    else:
-        source = compose_example(model, parameters)
-    if "until" in given:
-        source.study.until = given["until"]
-    if "step" in given:
-        source.study.step = given["step"]
-    if "scheme" in given:
-        from visviva.scene.reading import scheme_of_text
-
-        source.study.scheme = scheme_of_text(given["scheme"])
-    if "adaptive" in given:
-        from visviva.analysis.adaptive import Adaptive
-
-        source.study.adaptive = Adaptive(tolerance=given["adaptive"])
-    return source
-
-
-def as_before(
-    directory: Path, given: dict[str, Any], parameters: dict[str, Any], force: bool
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What an earlier run was given, with the end time changed if wanted; with `force` all that is given now."""
-    from visviva.output.directory import RunDirectory
-    from visviva.study.restart import notes_of
-
-    earlier = notes_of(RunDirectory.open(directory).state)["study"]
-    for key, value in parameters.items():
-        if earlier["parameters"].get(key) != value and not force:
-            raise InputError(
-                f"{directory}: was run without --set {key}={value}; resume with what it was run with, or go on with "
-                "--force if the change is meant"
-            )
-    return earlier["given"] | given, earlier["parameters"] | parameters
-
-
-def refuse_earlier_run(directory: Path) -> None:
-    """A new run must not mix with an older one."""
-    from visviva.output.directory import RunDirectory
-
-    earlier = RunDirectory(directory).earlier
-    if earlier:
-        raise InputError(
-            f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
-            "choose another directory with --out DIR, or delete it with --overwrite"
-        )
-
-
-def introduce(source: Source, project: bool) -> None:
-    """Title and size of a system."""
-    from visviva.analysis.march import prepare
-
-    system = source.study.system
-    prepare(system, source.study.scheme, project=project)
-    report = system.report
-    assert report is not None
-    n, m, f = report.n_coordinates, report.n_constraints, report.degrees_of_freedom
-    redundant = f", {len(report.redundant)} constraints are redundant" if report.redundant else ""
-    print(source.study.title or source.name)
-    print(f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}", flush=True)
-
-
-def shown(trajectory: Path, field: str | None) -> str:
-    """The field that was asked for, or the velocity where something flows, or von Mises' stress of solids."""
-    from visviva.output.coloring import Coloring
-    from visviva.output.trajectory import Trajectory
-
-    if field is not None:
-        return field
-    with Trajectory(trajectory) as motion:
-        if "velocity" in motion.fields and Coloring("velocity", 0, 1).streams(
-            motion, float(motion.times[-1])
-        ):
-            return "velocity"
-        return "von_mises" if "von_mises" in motion.fields else ""
-
-
-def report_check(source: Source, result: Result) -> bool:
-    """Execute an example's check and say how it went."""
-    if source.check is None:
-        return True
-    try:
-        source.check(result)
-    except AssertionError as error:
-        say(f"check of {source.name} failed: {error}")
-        return False
-    print(f"check of {source.name} passed")
-    return True
-
-
-def say(message: str) -> None:
-    """A line to standard error."""
-    print(f"visviva: {message}", file=sys.stderr)
 
 
 def _version() -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from campaign import generated, kill, long, schemes
+from campaign import generated, kill, long, loops, schemes, shells
 
 
 def main() -> int:
@@ -19,7 +19,9 @@ def main() -> int:
     scale = parser.parse_args().scale
     wrong = kill.main(["--kills", str(max(2, round(6 * scale)))])
     wrong += long.main(["--scale", str(scale)])
+    wrong += loops.main(["--scale", str(scale)])
     wrong += schemes.main()
+    wrong += shells.main(["course"])
     wrong += generated.main([str(max(150, round(1000 * scale)))])
     return min(wrong, 1)
 

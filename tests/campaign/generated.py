@@ -100,7 +100,7 @@ def run(seeds: range) -> Iterator[tuple[int, str, str]]:
 
 def work(first: int, last: int) -> None:
     """Run cases and print their faults, for the process that watches."""
-    from visviva.study.run import Recorder
+    from visviva.study.recorder import Recorder
 
     Recorder.draw = lambda self: None  # type: ignore[method-assign]  # pictures take seconds
     for seed, what, fault in run(range(first, last)):

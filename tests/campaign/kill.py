@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from saved import saved_arrays
 
 import visviva as vv
 from visviva.output import Trajectory, load_state
@@ -77,7 +78,7 @@ def outcome(name: str, kills: int, rng: np.random.Generator) -> Outcome:
         while len(places) < kills:
             if killed_once(name, killed, rng.uniform(0, seconds)):
                 state = killed / "state.h5"
-                places.append(float(load_state(state)[1]["time"]) if state.exists() else -1.0)
+                places.append(float(load_state(state)["stepper"].values["time"]) if state.exists() else -1.0)
             elif found := difference(whole, killed):
                 return Outcome(name, steps_of(whole), tuple(places), found)
             else:  # it came to its end before, and is begun again
@@ -88,7 +89,7 @@ def outcome(name: str, kills: int, rng: np.random.Generator) -> Outcome:
 
 def steps_of(directory: Path) -> int:
     """Steps of a run."""
-    return int(load_state(directory / "state.h5")[1]["statistics.steps"])
+    return int(load_state(directory / "state.h5")["statistics"].values["steps"])
 
 
 def launched(name: str, directory: Path) -> subprocess.Popen[bytes]:
@@ -121,7 +122,7 @@ def difference(one: Path, other: Path) -> str:
     for table in TABLES:
         if (one / table).read_bytes() != (other / table).read_bytes():
             return table
-    a, b = load_state(one / "state.h5")[0], load_state(other / "state.h5")[0]
+    a, b = saved_arrays(one), saved_arrays(other)
     unequal = [n for n in sorted({*a, *b}) if n not in a or n not in b or a[n].tobytes() != b[n].tobytes()]
     if unequal:
         return f"state.h5: {unequal[0]}"

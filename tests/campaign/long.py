@@ -20,7 +20,8 @@ from typing import Any
 
 import visviva as vv
 from visviva.examples import cantilever, pendulum
-from visviva.study.run import Recorder, run
+from visviva.study.recorder import Recorder
+from visviva.study.run import run
 
 ROOM = 0.01
 """Part by which memory may grow: the allocator's own hoards come and go."""

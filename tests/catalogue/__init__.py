@@ -5,13 +5,16 @@ of it conserves: 'energy' if no load, motor or damper does work, and columns of 
 'angular_z'. The balance of energy is checked for every entry, whatever it contains.
 """
 
+from catalogue.beams import BEAMS
 from catalogue.contact import CONTACT
 from catalogue.entry import Components, Entry
 from catalogue.flow import FLOW
 from catalogue.instances import INSTANCES
 from catalogue.rigid import RIGID
 from catalogue.solids import SOLIDS
+from catalogue.thermal import THERMAL
+from catalogue.thin_contacts import THIN_CONTACTS
 
-CATALOGUE = [*RIGID, *SOLIDS, *CONTACT, *FLOW, *INSTANCES]
+CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *INSTANCES]
 
 __all__ = ["CATALOGUE", "Components", "Entry"]

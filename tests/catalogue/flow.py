@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from flow_parts import enclosed, stream, torus
-from immersed_parts import body, flap, large
+from immersed_parts import body, flap, large, leaflet, strip
 
 from catalogue.entry import NOTHING, Entry
 
@@ -54,4 +54,6 @@ FLOW = [
     Entry("immersed, may leave", lambda: large("quad4", leaves=True), NOTHING, h=0.02, steps=10),
     Entry("immersed body, may leave", lambda: body("quad4", 3, 10.0, leaves=True), NOTHING, h=0.02, steps=10),
     Entry("immersed flap", lambda: flap("quad4", 3, 10.0), NOTHING, h=0.02, steps=10),
+    Entry("immersed beam", strip, NOTHING, h=0.02, steps=10),
+    Entry("immersed shell", leaflet, NOTHING, h=0.02, steps=10),
 ]

@@ -134,6 +134,11 @@ def pull(t: float) -> float:
 RIGID = [
     Entry("free body", lambda: [body()], ALL),
     Entry("falling body", lambda: [body(), vv.Gravity()], FALLING),
+    Entry(
+        "body in a rotating frame",
+        lambda: [body(), vv.RotatingFrame(angular_velocity=(0.3, -0.2, 0.5))],
+        ENERGY,
+    ),
     Entry("point mass", lambda: [ball(), vv.Gravity()], FALLING),
     # joints between two free bodies
     Entry("spherical", lambda: pair(vv.Spherical), ALL),

@@ -112,6 +112,7 @@ HEATED: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("plane stress", "quad4", {"plane": "stress"}),
     ("enhanced", "hex8", {"formulation": "enhanced"}),
     ("fibres", "tet10", {"material": MATERIALS["Holzapfel-Gasser-Ogden"]}),
+    ("F-bar", "quad4", {"formulation": "F-bar"}),
 )
 
 USERS: tuple[tuple[str, str, dict[str, Any]], ...] = (

@@ -158,14 +158,22 @@ class Thermoelastic(Block):
         s = self.capacity * np.log1p(self.warm * self.X[:, 0] ** 2)
         theta = self.reference * np.exp(s / self.capacity)
         self.entropy = self.scalars(model, "entropy", s, Role.CONTENT)
-        self.temperature = self.scalars(model, "temperature", theta, Role.MULTIPLIER)
+        self.temperature = self.scalars(model, "temperature", theta, Role.TEMPERATURE)
+
+    def parameters(self) -> list[float]:
+        """See `visviva/point/thermoelastic.hpp`."""
+        rubber = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
+        heat = [float(int(rubber.kind)), self.capacity, self.reference, 0.4, 0.0]
+        k = self.conductivity
+        constants = rubber.constants()
+        return [*heat, k, k, k, 0.0, 0.0, 0.0, 0.0, *constants, *[0.0] * (18 - len(constants))]
 
     def contribute(self, model: Model) -> None:
         self.build(
             model,
             PhysicsKind.THERMOELASTIC,
             [(self.motion, "g"), (self.entropy, "vg"), (self.temperature, "vg")],
-            [20.0, 10.0, 0.4, self.capacity, self.reference, self.conductivity],
+            self.parameters(),
         )
 
 

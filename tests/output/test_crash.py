@@ -14,7 +14,7 @@ from visviva.output import Trajectory, TrajectoryWriter, load_state, read_table
 
 KILLED_WRITER = """
 import sys, numpy as np
-from visviva.output import Surface, Table, TrajectoryWriter, save_state, vtkhdf
+from visviva.output import Record, Surface, Table, TrajectoryWriter, save_state, vtkhdf
 vtkhdf.ROOM_AT_FIRST = 0  # moves the file as often as possible
 points = np.random.default_rng(0).normal(size=(40, 3))
 surface = Surface("body", points, [[0, 1, 2], [3, 4, 5]])
@@ -25,7 +25,7 @@ while True:
     writer.append(step / 64, [points + step])
     table.append([step / 64, step / 7, 1 / 3])
     if step % 10 == 0:
-        save_state(sys.argv[1] + "/state.h5", {"q": np.full(1000, step / 7)}, {"time": step / 64})
+        save_state(sys.argv[1] + "/state.h5", [Record("q", 1, {"q": np.full(1000, step / 7)}, {"time": step / 64})])
     print(step, flush=True)
     step += 1
 """
@@ -52,7 +52,8 @@ def test_killed_writer_leaves_every_completed_step(tmp_path, round_):
     columns = read_table(tmp_path / "l.csv")
     assert len(columns["time"]) in (done, done + 1)
     assert columns["energy"].tolist() == [k / 7 for k in range(len(columns["energy"]))]
-    arrays, attributes = load_state(tmp_path / "state.h5")
+    record = load_state(tmp_path / "state.h5")["q"]
+    arrays, attributes = record.arrays, record.values
     assert (arrays["q"] == attributes["time"] * 64 / 7).all()
     if round_ == 0:
         _, grids = read_by_vtk(tmp_path / "t.vtkhdf")

@@ -9,7 +9,16 @@ import pytest
 
 from output.scenes import SCENE, moved
 from visviva.base.errors import RunError
-from visviva.output import Surface, Table, Trajectory, TrajectoryWriter, load_state, read_table, save_state
+from visviva.output import (
+    Record,
+    Surface,
+    Table,
+    Trajectory,
+    TrajectoryWriter,
+    load_state,
+    read_table,
+    save_state,
+)
 from visviva.output import safe_files as files
 
 
@@ -77,7 +86,7 @@ def small_disk(tmp_path):
 def test_real_full_disk(small_disk):
     writer = TrajectoryWriter(small_disk / "t.vtkhdf", SCENE)
     table = Table(small_disk / "l.csv", ["time", "x"])
-    save_state(small_disk / "s.h5", {"q": np.arange(1000.0)}, {"time": 0.0})
+    save_state(small_disk / "s.h5", [Record("ball", 1, {"q": np.arange(1000.0)}, {"time": 0.0})])
     step = 0
 
     def run_on():
@@ -90,7 +99,7 @@ def test_real_full_disk(small_disk):
     with pytest.raises(RunError, match="No space left on device"):
         run_on()
     with pytest.raises(RunError, match="No space left on device"):
-        save_state(small_disk / "s.h5", {"q": np.zeros(50_000)}, {"time": 1.0})
+        save_state(small_disk / "s.h5", [Record("ball", 1, {"q": np.zeros(50_000)}, {"time": 1.0})])
     with pytest.raises(RunError, match="No space left on device"):
         TrajectoryWriter(small_disk / "new.vtkhdf", [Surface("big", np.zeros((20_000, 3)), [[0]])]).append(
             0.0, [np.zeros((20_000, 3))]
@@ -99,17 +108,17 @@ def test_real_full_disk(small_disk):
     with Trajectory(small_disk / "t.vtkhdf") as motion:
         assert len(motion.times) in (step, step + 1)
     assert len(read_table(small_disk / "l.csv")["time"]) == step
-    assert load_state(small_disk / "s.h5")[1] == {"time": 0.0}
+    assert load_state(small_disk / "s.h5")["ball"].values == {"time": 0.0}
     assert not list(small_disk.glob(".*"))
 
 
 def test_failed_save_keeps_the_older_state(tmp_path, monkeypatch):
     path = tmp_path / "s.h5"
-    save_state(path, {"q": np.ones(3)}, {"time": 1.0})
+    save_state(path, [Record("ball", 1, {"q": np.ones(3)}, {"time": 1.0})])
     monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(RunError, match="No space left"):
-        save_state(path, {"q": np.zeros(3)}, {"time": 2.0})
-    assert load_state(path)[1] == {"time": 1.0}
+        save_state(path, [Record("ball", 1, {"q": np.zeros(3)}, {"time": 2.0})])
+    assert load_state(path)["ball"].values == {"time": 1.0}
     assert [file.name for file in tmp_path.iterdir()] == ["s.h5"]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from visviva.base.errors import InputError
-from visviva.output import RunDirectory, load_state, save_state
+from visviva.output import Record, RunDirectory, load_state, save_state
 
 
 def test_state_is_bit_faithful(tmp_path):
@@ -23,8 +23,10 @@ def test_state_is_bit_faithful(tmp_path):
         "empty": np.zeros((0, 3)),
     }
     attributes = {"time": 0.1 + 0.2, "step": 2**53 + 1, "scheme": "EnergyMomentum(h=0.01) ä", "done": True}
-    save_state(tmp_path / "s.h5", arrays, attributes)
-    found, found_attributes = load_state(tmp_path / "s.h5")
+    save_state(tmp_path / "s.h5", [Record("one", 1), Record("two", 3, arrays, attributes)])
+    records = load_state(tmp_path / "s.h5")
+    assert {name: record.version for name, record in records.items()} == {"one": 1, "two": 3}
+    found, found_attributes = records["two"].arrays, records["two"].values
     assert found.keys() == arrays.keys()
     for name, array in arrays.items():
         assert found[name].dtype == array.dtype
@@ -42,7 +44,7 @@ def test_state_of_others_is_refused(tmp_path):
         load_state(tmp_path / "other.h5")
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file.attrs["format"] = "visviva state 99"
-    with pytest.raises(InputError, match=r"visviva state 99.*visviva state 6"):
+    with pytest.raises(InputError, match=r"visviva state 99.*visviva state 7"):
         load_state(tmp_path / "other.h5")
     (tmp_path / "text.h5").write_text("hello")
     for name in ("text.h5", "missing.h5"):
@@ -69,7 +71,7 @@ def test_run_directory(tmp_path):
     with pytest.raises(InputError, match="holds no run"):
         RunDirectory.open(run.path)
     (run.path / "notes.txt").write_text("mine")
-    save_state(run.state, {}, {})
+    save_state(run.state, [])
     assert RunDirectory.open(run.path) == run
     with pytest.raises(InputError, match=r"already holds a run \(state.h5\)"):
         RunDirectory.create(run.path)

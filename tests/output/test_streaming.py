@@ -15,7 +15,8 @@ import visviva as vv
 from visviva.base.errors import InputError
 from visviva.examples import pendulum
 from visviva.output.states import StateFile
-from visviva.study.run import Recorder, run
+from visviva.study.recorder import Recorder
+from visviva.study.run import run
 
 
 def test_memory_stays_while_steps_are_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,7 +46,7 @@ def test_a_run_and_a_simulation_tell_the_same(tmp_path: Path) -> None:
     run_until(after_rows(12), pendulum.study(until=0.3, step=0.01), tmp_path)
     again = pendulum.study(until=0.3, step=0.01)
     read = run(again, tmp_path, resume=True, pictures=False)
-    assert list(read.times) == kept.times
+    assert list(read.times) == list(kept.times)
     for one, other in ((read.states, kept.states), (read.rates, kept.rates)):
         np.testing.assert_array_equal(np.array(one), np.array(other))
         np.testing.assert_array_equal(one[-3:], other[-3:])

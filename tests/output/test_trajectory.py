@@ -106,7 +106,7 @@ def test_trajectory_refuses_what_does_not_fit(tmp_path):
             writer.append(float("nan"), [ROPE.points], {"v": np.zeros((3, 3))})
     with pytest.raises(InputError, match="cannot be read"):
         Trajectory(tmp_path / "missing.vtkhdf")
-    save_state(tmp_path / "state.h5", {}, {})
+    save_state(tmp_path / "state.h5", [])
     with pytest.raises(InputError, match="no trajectory"):
         Trajectory(tmp_path / "state.h5")
 

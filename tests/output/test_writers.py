@@ -19,7 +19,8 @@ import visviva as vv
 from visviva.cli import main
 from visviva.examples import pendulum
 from visviva.output import RunDirectory, load_state, read_table
-from visviva.study.run import Recorder, run
+from visviva.study.recorder import Recorder
+from visviva.study.run import run
 
 
 def study(until: float = 0.2, step: float = 0.01) -> vv.Study:
@@ -62,7 +63,8 @@ def test_file_systems_without_locks_are_for_those_who_mean_it(
 WRITER = """
 import sys, time
 from visviva.examples import pendulum
-from visviva.study.run import Recorder, run
+from visviva.study.recorder import Recorder
+from visviva.study.run import run
 write = Recorder.write_row
 def slowly(self, row):
     write(self, row)
@@ -89,7 +91,7 @@ def test_a_killed_writer_leaves_no_lock(writer: Any, tmp_path: Path) -> None:
         run(study(5.0), tmp_path, resume=True, pictures=False)
     writer.kill()
     writer.wait()
-    reached = float(load_state(tmp_path / "state.h5")[1]["time"])
+    reached = float(load_state(tmp_path / "state.h5")["stepper"].values["time"])
     run(study(reached + 0.05), tmp_path, resume=True, pictures=False)
 
 
@@ -97,7 +99,7 @@ def test_termination_saves_as_ctrl_c_does(writer: Any, tmp_path: Path) -> None:
     writer.send_signal(signal.SIGTERM)
     _, err = writer.communicate(timeout=60)
     assert b"KeyboardInterrupt" in err
-    reached = float(load_state(tmp_path / "state.h5")[1]["time"])
+    reached = float(load_state(tmp_path / "state.h5")["stepper"].values["time"])
     assert read_table(tmp_path / "ledger.csv")["time"][-1] == reached > 0
 
 
@@ -194,7 +196,7 @@ def test_a_full_disk_tells_the_time_that_can_be_resumed(which: str, tmp_path: Pa
             run(study(), tmp_path / "split", pictures=False, save_every=0.0)
         assert str(error.value).endswith(f"the run can be resumed from t = {save_times[-1]!r}")
     monkeypatch.undo()
-    assert load_state(tmp_path / "split" / "state.h5")[1]["time"] == save_times[-1] > 0
+    assert load_state(tmp_path / "split" / "state.h5")["stepper"].values["time"] == save_times[-1] > 0
     run(study(), tmp_path / "split", resume=True, pictures=False)
     for table in ("ledger.csv", "probes.csv"):
         assert (tmp_path / "whole" / table).read_bytes() == (tmp_path / "split" / table).read_bytes()

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import visviva as vv
+from visviva.scheme.clock import Clock
 from visviva.study.study import measure
+from visviva.system.memory import returning
 
 Array = NDArray[np.float64]
 Look = Callable[[vv.System], ArrayLike]
@@ -80,16 +82,9 @@ def follow(study: vv.Study, names: Sequence[str], times: ArrayLike) -> tuple[Arr
 
 
 def reaction_at(result: vv.Result, joint: vv.joint.joint.Joint, k: int) -> tuple[Array, Array]:
-    """Force and torque of a joint on its partner b at the k-th of all kept states, second order in the step.
-
-    Multipliers belong to the middle of a step and alternate about their mean by an amount of first order, so
-    those of the steps before and after are averaged, at the configuration between.
-    """
-    system, now = result.system, result.system.x.copy()
-    between = result.states[k].copy()
-    multipliers = np.concatenate([f.unknowns for f in system.model.fields if f.multiplier])
-    between[multipliers] = 0.5 * (result.states[k] + result.states[k + 1])[multipliers]
-    system.x[:] = between
-    found = vv.reaction(system, joint)
-    system.x[:] = now
-    return found
+    """Force and torque of a joint on its partner b at the k-th of all kept states, second order in the step."""
+    system = result.system
+    with returning(system):
+        system.x[:], system.v[:] = result.states[k], result.rates[k]
+        system.stepper.clock = Clock(result.times[k], system.clock.step)
+        return vv.reaction(system, joint)

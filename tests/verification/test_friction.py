@@ -140,7 +140,7 @@ def test_tangent_where_much_sticks_or_slips(law: dict[str, Any], friction: float
     core.x[upper.node_unknowns(np.arange(upper.grid.n_nodes)) + 2] -= 0.05
     trial = 0.02 * rng.standard_normal(n)
     step = scheme.step(0.0, 0.1)
-    system.touch()
+    system.invalidate()
     core.dx[:] = trial
     K = system.tangent(step)[1].toarray()
     assert contact.pressures.all()

@@ -216,7 +216,7 @@ def test_stroke_on_a_slope_is_exact() -> None:
     """Uniform acceleration is exact under the midpoint rule; the reaction too."""
     ground, sled = vv.Ground(), body(PLACE, 5)
     rail = vv.Prismatic(a=ground, b=sled, at=PLACE, axis=FRAME[:, 2], stroke=True)
-    system = vv.System([ground, sled, rail, vv.Gravity()])
+    system = vv.System([ground, sled, rail, vv.Gravity()], vv.Newton(tolerance=1e-15))
     result = vv.simulate(system, until=1.0, step=0.05)
     slope = -9.81 * FRAME[2, 2]
     assert system.value(rail.coordinate()) == pytest.approx(0.5 * slope, abs=1e-12)
@@ -250,15 +250,13 @@ def test_torque_of_a_motor_is_inverse_dynamics() -> None:
         result = vv.simulate(
             system, until=2.0 + h, step=h, observe=lambda s, e=efforts, m=motor: e.append(m.effort(s))
         )
-        between = 0.5 * (np.array(efforts[1:]) + efforts[:-1])  # at t = h, 2 h ...
-        t = h * np.arange(1, len(between) + 1)
+        t = h * np.arange(1, len(efforts) + 1)
         angle = np.array([motion(s) for s in t])
         exact = 0.8 * (0.8 - 4.5 * np.sin(1.5 * t)) + 2.0 * 9.81 * 0.5 * np.cos(angle)
-        worst.append(np.abs(between - exact).max())
+        worst.append(np.abs(np.array(efforts) - exact).max())
         assert system.value(shaft.coordinate()) == pytest.approx(motion(system.time), abs=1e-12)
         conserved(result, tolerance=1e-9)
-    assert worst[1] < 0.02
-    assert worst[0] / worst[1] == pytest.approx(4.0, abs=0.4)
+    assert max(worst) < 1e-8  # positions and rates are those of the drive
 
 
 def test_force_of_a_linear_motor() -> None:

@@ -114,7 +114,7 @@ def test_standing_wave_in_a_free_bar() -> None:
         system = vv.System([solid, *held], vv.Newton(tolerance=1e-14))
         u0 = 1e-4 * np.cos(np.pi * solid.points[:, 0] / LENGTH)
         system.x[solid.node_unknowns(np.arange(solid.grid.n_nodes))] += u0
-        system.touch()
+        system.invalidate()
         end = periods * 2 * np.pi / omega * 1.125
         vv.simulate(system, until=end, step=end / (steps * periods), every=10**9)
         u = solid.displacements(system.x)[:, 0]

@@ -158,7 +158,7 @@ def test_rigid_motion_costs_nothing(cell: str, multipliers: Multipliers) -> None
     for solid in (first, second):
         at = solid.node_unknowns(np.arange(solid.grid.n_nodes))[:, None] + np.arange(d)
         system.x[at] = (solid.points @ R.T + [5.0, -3.0, 2.0])[:, :d]
-    system.touch()
+    system.invalidate()
     assert np.abs(system.residual(vv.Static().step(0.0, 0.0))).max() < 1e-13
     assert np.abs(first.nodal_forces(system.x)).max() < 1e-13
 

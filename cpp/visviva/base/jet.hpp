@@ -21,8 +21,8 @@ struct Jet {
     VISVIVA_INLINE static Jet constant(V value) {
         Jet u;
         u.v = value;
-        for (V& a : u.g) a = V{};
-        for (V& a : u.h) a = V{};
+        clear(u.g, n);
+        clear(u.h, second ? n * (n + 1) / 2 : 1);
         return u;
     }
 };

@@ -29,6 +29,11 @@ VISVIVA_INLINE V gather(const double* x, const int* index) {
     for (int l = 0; l < W; ++l) a[l] = x[index[l]];
     return a;
 }
+// A loop over references to the entries of an array whose length is a template's would take them as aligned
+// to their size.
+VISVIVA_INLINE void clear(V* a, int n) {
+    for (int k = 0; k < n; ++k) a[k] = V{};
+}
 VISVIVA_INLINE V select(VI mask, V a, V b) { return mask ? a : b; }
 VISVIVA_INLINE V vabs(V a) { return a < 0.0 ? -a : a; }
 VISVIVA_INLINE V vmax(V a, V b) { return a > b ? a : b; }

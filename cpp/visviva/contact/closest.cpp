@@ -16,15 +16,6 @@ Vector3 place(const FacetShape& facet, const Foot& foot) {
     return y;
 }
 
-Foot on_edge(const FacetShape& facet, int simplex, int a, int b, const Vector3& x) {
-    const Vector3 e = facet.corner[b] - facet.corner[a];
-    const double t = e.dot(x - facet.corner[a]), length = e.squaredNorm();
-    Foot foot{simplex, 1, {t > 0 ? b : a}, {1}};
-    if (t > 0 && t < length) foot = {simplex, 2, {a, b}, {1 - t / length, t / length}};
-    foot.distance = (x - place(facet, foot)).norm();
-    return foot;
-}
-
 // z, u and the tangents of the derivatives below.
 struct Variations {
     Eigen::MatrixXd z, u, T;
@@ -47,6 +38,15 @@ Variations variations(const FacetShape& facet, const Foot& foot, const Vector3& 
 }
 
 }  // namespace
+
+Foot on_edge(const FacetShape& facet, int simplex, int a, int b, const Vector3& x) {
+    const Vector3 e = facet.corner[b] - facet.corner[a];
+    const double t = e.dot(x - facet.corner[a]), length = e.squaredNorm();
+    Foot foot{simplex, 1, {t > 0 ? b : a}, {1}};
+    if (t > 0 && t < length) foot = {simplex, 2, {a, b}, {1 - t / length, t / length}};
+    foot.distance = (x - place(facet, foot)).norm();
+    return foot;
+}
 
 Vector3 FacetShape::normal(int simplex) const {
     const Vector3& a = corner[vertex(simplex, 0)];
@@ -113,10 +113,10 @@ void differentiate(const FacetShape& facet, const Foot& foot, const Vector3& nor
 
 // With w = d n, so that it is known at d = 0 as well, and s_j = t_j . z + w . dt_j:
 //     1/2 d(d^2) = w . z,  1/2 d2(d^2) = z . z - s . M^-1 s.
-Jet squared_distance(const FacetShape& facet, const Foot& foot, const Vector3& x) {
+Expansion squared_distance(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     const Vector3 w = x - place(facet, foot);
     const auto [z, u, T] = variations(facet, foot, w);
-    Jet q{w.squaredNorm(), 2 * z.transpose() * w, 2 * z.transpose() * z};
+    Expansion q{w.squaredNorm(), 2 * z.transpose() * w, 2 * z.transpose() * z};
     if (foot.n == 1) return q;
     const Eigen::MatrixXd s = T.transpose() * z + u;
     q.hessian -= 2 * s.transpose() * ((T.transpose() * T).inverse() * s);
@@ -125,24 +125,24 @@ Jet squared_distance(const FacetShape& facet, const Foot& foot, const Vector3& x
 
 namespace {
 
-Jet operator+(const Jet& a, const Jet& b) {
+Expansion operator+(const Expansion& a, const Expansion& b) {
     return {a.value + b.value, a.gradient + b.gradient, a.hessian + b.hessian};
 }
 
-Jet operator*(double f, const Jet& a) { return {f * a.value, f * a.gradient, f * a.hessian}; }
+Expansion operator*(double f, const Expansion& a) { return {f * a.value, f * a.gradient, f * a.hessian}; }
 
-Jet square(const Jet& a) {
+Expansion square(const Expansion& a) {
     return {a.value * a.value, 2 * a.value * a.gradient,
             2 * (a.gradient * a.gradient.transpose() + a.value * a.hessian)};
 }
 
-Jet root(const Jet& a) {
+Expansion root(const Expansion& a) {
     const double s = std::sqrt(a.value);
     const Eigen::VectorXd g = a.gradient / (2 * s);
     return {s, g, (0.5 * a.hessian - g * g.transpose()) / s};
 }
 
-Jet edge_length(const FacetShape& facet, int a, int b) {
+Expansion edge_length(const FacetShape& facet, int a, int b) {
     Eigen::MatrixXd e = Eigen::MatrixXd::Zero(3, 3 * (1 + facet.n));
     for (int c = 0; c < facet.n; ++c)
         e.middleCols<3>(3 + 3 * c) = (facet.share(b, c) - facet.share(a, c)) * Matrix3::Identity();
@@ -155,15 +155,16 @@ Jet edge_length(const FacetShape& facet, int a, int b) {
 
 }  // namespace
 
-Jet beyond_border(const FacetShape& facet, const Foot& rim, double part, const Vector3& x) {
+Expansion beyond_border(const FacetShape& facet, const Foot& rim, double part, const Vector3& x) {
     const Foot plane = whole(facet, rim.simplex, x);
     const Vector3 n = facet.normal(rim.simplex);
-    Jet above{n.dot(x - place(facet, plane)), {}, {}};
+    Expansion above{n.dot(x - place(facet, plane)), {}, {}};
     differentiate(facet, plane, n, above.value, above.gradient, &above.hessian);
     const int s = rim.simplex;
-    const Jet radius = part * edge_length(facet, facet.vertex(s, 0), facet.vertex(s, 1));
-    const Jet height = above + radius;
-    Jet aside = squared_distance(facet, rim, x) + -1.0 * square(above);  // deep below, numbers that are alike
+    const Expansion radius = part * edge_length(facet, facet.vertex(s, 0), facet.vertex(s, 1));
+    const Expansion height = above + radius;
+    Expansion aside =
+        squared_distance(facet, rim, x) + -1.0 * square(above);  // deep below, numbers that are alike
     aside.value = (place(facet, plane) - place(facet, rim)).squaredNorm();
     return (height.value > 0 ? root(aside + square(height)) : root(aside)) + -1.0 * radius;
 }

@@ -37,6 +37,9 @@ struct Foot {
 
 Foot closest(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 
+/// The closest point of the edge between two of the facet's corners, its ends included.
+Foot on_edge(const FacetShape& facet, int simplex, int a, int b, const Eigen::Vector3d& x);
+
 /// The whole simplex, for the distance to its plane.
 Foot whole(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 
@@ -45,19 +48,19 @@ Foot whole(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 void differentiate(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal, double distance,
                    Eigen::VectorXd& gradient, Eigen::MatrixXd* hessian);
 
-/// A number and its derivatives by x and the facet's corners.
-struct Jet {
+/// A function to second order: its value and derivatives by x and the facet's corners.
+struct Expansion {
     double value = 0;
     Eigen::VectorXd gradient;
     Eigen::MatrixXd hessian;
 };
 
 /// Squared distance of x from the plane, line or point of a foot.
-Jet squared_distance(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& x);
+Expansion squared_distance(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& x);
 
 /// Distance from a body that is rounded off, with a radius that is `part` of a facet, beyond the border where
 /// the closest foot `rim` is, and whose side is across the facet.
-Jet beyond_border(const FacetShape& facet, const Foot& rim, double part, const Eigen::Vector3d& x);
+Expansion beyond_border(const FacetShape& facet, const Foot& rim, double part, const Eigen::Vector3d& x);
 
 /// Derivatives of the foot's coordinates (one row each) by x and the facet's corners.
 Eigen::MatrixXd coordinate_gradients(const FacetShape& facet, const Foot& foot, const Eigen::Vector3d& normal,

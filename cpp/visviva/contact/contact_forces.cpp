@@ -73,12 +73,15 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
 
 // Four corners of a box press on a plane where three would do, and what sticks may be held by a support as
 // well. So little give in the tangent of a step, and none in the residual, leaves alone what changes nothing.
+// Where rigid bodies rub, so little would make rounding of positions pull vertices over Coulomb's limit
+// against each other: there it is as much as still lets Newton's method converge at once.
 double ContactTerm::compliance(int A, const Context& c) const {
-    constexpr double little = 1e-10;
+    constexpr double little = 1e-10, of_inertia = 5e-6;
     const bool instant =
         c.step.h > 0 && !c.step.has_length();  // where modes take closed gaps for constraints
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
+    if (is_inertial(c) && has_several()) return of_inertia / tangential(A, c);
     const double stiffness = augmentation(A, c) + mass;
     return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
 }

@@ -30,30 +30,63 @@ void ContactTerm::find_traction(int A, const Context& c) {
 
 // Of multipliers any stiffness leads to the same, but within a step masses answer to a traction by their
 // inertia: where that of the step is not counted, slips of short steps do not tell in the trial traction
-// beside the multiplier, and nothing tells their direction.
+// beside the multiplier, and nothing tells their direction. Rigid bodies have nothing but inertia: a
+// stiffness far beyond it would make tractions of the rounding of slips, also that of facets they rub on.
 double ContactTerm::tangential(int A, const Context& c) const {
     const FrictionOptions& o = options_.friction;
-    return o.stiffness[A] + (has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0);
+    const double inertia = has_tangential() ? std::abs(c.step.motion[1][0]) * o.inertia[A] : 0;
+    if (is_inertial(c)) return inertia;
+    const double stiffness = o.stiffness[A] + inertia;
+    const bool capped = has_tangential() && rebounds() && holds(c) && c.step.has_length() && o.most[A] > 0;
+    return capped ? std::min(stiffness, std::abs(c.step.motion[1][0]) * o.most[A]) : stiffness;
 }
 
-// Of a body that touches with one point, its gap closing as the step begins. Where several may, each feels
-// the impacts of the others, and which of them stick is not told by one law for each. Schemes whose
-// velocities follow from the step alone throw nothing back.
+bool ContactTerm::is_inertial(const Context& c) const {
+    const std::vector<char>& deforms = gaps_->skin().mesh_node;
+    const bool is_rigid = std::none_of(deforms.begin(), deforms.end(), [](char d) { return d != 0; });
+    return is_rigid && has_tangential() && rebounds() && holds(c) && c.step.has_length() &&
+           options_.friction.inertia[0] > 0;
+}
+
+// As a gap closes when the step begins. Schemes whose velocities follow from the step alone throw nothing
+// back.
 bool ContactTerm::rubs_in_impact(const Context& c) const {
-    return c.step.motion[2][1] != 0 && has_tangential() && rebounds() && holds(c) && gaps_->n() == 1 &&
-           closes(0, c);
+    if (c.step.motion[2][1] == 0 || !has_tangential() || !rebounds() || !holds(c)) return false;
+    if (has_several() && retried_) return false;
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (closes(A, c)) return true;
+    return false;
+}
+
+// Vertices that stick without having closed may be dragged along by the impact of others.
+bool ContactTerm::gives_energy(const Context& c) {
+    constexpr double rounding = 1e-9;
+    if (!impacts_ || !has_several()) return false;
+    find_gradients();
+    double sum = 0, size = 0;
+    Eigen::VectorXd f;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (!active_[A]) continue;
+        force(A, c, f);
+        const double pressed = S_[A] * f.dot(stencil_of(A, D_)), rubbed = slip_work(A, D_);
+        sum += pressed + rubbed, size += std::abs(pressed) + std::abs(rubbed);
+    }
+    return sum > rounding * size;
 }
 
 // An impact jumps: what sticks in it has come to rest at its end, v1 = c1 D + c0 v0 = 0; no slip in the step
 // itself would throw it back as fast as it came. Where pressures turn the slip round, friction lets it go on
 // as far as the mean of both ends vanishes, for against that it would give energy: what must not slip is D
-// with (c0 + s) / c1 of v0, 0 <= s <= 1. Which s is told by slips rather than by tractions, which jump.
+// with (c0 + s) / c1 of v0, 0 <= s <= 1. Of several vertices each feels the impacts of the others: s is 0,
+// and should they give energy together, or not converge, the step is tried again with D alone. Which s is
+// told by slips rather than by tractions, which jump.
 Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     constexpr double by_traction = 1.0 / 8;
     const double k = tangential(A, c), *v1 = c.step.motion[2];
     carried_[A] = 0, free_[A].setZero();
     if (!impacts_) return base_[A] + k * slip(A).displacement();
     carried_[A] = v1[1] / v1[0];
+    if (has_several()) return base_[A] + k * slip(A).displacement();
     const Eigen::Vector2d stopped = k * slip(A).displacement(), told = by_traction * base_[A] + stopped,
                           before = k / v1[0] * sliding(A, stencil_of(A, V0_)).displacement();
     if (told.dot(before) >= 0) return base_[A] + stopped;
@@ -71,9 +104,7 @@ Sliding ContactTerm::slip(int A) const {
 }
 
 Sliding ContactTerm::sliding(int A, const Eigen::VectorXd& D) const {
-    Eigen::VectorXd turning = Eigen::VectorXd::Zero(grips_[A].weight.size());
-    turning.head(gaps_->n_turning(A)).setOnes();
-    return {grips_[A], stencil_of(A, Xr_), D, turning, gaps_->skin().dim};
+    return {grips_[A], stencil_of(A, Xr_), D, grips_[A].turning, gaps_->skin().dim};
 }
 
 std::vector<double> ContactTerm::tractions() const {

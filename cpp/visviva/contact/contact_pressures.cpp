@@ -85,7 +85,8 @@ void ContactTerm::update_active_set(const Context& c) {
 // columns. Nor does the augmentation do work: the multiplier alone is the force that a load step begins with.
 double ContactTerm::augmentation(int A, const Context& c) const {
     const bool plain = !c.step.is_static() && !has_friction();
-    return plain || c.backwards ? 0 : options_.stiffness[A];
+    if (plain || c.backwards) return 0;
+    return is_inertial(c) ? tangential(A, c) : options_.stiffness[A];
 }
 
 // The pressure at a gap, not negative once the active set has settled.

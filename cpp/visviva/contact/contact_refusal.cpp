@@ -29,10 +29,29 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
+    if (gives_energy(c)) return refused(0, "an impact that sticks at several vertices would give energy,");
+    if (const int A = rubs_too_late(c); A >= 0)
+        return refused(A,
+                       "an impact rubs, for which the elastic slip of tangential='penalty' has no time; take "
+                       "tangential='multipliers', or enforcement='penalty', with which impacts last,");
     if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
     if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
         return refused(A, "the first surface comes in by one side and out by another, past an edge,");
     return {};
+}
+
+// A gap that closes in an impact with an elastic traction below Coulomb's limit, though what slides there and
+// what the limit allows are felt; -1: none. The impulse of such a traction vanishes with the step.
+int ContactTerm::rubs_too_late(const Context& c) const {
+    constexpr double felt = 1e-3;
+    if (!has_friction() || has_tangential() || !rebounds() || !holds(c) || !c.step.has_length()) return -1;
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (!active_[A] || traction_[A].slips || !closes(A, c)) continue;
+        const double closing = -rate0_[A], slides = sliding(A, stencil_of(A, V0_)).displacement().norm();
+        const double braked = std::min(options_.friction.coefficient * closing, slides);
+        if (braked > felt * std::max(closing, slides)) return A;
+    }
+    return -1;
 }
 
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {

@@ -16,7 +16,8 @@ constexpr double moved = 0.03;
 }  // namespace
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
-    : gaps_(std::move(gaps)),
+    : TermMemory("contact", 1),
+      gaps_(std::move(gaps)),
       options_(std::move(options)),
       search_(reach),
       active_(gaps_->n()),
@@ -47,7 +48,13 @@ bool ContactTerm::find_neighbours(const Way& way) {
         changed = search_.find_neighbours(*gaps_, X0_, X1_);
     }
     narrow();
+    if (way.h > 0) note_attempt(way.h);
     return changed;
+}
+
+void ContactTerm::note_attempt(double h) {
+    retried_ = h < tried_ && X0_ == tried_at_;
+    if (!retried_) tried_ = h, tried_at_ = X0_;
 }
 
 // Stencils for the present step.
@@ -124,6 +131,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (std::size_t i = 0; stays && i < X1_.size(); ++i)
         stays = std::abs(X1_[i] - narrowed_[i]) < moved * search_.reach();
     if (!stays) narrow();
+    if (gaps_->set_static(c.step.is_static())) known_.clear(), forget_gradients();
     find_gaps();
     const double t = theta(c.step);
     Xt_.resize(X0_.size()), D_.resize(X0_.size());
@@ -146,6 +154,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
 void ContactTerm::residual(const Context& c, double* r) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, true);
+    if (c.step.is_static()) find_roaming();
     unsettled_gaps_.clear();
     for (int A = 0; A < gaps_->n(); ++A)
         if (active_.is_outdated(A) || slips_[A] != slips_at_tangent_[A]) unsettled_gaps_.push_back(A);
@@ -164,6 +173,13 @@ void ContactTerm::residual(const Context& c, double* r) {
         for (std::size_t v = 0; v < stencil.size(); ++v)
             gaps_->skin().add_force(stencil[v], f.data() + 3 * v, 1.0, r);
     }
+}
+
+void ContactTerm::find_roaming() {
+    std::vector<int> found;
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (active_[A] && gaps_->roams(X1_.data(), A)) found.push_back(A);
+    if (!found.empty()) roaming_ = std::move(found);
 }
 
 void ContactTerm::tangent(const Context& c, double* values) {
@@ -223,12 +239,14 @@ bool ContactTerm::update_tangent(const Context& c, double* values) {
 }
 
 void ContactTerm::accept(const Context& c) {
+    roaming_.clear();
     if (c.step.balances_ends()) {  // the books have gone back along the path
         gaps_->skin().positions(c.vectors.x0, X0_);
         settle();
         evaluate(c, true);
     }
     if (!c.step.is_static()) pushed_out_ = true;
+    tried_ = 0;
     if (has_history()) {
         evaluate(c, false);
         elastic_.end_step(X0_, X1_, traction_);

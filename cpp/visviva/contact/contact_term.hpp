@@ -22,6 +22,7 @@ struct FrictionOptions {
     std::vector<int> multiplier;    // first unknown of each gap's one or two; empty: elastic slip
     std::vector<double> stiffness;  // of each gap: traction per weighted displacement
     std::vector<double> inertia;    // and per weighted acceleration, of multipliers
+    std::vector<double> most;       // of it where one side is rigid: what that one has, else 0
 };
 
 struct ContactOptions {
@@ -75,6 +76,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     const std::vector<char>& slips() const { return slips_; }
     /// Gaps that the last iteration opened or closed, or made slip or stick.
     const std::vector<int>& unsettled() const { return unsettled_gaps_; }
+    /// Vertices that pressed on other facets in the last such iteration of a load step than where it began.
+    const std::vector<int>& roaming() const { return roaming_; }
     int n() const { return gaps_->n(); }
     /// Forces on all vertices in the last step, three numbers each: of the pressures, and of friction.
     const std::vector<double>& forces() const { return forces_; }
@@ -140,6 +143,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
     bool rubs_in_impact(const Context&) const;
+    bool has_several() const { return gaps_->n() > 1; }
+    bool gives_energy(const Context&);
+    int rubs_too_late(const Context&) const;
+    void note_attempt(double h);
     Eigen::Vector2d trial(int A, const Context&);
     Sliding slip(int A) const;
     void find_mean_increments(const Context&);
@@ -151,6 +158,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void force(int A, const Context&, Eigen::VectorXd& f) const;
     Eigen::Map<Matrix> stiffness(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f);
     Border border(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
+    // Whether rigid bodies press and rub by multipliers, which their inertia alone answers to.
+    bool is_inertial(const Context&) const;
     double tangential(int A, const Context&) const;
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void narrow();
@@ -184,7 +193,11 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false;
-    std::vector<int> unsettled_gaps_;
+    void find_roaming();
+    std::vector<int> unsettled_gaps_, roaming_;
+    std::vector<double> tried_at_;  // where the last attempt at a step began, and how long it was
+    double tried_ = 0;
+    bool retried_ = false;  // whether a longer step from here has been tried in vain
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;
     std::vector<double> massed_;         // the start of the step for which masses were made

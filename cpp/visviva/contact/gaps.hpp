@@ -25,6 +25,7 @@ struct Gap {
 /// directions of the tangent plane that turn with the first surface; in the plane the second is zero.
 struct Grip {
     Eigen::VectorXd weight;
+    Eigen::VectorXd turning;  // masses of the vertices whose rigid motion friction does not feel
     Eigen::Matrix<double, 3, 2> tangent;
     // By positions of the stencil's vertices, where wanted: [vertex][3 k], and [3][3 k] of each direction.
     Eigen::MatrixXd weight_gradient, tangent_gradient[2];
@@ -58,6 +59,11 @@ class Gaps {
     /// Fixes for a step that begins here what does not move with the unknowns; true if gaps are other
     /// functions from now on.
     virtual bool settle(const double* /*X*/) { return false; }
+    /// Whether gaps are those of a load step, which no energy is to be kept in; true if they are others from
+    /// now on.
+    virtual bool set_static(bool) { return false; }
+    /// Whether a vertex has left the facet that it was above where the step began.
+    virtual bool roams(const double* /*X*/, int /*gap*/) const { return false; }
     /// Vertices that overlap stay with the side they came in by until a step begins with them outside, and
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.
@@ -98,10 +104,14 @@ class Gaps {
     /// to what else is in the stencil: forces that mend its work are those of the relative motion of these.
     virtual void masses(const double* /*X*/, const std::vector<char>& wanted, bool gradients,
                         std::vector<Grip>& out);
-    /// So many vertices at the beginning of the stencil are those whose rigid motion friction does not feel.
-    virtual int n_turning(int gap) const { return static_cast<int>(stencils_[gap].size()); }
 
   protected:
+    /// Masses, from there on, of the four vertices of a rigid frame whose motion friction does not feel: so
+    /// heavy in its origin that it turns about that, and its axes may lie as they like.
+    static void turn_with_frame(int origin, Eigen::VectorXd& masses) {
+        constexpr double heavy = 1e4;
+        masses.segment<4>(origin) << heavy, 1, 1, 1;
+    }
     Skin skin_;
     int n_ = 0;
     std::vector<std::vector<int>> stencils_;
@@ -122,11 +132,13 @@ struct PointOptions {
     double radius = 0;           // of a ball about each of them
     double reach = 0;            // facets farther away are not seen
     bool rubs = false;           // there is friction
-    double axis = 0;             // length of the axes of the frame that balls turn with where they rub
+    // Where balls rub: of each vertex the first of the four that are the frame it turns with, its origin and
+    // the ends of its axes, and how long these are.
+    std::vector<int> turning;
+    double axis = 0;
 };
 
-/// Distances to the closest points of the second surface's facets. Where balls rub, the last four vertices
-/// are the frame that they turn with, its origin and the ends of its axes.
+/// Distances to the closest points of the second surface's facets.
 std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
 
 /// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,
@@ -143,7 +155,14 @@ struct ObstacleShape {
 };
 
 /// Distances to an exact shape; the last four vertices of the skin are its frame, the origin and the ends of
-/// its axes. Where balls rub, the frame that they turn with is the four vertices before.
+/// its axes.
 std::unique_ptr<Gaps> make_obstacle(Skin skin, PointOptions options, const ObstacleShape& shape);
+
+/// Distances to the segments of the second surface, which are the middles of round bars: the radius is that
+/// of both together. Of each vertex, segments [start[A], start[A + 1]) of `own` are its own bar beside it.
+struct OwnSegments {
+    std::vector<int> start, own;
+};
+std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside);
 
 }  // namespace visviva

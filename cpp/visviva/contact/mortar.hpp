@@ -65,7 +65,6 @@ class Mortar : public Gaps {
                std::vector<Grip>& out) override;
     void masses(const double* X, const std::vector<char>& wanted, bool gradients,
                 std::vector<Grip>& out) override;
-    int n_turning(int A) const override { return static_cast<int>(ring_size(A)); }
 
   private:
     // Dual functions of a facet's corners by their shapes.

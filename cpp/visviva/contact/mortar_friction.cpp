@@ -36,6 +36,8 @@ void Mortar::grips(const double* X, const std::vector<char>& wanted, bool gradie
         if (!wanted[A]) return;
         set_weights(A, gradients, out[A]);
         set_tangents(X, A, gradients, out[A]);
+        out[A].turning.setZero(out[A].weight.size());
+        out[A].turning.head(static_cast<Eigen::Index>(ring_size(A))).setOnes();
     });
 }
 

@@ -19,6 +19,11 @@ double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     return (x - y).dot((middle - y).normalized());
 }
 
+// How far a point lies above the plane of a simplex.
+double above(const Found& found, const Vector3& x) {
+    return found.normal.dot(x - found.facet.corner[found.facet.vertex(found.foot.simplex, 0)]);
+}
+
 // How far a point lies beside a simplex, by the length of its first edge.
 double beside(const Found& found, const Vector3& x) {
     const FacetShape& facet = found.facet;
@@ -26,7 +31,7 @@ double beside(const Found& found, const Vector3& x) {
                   &b = facet.corner[facet.vertex(found.foot.simplex, 1)];
     Vector3 w = x;
     for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
-    return (w - found.normal.dot(x - a) * found.normal).norm() / (b - a).norm();
+    return (w - above(found, x) * found.normal).norm() / (b - a).norm();
 }
 
 }  // namespace
@@ -62,7 +67,11 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
             found = {&c, facet, foot, {}, n, 0, faces};
         }
     }
-    return kept.candidate && kept_aside <= same_place ? kept : found;
+    if (!kept.candidate) return found;
+    const double jump = std::abs(std::abs(above(kept, At(X + 3 * A))) - least);
+    kept.stays = kept_aside <= same_place ||
+                 (static_ && kept_aside <= near_place && jump <= near_gap * size(kept.facet));
+    return kept.stays ? kept : found;
 }
 
 // Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
@@ -121,9 +130,8 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     if (!found.candidate) return Reach::far;
     const At x(X + 3 * A);
     const FacetShape& facet = found.facet;
-    const Vector3& a = facet.corner[facet.vertex(found.foot.simplex, 0)];
-    const double above = found.normal.dot(x - a), d = found.foot.distance;
-    found.value = above;
+    const double d = found.foot.distance;
+    found.value = above(found, x);
     if (found.foot.n == facet.dim) return Reach::near;
     bool border;
     const Vector3 out = outwards(X, found, border);
@@ -131,10 +139,10 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
     const double aside = beside(found, x);
     const bool rolls = options_.radius > 0;  // off an edge, as balls are round themselves
-    if ((border && !rolls) || aside <= same_place) {
+    if ((border && !rolls) || found.stays || aside <= same_place) {
         if (border && !rolls && aside > on_border) {
             found.rim = found.foot;
-            const Jet gap = beyond_border(facet, found.rim, roundness, x);
+            const Expansion gap = beyond_border(facet, found.rim, roundness, x);
             found.value = gap.value, found.normal = gap.gradient.head<3>();
         }
         found.foot = whole(facet, found.foot.simplex, x);

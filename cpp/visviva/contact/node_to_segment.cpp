@@ -72,36 +72,16 @@ bool NodeToSegment::excluded(int A, int f) const {
 
 bool NodeToSegment::search(const double* from, const double* to) {
     const int begin = touches_itself() ? 0 : skin_.second_begin;
-    std::vector<Box> boxes;
-    std::vector<double> centres;
-    for (int f = begin; f < skin_.n_facets(); ++f) {
-        boxes.push_back(swept(skin_, f, from, to, 0));
-        for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes.back().low[i] + boxes.back().high[i]));
-    }
-    if (!built_) tree_.build(centres);
-    tree_.refit(boxes);
-    bool changed = !built_;
-    built_ = true;
     const double margin = 2 * options_.reach + options_.radius;
-    std::vector<int> found;
-    for (int A = 0; A < n_; ++A) {
-        Box box;
-        for (int i = 0; i < 3; ++i) {
-            box.low[i] = std::min(from[3 * A + i], to[3 * A + i]) - margin;
-            box.high[i] = std::max(from[3 * A + i], to[3 * A + i]) + margin;
-        }
-        tree_.query(box, found);
-        for (int& f : found) f += begin;
-        found.erase(std::remove_if(found.begin(), found.end(), [&](int f) { return excluded(A, f); }),
-                    found.end());
+    return near_facets_.find(skin_, begin, n_, from, to, margin, [&](int A, std::vector<int>& found) {
+        std::erase_if(found, [&](int f) { return excluded(A, f); });
         const auto& old = candidates_[A];
         if (std::equal(old.begin(), old.end(), found.begin(), found.end(),
                        [](const Candidate& c, int f) { return c.facet == f; }))
-            continue;
-        changed = true;
+            return false;
         make_stencil(A, found);
-    }
-    return changed;
+        return true;
+    });
 }
 
 void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
@@ -109,7 +89,7 @@ void NodeToSegment::make_stencil(int A, const std::vector<int>& facets) {
     stencil.assign(1, A), candidates_[A].clear();
     if (options_.rubs && skin_.dim == 3 && has_facets())
         stencil.push_back(edge_end(A));  // whose direction tractions turn with
-    for (int k = turns() ? 4 : 0; k > 0; --k) stencil.push_back(skin_.n_vertices() - k);
+    for (int k = 0; turns() && k < 4; ++k) stencil.push_back(options_.turning[A] + k);
     for (int f : facets) {
         Candidate c{f, {}};
         for (int i = 0; i < skin_.n_corners(f); ++i) {
@@ -147,6 +127,12 @@ bool NodeToSegment::settle(const double* X) {
     });
     kept_.swap(fresh);
     return changed || kept_ != last;
+}
+
+bool NodeToSegment::roams(const double* X, int A) const {
+    Found found;
+    if (kept_[A] == Kept{} || locate(X, A, found) != Reach::near) return false;
+    return kept_[A] != Kept{found.candidate->facet, found.foot.simplex};
 }
 
 double NodeToSegment::way(const double* from, const double* to, int A) const {
@@ -195,7 +181,7 @@ void NodeToSegment::approaches(const double* from, const double* to, std::vector
 void NodeToSegment::differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
                                    Eigen::MatrixXd* H) const {
     if (found.rim.n == 0) return differentiate(found.facet, found.foot, found.normal, found.value, g, H);
-    Jet gap = beyond_border(found.facet, found.rim, roundness, At(X + 3 * A));
+    Expansion gap = beyond_border(found.facet, found.rim, roundness, At(X + 3 * A));
     g = std::move(gap.gradient);
     if (H) *H = std::move(gap.hessian);
 }
@@ -221,6 +207,24 @@ PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives
     return Reach::near;
 }
 
+// Of all that the search has found near, those that touch: others come and go as boxes about them do, which
+// are along the axes of space.
+void NodeToSegment::set_parts(const Found& found, Eigen::VectorXd& masses) {
+    masses[0] = 1;
+    for (int c = 0; c < found.facet.n; ++c) masses[found.candidate->local[c]] = 1;
+}
+
+void NodeToSegment::masses(const double* X, const std::vector<char>& wanted, bool, std::vector<Grip>& out) {
+    find_middles({X, start()});
+    parallel_for(n_, [&](int A) {
+        if (!wanted[A]) return;
+        out[A].weight.setZero(static_cast<Eigen::Index>(stencils_[A].size()));
+        out[A].weight_gradient.resize(0, 0);
+        Found found;
+        if (locate(X, A, found) == Reach::near) set_parts(found, out[A].weight);
+    });
+}
+
 // The vertex, or the point of the ball that is nearest, against the closest point. Tractions turn with an
 // edge of the first surface, or of the facet where that is but points.
 void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) const {
@@ -241,11 +245,13 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
     }
     const Vector3 x = At(X + 3 * A);
     if (turns()) {
+        turn_with_frame(1, out.turning);
         Eigen::MatrixXd C;
         if (gradients) C = -options_.radius * N, C.leftCols<3>() += Eigen::Matrix3d::Identity();
-        const double* frame = X + 3 * (skin_.n_vertices() - 4);
+        const double* frame = X + 3 * options_.turning[A];
         add_weights(frame, options_.axis, x - options_.radius * found.normal, C, 1, -1, out);
     } else {
+        set_parts(found, out.turning);
         out.weight[0] = -1;
     }
     for (int c = 0; c < facet.n; ++c)

@@ -1,6 +1,7 @@
 // Node-to-segment gaps: the signed distance of a vertex to the closest point of facets, be it inside a facet,
 // on an edge or at a vertex, which is continuous wherever the vertex slides (paper section 4.2, ref. [14]).
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "visviva/contact/closest.hpp"
@@ -14,9 +15,13 @@ using At = Eigen::Map<const Vector3>;
 
 constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
 constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
-constexpr double same_side = 0.5;    // least agreement of normals of one side of a body
-constexpr double between = 1e-10;    // so far beside a facet what comes in between two of them still meets it
-constexpr double on_border = 1e-9;   // and so close to a border as not beyond it
+// In valleys between facets pressure has a part of both normals, and Newton's method goes to and fro between
+// them. In a load step a vertex stays above the facet it was above where that began, so far beside it, by its
+// size, if the gap there is another one by no more than so much.
+constexpr double near_place = 1e-2, near_gap = 1e-3;
+constexpr double same_side = 0.5;   // least agreement of normals of one side of a body
+constexpr double between = 1e-10;   // so far beside a facet what comes in between two of them still meets it
+constexpr double on_border = 1e-9;  // and so close to a border as not beyond it
 // Radius, by a facet's size, with which bodies are rounded off beyond the borders of their surfaces: what
 // slides off is let go without a jump. From a sharp corner it would snap off.
 constexpr double roundness = 0.5;
@@ -34,6 +39,7 @@ struct Found {
     Vector3 normal;  // of the simplex, later gradient of the signed distance
     double value = 0;
     bool faces = true;
+    bool stays = false;  // what the vertex was above where the step began, though another one is as close
 };
 
 class NodeToSegment : public PointGaps {
@@ -41,7 +47,11 @@ class NodeToSegment : public PointGaps {
     NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
     bool search(const double* from, const double* to) override;
     bool settle(const double* X) override;
+    bool roams(const double* X, int vertex) const override;
+    bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
+    void masses(const double* X, const std::vector<char>& wanted, bool gradients,
+                std::vector<Grip>& out) override;
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
@@ -56,7 +66,7 @@ class NodeToSegment : public PointGaps {
   private:
     Reach locate(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
-    bool turns() const { return options_.axis > 0; }  // balls that rub
+    bool turns() const { return !options_.turning.empty(); }  // balls that rub
     int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
     bool touches_itself() const { return !rest_.empty(); }
     bool excluded(int vertex, int facet) const;
@@ -70,6 +80,7 @@ class NodeToSegment : public PointGaps {
     Found plane_of(const double* X, int A, int side) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
     Reach sign(const double* X, int A, Found& found) const;
+    static void set_parts(const Found&, Eigen::VectorXd& masses);
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
     void differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
@@ -82,10 +93,10 @@ class NodeToSegment : public PointGaps {
         bool operator==(const Kept&) const = default;
     };
     std::vector<Kept> kept_;
+    bool static_ = false;
     std::vector<double> rest_;  // places, if the surface may touch itself
     NormalField normals_;
-    BoxTree tree_;
-    bool built_ = false;
+    PointSearch near_facets_;
     std::vector<std::vector<Candidate>> candidates_;
     std::vector<int> across_;   // [facet][corner]: the facet beyond the edge to the next corner, or -1
     std::vector<char> border_;  // of vertices

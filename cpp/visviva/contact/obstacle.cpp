@@ -89,7 +89,7 @@ class Obstacle : public PointGaps {
     Vector3 place(const double* X, const Vector3& x) const;
     Vector3 place(const double* X, int vertex) const { return place(X, At(X + 3 * vertex)); }
     bool reaches(const double* from, const double* to, int vertex) const;
-    bool turns() const { return options_.rubs && options_.radius > 0; }  // a ball that rubs
+    bool turns() const { return !options_.turning.empty(); }  // a ball that rubs
     // Balls whose middle is just above an edge come in from above.
     double on_edge() const { return 1e-9 * options_.radius; }
     ObstacleShape shape_;
@@ -101,8 +101,8 @@ bool Obstacle::search(const double*, const double*) {
     if (stencils_.empty() || !stencils_[0].empty()) return false;
     for (int A = 0; A < n_; ++A) {
         stencils_[A] = {A};
-        for (int frame = 0; frame < (turns() ? 2 : 1); ++frame)
-            for (int k = 4; k > 0; --k) stencils_[A].push_back(skin_.n_vertices() - 4 * frame - k);
+        for (int k = 4; k > 0; --k) stencils_[A].push_back(skin_.n_vertices() - k);
+        for (int k = 0; turns() && k < 4; ++k) stencils_[A].push_back(options_.turning[A] + k);
     }
     return true;
 }
@@ -245,10 +245,11 @@ void Obstacle::grip(const double* X, int A, bool gradients, Grip& out) const {
         C.leftCols<3>() += Matrix3::Identity();
     }
     if (turns())
-        add_weights(frame - 12, shape_.axis, c, C, 5, -1, out);
+        add_weights(X + 3 * options_.turning[A], shape_.axis, c, C, 5, -1, out);
     else
         out.weight[0] = -1;
     add_weights(frame, shape_.axis, c, C, 1, 1, out);
+    turn_with_frame(1, out.turning);
     // the third axis, or the first where that is across
     constexpr double across = 0.9;
     const Vector3 third = (At(frame + 9) - At(frame)).normalized();

@@ -189,7 +189,7 @@ void PointGaps::grips(const double* X, const std::vector<char>& wanted, bool gra
         if (!wanted[A]) return;
         const Eigen::Index k = stencils_[A].size();
         Grip& g = out[A];
-        g.weight.setZero(k), g.tangent.setZero();
+        g.weight.setZero(k), g.turning.setZero(k), g.tangent.setZero();
         g.weight_gradient.setZero(gradients ? k : 0, 3 * k);
         for (auto& t : g.tangent_gradient) t.setZero(3, 3 * k);
         grip(X, A, gradients, g);

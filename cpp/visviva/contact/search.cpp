@@ -80,4 +80,15 @@ Box swept(const Skin& skin, int facet, const double* from, const double* to, dou
     return box;
 }
 
+void PointSearch::refit(const Skin& skin, int begin, const double* from, const double* to) {
+    std::vector<Box> boxes;
+    std::vector<double> centres;
+    for (int f = begin; f < skin.n_facets(); ++f) {
+        boxes.push_back(swept(skin, f, from, to, 0));
+        for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (boxes.back().low[i] + boxes.back().high[i]));
+    }
+    if (!built_) tree_.build(centres);
+    tree_.refit(boxes);
+}
+
 }  // namespace visviva

@@ -87,4 +87,35 @@ void BoxTree::query(const Ray& ray, F reach) const {
 /// What a facet sweeps from one configuration to another, with a margin all round.
 Box swept(const Skin&, int facet, const double* from, const double* to, double margin);
 
+/// Facets that come near single vertices between two configurations.
+class PointSearch {
+  public:
+    /// Calls take(vertex, facets) for the vertices before n with those facets, from `begin` on, that come
+    /// within `margin`; returns whether a call did, or nothing was searched before.
+    template <class Take>
+    bool find(const Skin& skin, int begin, int n, const double* from, const double* to, double margin,
+              Take take) {
+        refit(skin, begin, from, to);
+        bool changed = !built_;
+        built_ = true;
+        std::vector<int> found;
+        for (int A = 0; A < n; ++A) {
+            Box box;
+            for (int i = 0; i < 3; ++i) {
+                box.low[i] = std::min(from[3 * A + i], to[3 * A + i]) - margin;
+                box.high[i] = std::max(from[3 * A + i], to[3 * A + i]) + margin;
+            }
+            tree_.query(box, found);
+            for (int& f : found) f += begin;
+            changed |= take(A, found);
+        }
+        return changed;
+    }
+
+  private:
+    void refit(const Skin& skin, int begin, const double* from, const double* to);
+    BoxTree tree_;
+    bool built_ = false;
+};
+
 }  // namespace visviva

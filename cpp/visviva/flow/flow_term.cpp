@@ -25,7 +25,8 @@ std::vector<int> pressures(const FlowData& d) {
 }  // namespace
 
 FlowTerm::FlowTerm(const FlowData& d)
-    : slots_(d.index, d.n, d.n_nodes + d.n_pressures, d.n_nodes == d.n_pressures ? 2 * d.n_nodes : d.n_nodes),
+    : TermMemory("flow", 1),
+      slots_(d.index, d.n, d.n_nodes + d.n_pressures, d.n_nodes == d.n_pressures ? 2 * d.n_nodes : d.n_nodes),
       pressures_(pressures(d)),
       N_(d.N, d.N + d.n_points * d.n_nodes),
       M_(d.M, d.M + d.n_points * d.n_pressures) {

@@ -10,7 +10,8 @@ namespace visviva {
 
 ImmersedTerm::ImmersedTerm(ImmersedPoints points, Interpolation interpolate, Admission admit, Coupling couple,
                            Reach reach)
-    : points_(std::move(points)),
+    : TermMemory("immersed", 1),
+      points_(std::move(points)),
       interpolate_(std::move(interpolate)),
       admit_(std::move(admit)),
       couple_(std::move(couple)),

@@ -4,8 +4,23 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 
 namespace visviva {
+
+namespace {
+
+// Median of the largest entries of rows among what moves; rows of rounding alone do not count.
+double typical(std::vector<double>& sizes) {
+    const double least = sizes.empty() ? 0 : 1e-8 * *std::max_element(sizes.begin(), sizes.end());
+    std::erase_if(sizes, [&](double a) { return a <= least; });
+    if (sizes.empty()) return 1;
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return *middle;
+}
+
+}  // namespace
 
 std::vector<double> arbitrary_vector(int n) {
     std::vector<double> v(n);
@@ -44,7 +59,22 @@ void ScaledMatrix::analyze(const Csr& pattern, const Blocks& blocks, MatrixKind 
         row_.push_back(static_cast<int>(col_.size()));
     }
     value_.resize(col_.size());
+    find_parts();
     probe_ = symmetric() ? arbitrary_vector(n_) : std::vector<double>();
+}
+
+void ScaledMatrix::find_parts() {
+    std::vector<int> above(n_);
+    std::iota(above.begin(), above.end(), 0);
+    auto root = [&](int i) {
+        while (above[i] != i) i = above[i] = above[above[i]];
+        return i;
+    };
+    for_each([&](int i, int j, int) { above[root(j)] = root(i); });
+    part_.assign(n_, -1), n_parts_ = 0;
+    for (int i = 0; i < n_; ++i)
+        if (int& number = part_[root(i)]; number < 0) number = n_parts_++;
+    for (int i = 0; i < n_; ++i) part_[i] = part_[root(i)];
 }
 
 template <class F>
@@ -136,28 +166,28 @@ void ScaledMatrix::scale_by_units() {
         left_[i] = std::max(left_[i], of_row), right_[j] = std::max(right_[j], of_column);
         if (symmetric()) left_[j] = std::max(left_[j], of_column), right_[i] = std::max(right_[i], of_row);
     });
-    const double unit = std::sqrt(typical_energy());
+    const std::vector<double> energy = typical_energies();
     for (int i = 0; i < n_; ++i) {
+        const double unit = std::sqrt(energy[part_[i]]);
         const double own = std::abs(value_[diagonal_[i]]), alone = own > 0 ? 1 / std::sqrt(own) : 1;
         for (double* f : {&left_[i], &right_[i]})
             *f = scale(i) > 0 ? scale(i) / unit : *f > 0 ? unit / *f : alone;
     }
 }
 
-// Median of the largest entries of rows among what moves; rows of rounding alone do not count.
-double ScaledMatrix::typical_energy() const {
+// Of each part that nothing couples to others: a beam beside a mountain would be rounding by that one's.
+std::vector<double> ScaledMatrix::typical_energies() const {
     std::vector<double> sizes(n_, 0.0);
     for_each([&](int i, int j, int k) {
         const double a = std::abs(value_[k]) * scale(i) * scale(j);
         sizes[i] = std::max(sizes[i], a);
         if (symmetric()) sizes[j] = std::max(sizes[j], a);
     });
-    const double least = n_ > 0 ? 1e-8 * *std::max_element(sizes.begin(), sizes.end()) : 0;
-    std::erase_if(sizes, [&](double a) { return a <= least; });
-    if (sizes.empty()) return 1;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return *middle;
+    std::vector<std::vector<double>> of(n_parts_);
+    for (int i = 0; i < n_; ++i) of[part_[i]].push_back(sizes[i]);
+    std::vector<double> energies;
+    for (auto& part : of) energies.push_back(typical(part));
+    return energies;
 }
 
 void ScaledMatrix::apply(const std::vector<double>& left, const std::vector<double>& right) {

@@ -32,7 +32,8 @@ class ScaledMatrix {
     void scale_by_diagonal();
     void scale_by_largest();
     void scale_by_units();
-    double typical_energy() const;
+    std::vector<double> typical_energies() const;
+    void find_parts();
     double scale(int equation) const { return blocks_->scale.empty() ? 1 : blocks_->scale[equation]; }
     void apply(const std::vector<double>& left, const std::vector<double>& right);
     template <class F>
@@ -44,6 +45,8 @@ class ScaledMatrix {
     const Blocks* blocks_ = nullptr;
     std::vector<int> row_, col_;
     std::vector<std::size_t> diagonal_;
+    std::vector<int> part_;  // of each equation, coupled to no others
+    int n_parts_ = 0;
     std::vector<double> value_, left_, right_;
     std::vector<double> probe_;  // any vector, to tell a symmetric matrix from another
     std::string message_;

@@ -87,16 +87,13 @@ VISVIVA_INLINE T ogden(const T* e, const V* p) {
 template <class Use>
 VISVIVA_INLINE void with_energy(MaterialKind kind, const V* p, Use&& use) {
     switch (kind) {
-        case MaterialKind::mooney:
-            return use([&](const auto* i) { return mooney(i, p); });
-        case MaterialKind::isochoric:
-            return use([&](const auto* i) { return isochoric(i, p); });
-        case MaterialKind::gent:
-            return use([&](const auto* i) { return gent(i, p); });
-        case MaterialKind::blatz_ko:
-            return use([&](const auto* i) { return blatz_ko(i, p); });
-        default:
-            return use([&](const auto* i) { return neo_hooke(i, p); });
+#define VISVIVA_MATERIAL(energy, ...)                                \
+    case MaterialKind::energy:                                       \
+        if constexpr (traits(MaterialKind::energy).isotropic)        \
+            return use([&](const auto* i) { return energy(i, p); }); \
+        break;
+#include "visviva/material/material_list.hpp"
+#undef VISVIVA_MATERIAL
     }
 }
 

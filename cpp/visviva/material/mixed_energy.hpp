@@ -1,21 +1,21 @@
 // The energies of the formulations against volumetric locking, as functions of strains.
 #pragma once
-#include "visviva/material/response.hpp"
+#include "visviva/material/wrapped.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
-/// F-bar: W(Cbar) of C and C0 at the element's centre, Cbar = (det C0 / det C)^(1/3) C; in plane strain the
-/// part in the plane is scaled alone, by the square root of its determinants. The twelve strains are
-/// quadratic in the positions, so that the discrete gradient conserves; de Souza Neto et al. (1996) put the
-/// stress of Fbar into the residual of F instead, which has no energy.
+/// F-bar of an energy: W(Cbar) of C and C0 at the element's centre, Cbar = (det C0 / det C)^(1/3) C; in plane
+/// strain the part in the plane is scaled alone, by the square root of its determinants. The twelve strains
+/// are quadratic in the positions, so that the discrete gradient conserves; de Souza Neto et al. (1996) put
+/// the stress of Fbar into the residual of F instead, which has no energy.
+template <class Energy>
 struct FbarEnergy : TensorEnergy {
     static constexpr int n = 12;
-    MaterialKind kind;
+    Energy energy;
     bool small;
     int directions;  // that share the change of volume
-    const V* par;
 
-    bool is_quadratic() const { return kind == MaterialKind::hooke && small; }
+    bool is_quadratic() const { return energy.is_quadratic() && small; }
     VISVIVA_INLINE double scaled(int k) const { return directions == 3 || k == 0 || k == 1 || k == 3; }
 
     // Cbar - I of (C - I, C0 - I); for small strains the trace is exchanged
@@ -42,7 +42,7 @@ struct FbarEnergy : TensorEnergy {
         strain(variables, bar);
         for (int k = 0; k < 6; ++k) values[k] = bar[k].v;
         Response r;
-        respond<second>(kind, values, par, r);
+        energy.template evaluate<second>(values, r);
         p.W = r.W;
         for (int a = 0; a < 12; ++a) {
             V sum{}, row[6];
@@ -134,7 +134,7 @@ struct VolumeEnergy : TensorEnergy {
         if (measure == VolumeMeasure::trace) {
             r.W = 0.5 * (c[0] + c[1] + c[2]);
             for (int k = 0; k < 6; ++k) r.s[k] = broadcast(k < 3 ? 0.5 : 0.0);
-            for (V& d : r.d) d = V{};
+            clear(r.d, 21);
         } else if (measure == VolumeMeasure::logarithm) {
             from_invariants<3, second>(c, c, [](const auto* i) { return log1p(i[2]); }, r);
         } else if (measure == VolumeMeasure::simo) {
@@ -149,18 +149,15 @@ struct VolumeEnergy : TensorEnergy {
 };
 
 /// Mixed: W(C) without its volumetric part, plus p g(J).
-struct PressureEnergy : TensorEnergy {
-    static constexpr int n = 6;
-    MaterialKind kind;
-    const V* par;
+template <class Energy>
+struct PressureEnergy : Energy {
     VolumeEnergy volume;
     V pressure;
 
-    bool is_quadratic() const { return kind == MaterialKind::hooke; }
     template <bool second>
     void evaluate(const V* c, Response& r) const {
         Response g;
-        respond<second>(kind, c, par, r);
+        Energy::template evaluate<second>(c, r);
         volume.evaluate<second>(c, g);
         r.W += pressure * g.W;
         for (int k = 0; k < 6; ++k) r.s[k] += pressure * g.s[k];

@@ -30,6 +30,8 @@ VISVIVA_INLINE T determinant_less_one(const T* c, bool in_plane = false) {
 /// variables.
 struct PlainEnergy {
     static constexpr int n_blocks = 1, n_internal = 0;
+    static constexpr int n_turned =
+        0;  // strains that its own are linear in, see PointElement; 0: they are its own
     static constexpr int block(int) { return 0; }
     static constexpr double weight(int) { return 1.0; }
     static constexpr double natural =

@@ -55,7 +55,7 @@ VISVIVA_INLINE void hooke(const V* c, const V* p, Response& r) {
     for (int k = 0; k < 6; ++k) r.s[k] = 0.5 * (p[1] * c[k] + (k < 3 ? p[0] * trace : V{}));
     r.W = 0.5 * contract(r.s, c);
     if constexpr (second) {
-        for (V& d : r.d) d = V{};
+        clear(r.d, 21);
         for (int a = 0; a < 3; ++a)
             for (int b = a; b < 3; ++b) r.d[packed(6, a, b)] = 0.25 * p[0];
         for (int a = 0; a < 6; ++a) r.d[packed(6, a, a)] += (a < 3 ? 0.5 : 0.25) * p[1];
@@ -86,7 +86,7 @@ VISVIVA_INLINE void from_invariants(const V* c, const V* fibre, Energy&& energy_
         for (int a = 0; a < n; ++a) r.s[k] += w.g[a] * g[a][k];
     }
     if constexpr (second) {
-        for (V& d : r.d) d = V{};
+        clear(r.d, 21);
         for (int k = 0; k < 6; ++k) {
             V row[n];
             for (int a = 0; a < n; ++a) {
@@ -201,7 +201,7 @@ VISVIVA_INLINE void from_stretches(const V* c, const V* p, Response& r) {
                     0.5 * (n[voigt_a[k]][a] * n[voigt_b[k]][b] + n[voigt_b[k]][a] * n[voigt_a[k]][b]);
     for (int k = 0; k < 6; ++k) r.s[k] = w.g[0] * m[0][0][k] + w.g[1] * m[1][1][k] + w.g[2] * m[2][2][k];
     if constexpr (second) {
-        for (V& d : r.d) d = V{};
+        clear(r.d, 21);
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) {
                 const V h = w.h[a < b ? packed(3, a, b) : packed(3, b, a)];

@@ -15,42 +15,36 @@ VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
     return (0.5 * mu) * (c[0] + c[1] + c[2] - 2.0 * log_j) + (0.5 * lambda) * (log_j * log_j);
 }
 
-/// e(C, s) of psi(C, theta) = W(C) - beta (theta - theta0) ln J + c (theta - theta0 - theta ln(theta /
-/// theta0)). Parameters: lambda, mu, beta, capacity c, theta0, conductivity.
-struct ThermoelasticEnergy : PlainEnergy {
-    static constexpr int n = 7, max_par = 6, n_blocks = 2;
-    static constexpr int block(int k) { return k / 6; }
-    static constexpr double weight(int k) { return behind_tensor(k); }
+/// Heat content of what does not move, u = c (theta - theta0) + slope / 2 (theta - theta0)^2 per volume.
+/// Parameters: c, slope, theta0, and of the pairing six conductivities 11, 22, 33, 12, 23, 31 at theta0 and
+/// their relative slope.
+struct CapacityEnergy : PlainEnergy {
+    static constexpr int n = 1, max_par = 10;
     const V* p;
-    explicit ThermoelasticEnergy(const V* par) : p(par) {}
+    explicit CapacityEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        differentiate<second>(
-            *this, e,
-            [this](const auto* x) {
-                auto log_j = x[6];
-                const auto w = neo_hookean(x, p[0], p[1], log_j);
-                const auto heat = expm1((1.0 / p[3]) * (x[6] - p[2] * log_j));
-                return w + (p[4] * p[2]) * log_j + (p[3] * p[4]) * heat;
-            },
-            to);
+        const V rise = e[0] - p[2];
+        to.W = rise * (p[0] + 0.5 * p[1] * rise);
+        to.s[0] = p[0] + p[1] * rise;
+        if (second) to.d[0] = p[1];
     }
 };
 
-/// The entropy balance s' = div(k grad theta / theta) + k |grad theta|^2 / theta^2 tests the entropy, and
-/// that the temperature is D_s e the temperature. Both have the same shape functions, so that heat flows and
-/// nothing of the energy is lost. Fourier's flux in the reference.
-struct HeatPairing {
+/// u' = div(k grad theta): the capacity, of a whole step where the scheme takes discrete gradients, times the
+/// rate of the temperature is the change of the heat content.
+struct ConductionPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        const auto &theta = z.e[10], *slope = z.e + 11;
-        const V k = z.par[5];
-        for (int a = 0; a < 6; ++a) f[a] = z.s[a];
-        const auto square = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
-        f[6] = z.rate[6] - k * square / (theta * theta);
-        for (int a = 0; a < 3; ++a) f[7 + a] = k * slope[a] / theta, f[11 + a] = 0.0 * theta;
-        f[10] = theta - z.s[6];
+        constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+        const auto factor = z.par[9] * (z.e[0] + (-z.par[2])) + broadcast(1.0);
+        f[0] = z.s[0] * z.rate[0];
+        for (int a = 0; a < 3; ++a) {
+            auto flux = z.par[3 + at[a][0]] * z.e[1];
+            for (int b = 1; b < 3; ++b) flux = flux + z.par[3 + at[a][b]] * z.e[1 + b];
+            f[1 + a] = factor * flux;
+        }
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -80,6 +74,18 @@ struct ViscoelasticEnergy : TensorEnergy {
                 return w + (0.5 * p[2]) * (inner - log1p(determinant_less_one(a)) - 2.0 * log_j);
             },
             to);
+    }
+    /// Where A is positive definite; elsewhere its equation has solutions that mean nothing.
+    VI admits(const V* internal) const {
+        const V x = internal[0] + 1.0, y = internal[1] + 1.0, z = internal[2] + 1.0;
+        const V p = internal[3], q = internal[4], r = internal[5], plane = x * y - p * p;
+        return (x > 0.0) & (plane > 0.0) & (z * plane - x * q * q + 2.0 * p * q * r - y * r * r > 0.0);
+    }
+    /// By which changes of A are judged: its largest entry.
+    V size(const V* internal) const {
+        V largest{};
+        for (int k = 0; k < 6; ++k) largest = vmax(largest, vabs(internal[k] + (k < 3 ? 1.0 : 0.0)));
+        return largest;
     }
     /// The rate of A; the six derivatives by components count an entry off the diagonal twice.
     template <class T>
@@ -123,17 +129,17 @@ struct DamageEnergy : PlainEnergy {
     }
 };
 
-/// What heals in a step meets a penalty (Gerasimov & De Lorenzis 2019).
+/// What heals in a step meets a penalty (Gerasimov & De Lorenzis 2019). Growth is no healing on the way back.
 struct IrreversiblePairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         for (int k = 0; k < 10; ++k) f[k] = z.s[k];
-        f[6] = f[6] - z.par[5] * positive(-z.change[6]);
+        if (!z.backwards) f[6] = f[6] - z.par[5] * positive(-z.change[6]);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {
-        const V healed = positive(-z.change[6]);
+        const V healed = z.backwards ? V{} : positive(-z.change[6]);
         return z.par[5] * healed * healed;
     }
 };
@@ -174,10 +180,10 @@ struct DiffusionPairing {
     }
 };
 
-/// 1/2 e . C e, C symmetric, its upper triangle by rows: of a section.
-template <int size>
+/// 1/2 e . C e, C symmetric, its upper triangle by rows: of a section. Further parameters are of its pairing.
+template <int size, int further = 0>
 struct SectionEnergy : PlainEnergy {
-    static constexpr int n = size, max_par = size * (size + 1) / 2;
+    static constexpr int n = size, max_par = size * (size + 1) / 2 + further;
     const V* p;
     explicit SectionEnergy(const V* par) : p(par) {}
     bool is_quadratic() const { return true; }
@@ -193,6 +199,32 @@ struct SectionEnergy : PlainEnergy {
             }
             to.W += 0.5 * to.s[a] * e[a];
         }
+    }
+};
+
+/// Kelvin & Voigt: f = s + D de/dt, D symmetric, its upper triangle by rows behind the stiffness. Booked with
+/// the mean rate of the step, so that nothing is gained; with energy and momentum these are the work's own.
+template <int size>
+struct ViscousPairing {
+    static constexpr bool is_gradient = false;
+    static constexpr int first = size * (size + 1) / 2;
+    static V viscosity(const V* par, int a, int b) {
+        return par[first + (a < b ? packed(size, a, b) : packed(size, b, a))];
+    }
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        for (int a = 0; a < size; ++a) {
+            f[a] = z.s[a];
+            for (int b = 0; b < size; ++b) f[a] = f[a] + viscosity(z.par, a, b) * z.rate[b];
+        }
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State& z) {
+        V sum{};
+        if (!z.moves || z.h == 0) return sum;
+        for (int a = 0; a < size; ++a)
+            for (int b = 0; b < size; ++b) sum += z.change[a] * viscosity(z.par, a, b) * z.change[b];
+        return sum / z.h;
     }
 };
 

@@ -15,6 +15,12 @@ void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const
     }
 }
 
+VISVIVA_INLINE bool all(VI mask) {
+    for (int l = 0; l < W; ++l)
+        if (!mask[l]) return false;
+    return true;
+}
+
 /// Solves A x = b in place for m right sides b [n][m], without pivots: A is near the identity.
 template <int n>
 void solve_at_point(V* A, V* b, int m) {
@@ -36,46 +42,83 @@ void solve_at_point(V* A, V* b, int m) {
 /// Internal variables h, the last strains of an energy, follow dh/dt = flow(-dW/dh, h): the same discrete
 /// gradient decides dW/dh, so that what is lost is exactly -dW/dh . dh. Solved at the point by Newton's
 /// method from the start of the step; T is then that of the other strains with h following them.
-template <bool tangent, class Energy, int n = Energy::n>
-void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V* s, V* T) {
-    constexpr int n_h = Energy::n_internal, n_s = n - n_h, most = 25;
-    const bool ends = step.stress == Stress::discrete_gradient;
-    const double theta = step.theta, dt = step.h > 0 ? step.h : 0;  // nothing evolves on the way back
-    V A[n_h * n_h], right[n_h * (n_s > 0 ? n_s : 1)], slope[n_h * n_h];
-    for (int k = n_s; k < n; ++k) e1[k] = e0[k];
-    for (int iteration = 0; iteration <= most; ++iteration) {
-        for (int k = n_s; k < n; ++k) et[k] = e0[k] + theta * (e1[k] - e0[k]);
+template <class Energy, int n = Energy::n>
+struct Evolution {
+    static constexpr int n_h = Energy::n_internal, n_s = n - n_h, most = 40;
+    const Energy& energy;
+    const Step& step;
+    const V* e0;
+    V *e1, *et, *s, *T;
+    V A[n_h * n_h], slope[n_h * n_h], R[n_h];
+
+    bool ends() const { return step.stress == Stress::discrete_gradient; }
+
+    /// R = h1 - h0 - dt flow(-s, h at theta or in the middle), A = dR/dh1, slope = dR/ds.
+    void linearise(double dt) {
+        for (int k = n_s; k < n; ++k) et[k] = e0[k] + step.theta * (e1[k] - e0[k]);
         conjugate_stress<true>(energy, step, e0, e1, et, s, T);
-        // R = h1 - h0 - dt flow(-s, h at theta or in the middle)
         using J = Jet<2 * n_h, false>;
         J force[n_h], h[n_h], rate[n_h];
-        const double share = ends ? 0.5 : theta;
+        const double share = ends() ? 0.5 : step.theta;
         for (int k = 0; k < n_h; ++k) {
             force[k] = J::variable(-s[n_s + k], k);
             h[k] = J::variable(e0[n_s + k] + share * (e1[n_s + k] - e0[n_s + k]), n_h + k);
         }
         energy.flow(force, h, rate);
-        V R[n_h], largest{};
         for (int k = 0; k < n_h; ++k) {
             R[k] = e1[n_s + k] - e0[n_s + k] - dt * rate[k].v;
             for (int l = 0; l < n_h; ++l) {
-                slope[n_h * k + l] = dt * rate[k].g[l];  // dR/ds
+                slope[n_h * k + l] = dt * rate[k].g[l];
                 V a = broadcast(k == l ? 1.0 : 0.0) - (share * dt) * rate[k].g[n_h + l];
                 for (int m = 0; m < n_h; ++m)
-                    a += (ends ? 1.0 : theta) * dt * rate[k].g[m] * T[n * (n_s + m) + n_s + l];
+                    a += (ends() ? 1.0 : step.theta) * dt * rate[k].g[m] * T[n * (n_s + m) + n_s + l];
                 A[n_h * k + l] = a;
             }
-            largest = vmax(largest, vabs(R[k]));
         }
-        bool done = true;
-        for (int l = 0; l < W; ++l) done = done && largest[l] <= 1e-15;
-        if (done || iteration == most) break;
-        solve_at_point<n_h>(A, R, 1);
-        V step_size{};
-        for (int k = 0; k < n_h; ++k) e1[n_s + k] -= R[k], step_size = vmax(step_size, vabs(R[k]));
     }
-    if constexpr (tangent) {
-        // dh1 = -A^-1 dR/ds T_hs de
+
+    /// Newton's method from where h1 is, in lanes that are not done; steps that do not lower R are cut. Done
+    /// are lanes whose corrections are rounding: no larger than that, or full ones that lower R no further
+    /// where the error before was so small that its square is rounding.
+    VI solve(double dt, VI done) {
+        V from[n_h], move[n_h] = {}, lowest = broadcast(1e300), share = broadcast(1.0), taken = lowest;
+        for (int k = 0; k < n_h; ++k) from[k] = e1[n_s + k];
+        for (int round = 0; round < most; ++round) {
+            linearise(dt);
+            V B[n_h * n_h], d[n_h], norm{}, largest{};
+            for (int k = 0; k < n_h * n_h; ++k) B[k] = A[k];
+            for (int k = 0; k < n_h; ++k) d[k] = R[k], norm += R[k] * R[k];
+            solve_at_point<n_h>(B, d, 1);
+            for (int k = 0; k < n_h; ++k) largest = vmax(largest, vabs(d[k]));
+            const V size = energy.size(e1 + n_s);
+            const VI better = (norm < lowest) & energy.admits(e1 + n_s);  // never where it is no number
+            done |=
+                (better & (largest <= 1e-15 * size)) | (~better & (share == 1.0) & (taken <= 1e-9 * size));
+            if (all(done)) break;
+            lowest = select(better, norm, lowest);
+            share = select(better, broadcast(1.0), 0.25 * share);
+            taken = V{};
+            for (int k = 0; k < n_h; ++k) {
+                from[k] = select(better, e1[n_s + k], from[k]), move[k] = select(better, d[k], move[k]);
+                e1[n_s + k] = select(done, e1[n_s + k], from[k] - share * move[k]);
+                taken = vmax(taken, vabs(share * move[k]));
+            }
+        }
+        return done;
+    }
+
+    /// Where Newton's method does not get there at once, it follows h1 from shorter steps to longer ones.
+    VI solve_by_parts(double dt, VI done) {
+        done = solve(dt, done);
+        if (all(done)) return done;
+        for (int k = n_s; k < n; ++k) e1[k] = select(done, e1[k], e0[k]);
+        for (double part = 0x1p-20; part < 1; part *= 1.42) solve(part * dt, done);
+        return solve(dt, done);
+    }
+
+    /// Adds what the other strains change by h, dh1 = -A^-1 dR/ds T_hs de.
+    void condense() {
+        V right[n_h * (n_s > 0 ? n_s : 1)];
         for (int k = 0; k < n_h; ++k)
             for (int j = 0; j < n_s; ++j) {
                 V sum{};
@@ -86,8 +129,20 @@ void evolve(const Energy& energy, const Step& step, const V* e0, V* e1, V* et, V
         for (int i = 0; i < n_s; ++i)
             for (int j = 0; j < n_s; ++j)
                 for (int k = 0; k < n_h; ++k)
-                    T[n * i + j] -= (ends ? 1.0 : theta) * T[n * i + n_s + k] * right[n_s * k + j];
+                    T[n * i + j] -= (ends() ? 1.0 : step.theta) * T[n * i + n_s + k] * right[n_s * k + j];
     }
+};
+
+/// The lanes, of the first `active` ones, that found the end of the step; the others count as found.
+template <bool tangent, class Energy, int n = Energy::n>
+VI evolve(const Energy& energy, const Step& step, int active, const V* e0, V* e1, V* et, V* s, V* T) {
+    Evolution<Energy> at{energy, step, e0, e1, et, s, T, {}, {}, {}};
+    for (int k = n - Energy::n_internal; k < n; ++k) e1[k] = e0[k];
+    VI done;
+    for (int l = 0; l < W; ++l) done[l] = l < active ? 0 : -1;
+    done = at.solve_by_parts(step.h > 0 ? step.h : 0, done);  // nothing evolves on the way back
+    if constexpr (tangent) at.condense();
+    return done;
 }
 
 }  // namespace visviva::VISVIVA_ISA

@@ -61,6 +61,17 @@ struct SolidEntropyMap : Layout<SolidEntropyMap> {
     }
 };
 
+/// (theta, grad theta), transported
+struct ScalarMap : Layout<ScalarMap> {
+    static constexpr int n_groups = 1, n_components = 1, n_local = 4, n_strains = 4;
+    static constexpr Group groups[] = {{1, 4, 1}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        for (int k = 0; k < 4; ++k) e[k] = y[k];
+    }
+};
+
 /// (c, grad c, mu, grad mu)
 struct ConcentrationMap : Layout<ConcentrationMap> {
     static constexpr int n_groups = 2, n_components = 2, n_local = 8, n_strains = 8;

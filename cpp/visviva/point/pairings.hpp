@@ -29,6 +29,8 @@ struct PointState {
     T s[n_s], e[n_e], change[n_e], rate[n_e];
     const V* par;
     double h;
+    bool moves;      // increments make velocities
+    bool backwards;  // the books go the step from its end to its start, see Context
 };
 
 /// Conservative: the gradient of the energy, f = s.

@@ -45,6 +45,8 @@ struct PointView {
     // Of an energy evaluated outside the core: W, its stresses s and moduli ds/de1 (or ds/de at theta),
     // arrays over [strain] (and [strain][strain]) [block][point][8]
     const double *called_W = nullptr, *called_s = nullptr, *called_T = nullptr;
+    char* lost_way = nullptr;  // [element] whose internal variables found no end of the step last evaluated
+    bool backwards = false;    // that step goes from its end to its start
     const double* called_lost = nullptr;  // by internal variables, or null
 };
 

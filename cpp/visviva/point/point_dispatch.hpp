@@ -12,8 +12,12 @@ enum class PhysicsKind : int {
     cahn_hilliard = 3,  // concentration, its gradient, potential and its gradient
     beam = 4,           // directors: Gamma, K
     shell = 5,          // four nodes with directors: membrane, bending, shear
+    layer = 6,          // of a shell whose directors stretch: C
+    pressed_layer = 7,  // and its pressure
+    damped_beam = 8,    // directors: Gamma, K and their rates
+    conduction = 9,     // temperature and its gradient
 };
-inline constexpr int n_physics = 6;
+inline constexpr int n_physics = 10;
 
 /// What a physics expects.
 struct PointShape {

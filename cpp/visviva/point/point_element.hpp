@@ -25,7 +25,12 @@ struct PointElement {
     using Rows = Strains<Map>;
     static constexpr int n_y = Map::n_local, n_e = Map::n_strains, n_z = Energy::n, n_h = Energy::n_internal,
                          n_s = n_z - n_h;  // local unknowns; strains of the map, of the energy; internal
-    static_assert(n_s <= n_e);
+    // Strains of the map that the energy's are linear in, turn(par) [n_s][n_m], or that are its own; stresses
+    // by them.
+    static constexpr bool turned = Energy::n_turned > 0;
+    static constexpr int n_m = turned ? Energy::n_turned : n_s, n_f = turned ? n_m : n_z;
+    static_assert(n_m <= n_e);
+    static_assert(!turned || n_h == 0);
     static constexpr int max_unknowns = Map::n_components * point_max_nodes;
 
     const PointView& v;
@@ -97,7 +102,7 @@ struct PointElement {
         V y0[n_y], y1[n_y], yt[n_y], rate[n_y];
         V z0[n_z], z1[n_z], zt[n_z];  // strains of the energy, internal ones last
         V e0[n_e], e1[n_e], et[n_e], B1[n_e * n_y], Bt[n_e * n_y];  // of the map
-        V s[n_z], T[n_z * n_z], par[Energy::max_par > 0 ? Energy::max_par : 1];
+        V s[n_f], T[n_f * n_f], par[Energy::max_par > 0 ? Energy::max_par : 1];
     };
 
     void strains(int q, Point& p) const {
@@ -113,18 +118,58 @@ struct PointElement {
             p.e0[k] -= r, p.e1[k] -= r, p.et[k] -= r;
         }
         for (int k = 0; k < v.n_par; ++k) p.par[k] = vload(at_point(v.par, q, v.n_par) + k * P8);
-        for (int k = 0; k < n_s; ++k) p.z0[k] = p.e0[k], p.z1[k] = p.e1[k], p.zt[k] = p.et[k];
+        if constexpr (turned)
+            turn(p.par, p.e0, p.z0), turn(p.par, p.e1, p.z1), turn(p.par, p.et, p.zt);
+        else
+            for (int k = 0; k < n_s; ++k) p.z0[k] = p.e0[k], p.z1[k] = p.e1[k], p.zt[k] = p.et[k];
         for (int k = 0; !v.called_s && k < n_h; ++k)
             p.z0[n_s + k] = vload(at_point(v.history0, q, n_h) + k * P8);
+    }
+
+    static void turn(const V* par, const V* e, V* z) {
+        const V* A = Energy::turn(par);
+        for (int k = 0; k < n_s; ++k) {
+            z[k] = V{};
+            for (int m = 0; m < n_m; ++m) z[k] += A[k * n_m + m] * e[m];
+        }
+    }
+    template <bool tangent>
+    static void turn_back(Point& p) {
+        const V* A = Energy::turn(p.par);
+        V s[n_s], T[n_s * n_s], by[n_s * n_m];
+        for (int k = 0; k < n_s; ++k) s[k] = p.s[k];
+        for (int k = 0; tangent && k < n_s * n_s; ++k) T[k] = p.T[k];
+        for (int m = 0; m < n_m; ++m) {
+            p.s[m] = V{};
+            for (int k = 0; k < n_s; ++k) p.s[m] += A[k * n_m + m] * s[k];
+        }
+        for (int k = 0; tangent && k < n_s; ++k)
+            for (int m = 0; m < n_m; ++m) {
+                by[k * n_m + m] = V{};
+                for (int l = 0; l < n_s; ++l) by[k * n_m + m] += T[k * n_s + l] * A[l * n_m + m];
+            }
+        for (int j = 0; tangent && j < n_m; ++j)
+            for (int m = 0; m < n_m; ++m) {
+                V sum{};
+                for (int k = 0; k < n_s; ++k) sum += A[k * n_m + j] * by[k * n_m + m];
+                p.T[j * n_f + m] = sum;
+            }
     }
 
     /// Stresses and their moduli: by the strains at the end for discrete gradients, else by those at theta.
     template <bool tangent>
     void stress(int q, Point& p) const {
+        own_stress<tangent>(q, p);
+        if constexpr (turned) turn_back<tangent>(p);
+    }
+    template <bool tangent>
+    void own_stress(int q, Point& p) const {
         if (v.called_s) return called<tangent>(q, p);
         const Energy energy(p.par);
         if constexpr (n_h > 0) {
-            evolve<tangent>(energy, step, p.z0, p.z1, p.zt, p.s, p.T);
+            const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T);
+            for (int l = 0; l < W; ++l)
+                if (!found[l]) v.lost_way[block * P8 + lane + l] = 1;
             for (int k = 0; k < n_h; ++k)
                 vstore(v.history1 + (at_point(v.history0, q, n_h) - v.history0) + k * P8, p.z1[n_s + k]);
         } else {
@@ -142,14 +187,14 @@ struct PointElement {
         }
     }
 
-    // ds/dy1 [n_s][n_y]
+    // ds/dy1 [n_m][n_y]
     void stress_rows(const Point& p, V* rows) const {
-        for (int k = 0; k < n_s * n_y; ++k) rows[k] = V{};
+        for (int k = 0; k < n_m * n_y; ++k) rows[k] = V{};
         const bool ends = step.stress == Stress::discrete_gradient;
         for (const auto& [m, j] : Rows::sparse.entry) {
-            if (m >= n_s) continue;
+            if (m >= n_m) continue;
             const V b = ends ? p.B1[m * n_y + j] : share(Map::group_of(j)) * p.Bt[m * n_y + j];
-            for (int k = 0; k < n_s; ++k) rows[k * n_y + j] += p.T[n_z * k + m] * b;
+            for (int k = 0; k < n_m; ++k) rows[k * n_y + j] += p.T[n_f * k + m] * b;
         }
     }
 
@@ -158,8 +203,8 @@ struct PointElement {
     void pair(const Point& p, const V* rows, typename Number<n_y, slopes>::type* f) const {
         using Value = Number<n_y, slopes>;
         if constexpr (Pairing::is_gradient) {
-            for (int k = 0; k < n_s; ++k) f[k] = Value::of(p.s[k], rows + k * n_y);
-            for (int k = n_s; k < n_e; ++k) f[k] = Value::of(V{}, nullptr);
+            for (int k = 0; k < n_m; ++k) f[k] = Value::of(p.s[k], rows + k * n_y);
+            for (int k = n_m; k < n_e; ++k) f[k] = Value::of(V{}, nullptr);
         } else {
             const auto state = state_of<slopes>(p, rows);
             Pairing::forces(state, f);
@@ -167,12 +212,13 @@ struct PointElement {
     }
 
     template <bool slopes>
-    PointState<Number<n_y, slopes>, n_e, n_s> state_of(const Point& p, const V* rows) const {
+    PointState<Number<n_y, slopes>, n_e, n_m> state_of(const Point& p, const V* rows) const {
         using Value = Number<n_y, slopes>;
-        PointState<Value, n_e, n_s> state;
-        state.par = p.par, state.h = step.h;
+        PointState<Value, n_e, n_m> state;
+        state.par = p.par, state.h = step.h, state.moves = !step.is_static();
+        state.backwards = v.backwards;
         V at[n_y], change[n_y];
-        for (int k = 0; k < n_s; ++k) state.s[k] = Value::of(p.s[k], rows + k * n_y);
+        for (int k = 0; k < n_m; ++k) state.s[k] = Value::of(p.s[k], rows + k * n_y);
         for (int k = 0; k < n_e; ++k) {
             V speed{};
             for (int j = 0; j < n_y; ++j) {
@@ -198,7 +244,7 @@ struct PointElement {
             pair<false>(p, p.s, f);
             for (const auto& [k, j] : Rows::sparse.entry) F[j] += f[k] * p.Bt[k * n_y + j];
         } else {
-            V rows[n_s * n_y];
+            V rows[n_m * n_y];
             Jet<n_y, false> f[n_e];
             stress_rows(p, rows), pair<true>(p, rows, f);
             for (int k = 0; k < n_y * n_y; ++k) K[k] = V{};

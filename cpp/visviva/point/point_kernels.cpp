@@ -2,7 +2,9 @@
 // set.
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
+#include "visviva/point/layer.hpp"
 #include "visviva/point/point_kernel.hpp"
+#include "visviva/point/thermoelastic.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -17,6 +19,10 @@ const PointKernels point_tables[n_physics] = {
     table<ConcentrationMap, SeparationEnergy, DiffusionPairing>,
     table<BeamMap, SectionEnergy<6>>,
     table<ShellMap, SectionEnergy<8>>,
+    table<LayerMap, LayerEnergy>,
+    table<PressedLayerMap, PressedLayerEnergy>,
+    table<BeamMap, SectionEnergy<6, 21>, ViscousPairing<6>>,
+    table<ScalarMap, CapacityEnergy, ConductionPairing>,
 };
 
 }  // namespace visviva::VISVIVA_ISA

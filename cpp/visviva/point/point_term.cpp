@@ -10,7 +10,9 @@ constexpr int L8 = point_lanes;
 }
 
 PointTerm::PointTerm(const PointData& d)
-    : slots_(d.index, d.n, d.n_slots, d.n_slots), kernels_(point_kernels(d.kind)) {
+    : TermMemory("internal variables", 1),
+      slots_(d.index, d.n, d.n_slots, d.n_slots),
+      kernels_(point_kernels(d.kind)) {
     needs_rates = true;
     const PointShape& shape = kernels_.shape;
     if (static_cast<int>(d.groups.size()) != shape.n_groups)
@@ -37,8 +39,10 @@ PointTerm::PointTerm(const PointData& d)
     v.index = slots_.index(), v.w = w_.data(), v.par = par_.data();
     v.reference = d.reference ? reference_.data() : nullptr;
     const std::size_t lanes = static_cast<std::size_t>(v.n_blocks) * L8;
+    lost_way_.assign(lanes, 0), v.lost_way = lost_way_.data();
     out_.assign(point_ledger_rows * lanes, 0.0);
-    for (auto* h : {&history0_, &history1_}) h->assign(lanes * d.n_points * n_history_, 0.0);
+    for (auto* h : {&history0_, &history1_, &before_, &at_tangent_})
+        h->assign(lanes * d.n_points * n_history_, 0.0);
     v.history0 = history0_.data(), v.history1 = history1_.data();
 }
 
@@ -57,13 +61,19 @@ void PointTerm::set_callback(LawCallback f, const std::vector<double>& start) {
     n_history_ = static_cast<int>(start.size());
     history0_.resize(start.size() * n);
     for (std::size_t i = 0; i < history0_.size(); ++i) history0_[i] = start[i / n];
-    history1_ = history0_;
+    history1_ = before_ = at_tangent_ = history0_;
     view_.history0 = history0_.data(), view_.history1 = history1_.data();
     called_lost_.assign(start.empty() ? 0 : n, 0.0);
     view_.called_lost = start.empty() ? nullptr : called_lost_.data();
 }
 
+void PointTerm::start(const Context& c) {
+    view_.backwards = c.backwards;
+    std::fill(lost_way_.begin(), lost_way_.end(), 0);
+}
+
 void PointTerm::call_back(const Context& c, bool want_tangent) {
+    start(c);
     if (!callback_) return;
     kernels_.strains(view_, c.step, c.vectors, e0_.data(), et_.data(), e1_.data());
     const int n = view_.n_blocks * view_.n_points * L8;
@@ -83,6 +93,7 @@ void PointTerm::residual(const Context& c, double* r) {
 
 void PointTerm::linearise(const Context& c, double* r, double* values) {
     call_back(c, true);
+    std::copy(history0_.begin(), history0_.end(), at_tangent_.begin());
     slots_.assemble(values, [&](int begin, int end) {
         kernels_.tangent(view_, c.step, c.vectors, begin, end, r, values);
     });
@@ -104,6 +115,14 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[3 + k];
 }
 
+Refusal PointTerm::refuse(const Context&) {
+    for (int e = 0; e < view_.n; ++e)
+        if (lost_way_[e])
+            return {slots_.unknown(e, 0), name + ": internal variables at a point of its element " +
+                                              std::to_string(e) + " find no end of so long a step"};
+    return {};
+}
+
 // The internal variables at the end are those of the accepted step: whatever was looked at since its last
 // residual.
 void PointTerm::accept(const Context& c) {
@@ -112,17 +131,35 @@ void PointTerm::accept(const Context& c) {
     slots_.for_tasks([&](int begin, int end) {
         kernels_.ledger(view_, c.step, c.vectors, c.vectors.rate, begin, end, out_.data());
     });
+    std::copy(history0_.begin(), history0_.end(), before_.begin());
     std::copy(history1_.begin(), history1_.end(), history0_.begin());
 }
 
 void PointTerm::write_memory(std::vector<double>& memory) const {
-    memory.insert(memory.end(), history0_.begin(), history0_.end());
+    for (const auto* h : {&history0_, &before_, &at_tangent_})
+        memory.insert(memory.end(), h->begin(), h->end());
 }
 
 bool PointTerm::read_memory(const double*& memory) {
-    std::copy(memory, memory + history0_.size(), history0_.begin());
-    memory += history0_.size();
+    for (auto* h : {&history0_, &before_, &at_tangent_}) {
+        std::copy(memory, memory + h->size(), h->begin());
+        memory += h->size();
+    }
     return false;
+}
+
+void PointTerm::write_history(std::vector<double>& history) const {
+    history.insert(history.end(), history0_.begin(), history0_.end());
+}
+
+void PointTerm::read_history(const double*& history) {
+    std::copy(history, history + history0_.size(), history0_.begin());
+    history += history0_.size();
+}
+
+void PointTerm::return_to(Past past) {
+    const auto& then = past == Past::step ? before_ : at_tangent_;
+    std::copy(then.begin(), then.end(), history0_.begin());
 }
 
 }  // namespace visviva

@@ -28,7 +28,7 @@ struct PointData {
     const double *volume, *par, *reference;  // [element][point], [..][parameter], [..][strain] or null
 };
 
-class PointTerm : public Term, public MeshAssembly, public TermMemory {
+class PointTerm : public Term, public MeshAssembly, public TermMemory, public TermHistory {
   public:
     /// Throws std::invalid_argument if groups or parameters are not those of the physics.
     explicit PointTerm(const PointData& data);
@@ -37,7 +37,7 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory {
     /// [variable].
     void set_callback(LawCallback f, const std::vector<double>& start);
 
-    TermCapabilities capabilities() override { return {this, nullptr, this}; }
+    TermCapabilities capabilities() override { return {this, nullptr, this, this}; }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
     void residual(const Context&, double* r) override;
@@ -47,9 +47,13 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory {
     }
     void linearise(const Context&, double* r, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
+    Refusal refuse(const Context&) override;
     void accept(const Context&) override;
     void write_memory(std::vector<double>&) const override;
     bool read_memory(const double*& memory) override;
+    void write_history(std::vector<double>&) const override;
+    void read_history(const double*& history) override;
+    void return_to(Past) override;
 
     /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside
     /// the core [variable][block][point][8].
@@ -61,16 +65,21 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory {
     int energy_account = -1, kinetic_account = -1, dissipation_account = -1, owner = 0;
 
   private:
+    void start(const Context&);
     void call_back(const Context&, bool want_tangent);
 
     int n_history_ = 0;
+    std::vector<char> lost_way_;
     double lost_ = 0;  // by internal variables in the step
     Slots slots_;
     PointView view_;
     const PointKernels& kernels_;
     LawCallback callback_;
     Aligned<double> weights_[point_max_groups], mass_[point_max_groups], w_, par_, reference_, out_;
-    Aligned<double> history0_, history1_, e0_, et_, e1_, called_W_, called_s_, called_T_, called_lost_;
+    // Internal variables now, at the end of the step last evaluated, at the start of the step accepted last,
+    // and when the last tangent was made.
+    Aligned<double> history0_, history1_, before_, at_tangent_;
+    Aligned<double> e0_, et_, e1_, called_W_, called_s_, called_T_, called_lost_;
 };
 
 }  // namespace visviva

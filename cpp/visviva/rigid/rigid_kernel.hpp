@@ -18,10 +18,6 @@ VISVIVA_INLINE void cross_add(const V* a, const V* b, V* c) {
 
 VISVIVA_INLINE V dot(const V* a, const V* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-VISVIVA_INLINE void clear(V* a, int n) {
-    for (int k = 0; k < n; ++k) a[k] = broadcast(0.0);
-}
-
 VISVIVA_INLINE Frame gather_frame(const RigidView& v, const double* x, int base) {
     Frame f;
     for (int k = 0; k < 9; ++k) f.d[k] = gather(x, v.q + (3 + k) * v.stride + base);

@@ -1,7 +1,7 @@
 // Solid elements, W at a time: strains, stresses and forces.
 #pragma once
 #include "visviva/material/discrete_gradient.hpp"
-#include "visviva/material/plane_stress.hpp"
+#include "visviva/material/wrapped.hpp"
 #include "visviva/solid/solid.hpp"
 
 namespace visviva::VISVIVA_ISA {
@@ -20,21 +20,6 @@ VISVIVA_INLINE V determinant(const V* F) {
     return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) +
            F[2] * (F[3] * F[7] - F[4] * F[6]);
 }
-
-/// That of a material, in plane stress of the stretch across the plane that leaves no stress there.
-template <int D>
-struct MaterialEnergy : TensorEnergy {
-    static constexpr int n = 6;
-    MaterialKind kind;
-    bool plane;
-    const V* par;
-    bool is_quadratic() const { return kind == MaterialKind::hooke; }
-    template <bool second>
-    VISVIVA_INLINE void evaluate(const V* c, Response& r) const {
-        V c33;
-        D == 2 && plane ? plane_stress<second>(kind, c, par, r, c33) : respond<second>(kind, c, par, r);
-    }
-};
 
 template <int D, int N>
 struct SolidElement {
@@ -64,6 +49,9 @@ struct SolidElement {
     VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
     VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
     VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
+    VISVIVA_INLINE const int* pressure_index(int k) const {
+        return v.pressure_index + (block * v.n_pressures + k) * L8 + lane;
+    }
     VISVIVA_INLINE V at(const double* u, int a, int c) const { return gather(u + c, index(a)); }
     VISVIVA_INLINE const double* gradients(int q) const {
         return v.G + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes()) * D * L8 + lane;
@@ -119,31 +107,39 @@ struct SolidElement {
     }
 
     VISVIVA_INLINE V thermal(int q) const { return vload(v.thermal + point(q)); }
+    VISVIVA_INLINE V stretch(int q) const {
+        return v.thermal && !v.small ? 1.0 + thermal(q) : broadcast(1.0);
+    }
 
-    // Strain from the place that heat alone would lead to: C / stretch^2 - I, or twice the small strain less
-    // that of heat.
-    VISVIVA_INLINE void elastic_strain(int q, const V* F, V* c) const {
-        strain(F, c);
-        if (!v.thermal) return;
-        const V e = thermal(q), shrink = v.small ? broadcast(1.0) : 1.0 / ((1.0 + e) * (1.0 + e));
-        const V less = v.small ? 2.0 * e : e * (2.0 + e) * shrink;
-        for (int k = 0; k < 6; ++k) c[k] = shrink * c[k] - (k < 3 ? less : V{});
+    // Energies at a point: of what heat has stretched there, and of the material of the element.
+    template <class Energy>
+    VISVIVA_INLINE Stretched<Energy> heated(int q, const Energy& energy) const {
+        return {energy, v.thermal ? reinterpret_cast<const V*>(v.thermal + point(q)) : nullptr, v.small};
+    }
+    VISVIVA_INLINE Stretched<MaterialEnergy> material(int q, const V* par) const {
+        return heated(q, MaterialEnergy{{}, v.kind, par});
+    }
+    VISVIVA_INLINE auto energy_at(int q, const V* par) const {
+        if constexpr (D == 2)
+            return PlaneStress<Stretched<MaterialEnergy>>{material(q, par), v.plane_stress};
+        else
+            return material(q, par);
     }
 
     VISVIVA_INLINE void strains(int q, SolidPoint& p) const {
         V F0[9];
         gradient(x1, q, 1.0, p.F1);
-        elastic_strain(q, p.F1, p.c1);
+        strain(p.F1, p.c1);
         p.det = v.small ? broadcast(1.0) : determinant(p.F1);
         if (!ends) {
             gradient(x0, q, 1.0, F0);
-            elastic_strain(q, F0, p.c0);
+            strain(F0, p.c0);
         }
         for (int k = 0; k < 9; ++k) p.Ft[k] = ends ? p.F1[k] : F0[k] + step.theta * (p.F1[k] - F0[k]);
         if (ends)
             for (int k = 0; k < 6; ++k) p.ct[k] = p.c1[k];
         else if (step.stress == Stress::at_theta)
-            elastic_strain(q, p.Ft, p.ct);
+            strain(p.Ft, p.ct);
         if (v.damped) {
             V u[solid_max_nodes * D];
             for (int a = 0; a < nodes(); ++a)
@@ -154,61 +150,56 @@ struct SolidElement {
             for (int k = 0; k < 9; ++k) p.F1[k] = p.Ft[k] = broadcast(k % 4 == 0 ? 1.0 : 0.0);
     }
 
-    template <bool second>
-    VISVIVA_INLINE void response(const V* c, const V* par, Response& r) const {
-        MaterialEnergy<D>{{}, v.kind, v.plane_stress, par}.template evaluate<second>(c, r);
-    }
-
-    template <bool tangent>
-    VISVIVA_INLINE void at_theta(const V* par, SolidPoint& p) const {
-        Response r;
-        response<tangent>(p.ct, par, r);
-        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * r.s[k];
-        if constexpr (tangent)
-            for (int k = 0; k < 6; ++k)
-                for (int l = k; l < 6; ++l)
-                    p.T[6 * k + l] = p.T[6 * l + k] = 4 * step.theta * r.d[packed(6, k, l)];
-    }
-
-    template <bool tangent>
-    VISVIVA_INLINE void discrete_gradient(const V* par, SolidPoint& p) const {
-        const MaterialEnergy<D> energy{{}, v.kind, D == 2 && v.plane_stress, par};
-        VISVIVA_ISA::discrete_gradient<tangent>(energy, p.c0, p.c1, p.S, p.T);
-        for (int k = 0; k < 6; ++k) p.S[k] *= 2.0;
-        for (int k = 0; tangent && k < 36; ++k) p.T[k] *= 4.0;
+    // Stress at a point, S = 2 dW/dC of n strains, and T = 2 dS/dC1
+    template <bool tangent, class Energy>
+    VISVIVA_INLINE static void stress_by(const Energy& energy, const Step& step, const V* c0, const V* c1,
+                                         const V* ct, V* S, V* T) {
+        constexpr int n = Energy::n;
+        stress_of<tangent>(energy, step, c0, c1, ct, S, T);
+        for (int k = 0; k < n; ++k) S[k] *= 2.0;
+        const double factor = step.stress == Stress::at_theta ? 4 * step.theta : 4;
+        for (int k = 0; tangent && k < n * n; ++k) T[k] *= factor;
     }
 
     template <bool tangent>
     VISVIVA_INLINE void stress(int q, SolidPoint& p) const {
-        if (v.kind == MaterialKind::user) {
-            user<tangent>(q, p);
-        } else {
-            V par[material_max_parameters];
-            for (int k = 0; k < v.n_par; ++k) par[k] = parameter(k);
-            step.stress == Stress::discrete_gradient ? discrete_gradient<tangent>(par, p)
-                                                     : at_theta<tangent>(par, p);
-        }
-        if (v.thermal && !v.small) heat<tangent>(q, p);
+        V par[material_max_parameters];
+        for (int k = 0; k < v.n_par; ++k) par[k] = parameter(k);
+        if (v.kind == MaterialKind::user)
+            user<tangent, 6>(q, p.S, p.T);
+        else if (v.thermal || v.plane_stress)
+            wrapped_stress<tangent>(energy_at(q, par), p);
+        else
+            stress_by<tangent>(MaterialEnergy{{}, v.kind, par}, step, p.c0, p.c1, p.ct, p.S, p.T);
         if (v.damped) viscous_stress(p);
     }
-
-    // The energy is that per volume of the heated material: stretch^3 W(C / stretch^2).
-    template <bool tangent>
-    VISVIVA_INLINE void heat(int q, SolidPoint& p) const {
-        const V stretch = 1.0 + thermal(q), inverse = 1.0 / stretch;
-        for (int k = 0; k < 6; ++k) p.S[k] *= stretch;
-        for (int k = 0; tangent && k < 36; ++k) p.T[k] *= inverse;
+    template <bool tangent, class Energy>
+    VISVIVA_INLINE void wrapped_stress(const Energy& energy, SolidPoint& p) const {
+        SolidPoint own;  // what a call sees leaves the registers
+        for (int k = 0; k < 6; ++k) own.c0[k] = p.c0[k], own.c1[k] = p.c1[k], own.ct[k] = p.ct[k];
+        stress_apart<tangent>(energy, Step(step), own);
+        for (int k = 0; k < 6; ++k) p.S[k] = own.S[k];
+        for (int k = 0; tangent && k < 36; ++k) p.T[k] = own.T[k];
+    }
+    // Not inlined: most materials are alone.
+    template <bool tangent, class Energy>
+    __attribute__((noinline)) static void stress_apart(const Energy& energy, const Step& step,
+                                                       SolidPoint& p) {
+        stress_by<tangent>(energy, step, p.c0, p.c1, p.ct, p.S, p.T);
     }
 
-    // Derivatives by the six components count an off-diagonal pair once, those by the tensor each of both.
-    template <bool tangent>
-    VISVIVA_INLINE void user(int q, SolidPoint& p) const {
+    // Derivatives by the components count an off-diagonal pair once, those by the tensor each of both; they
+    // are by strains beyond that of heat.
+    template <bool tangent, int n>
+    VISVIVA_INLINE void user(int q, V* S, V* T) const {
         const std::int64_t at = point(q), stride = static_cast<std::int64_t>(v.n_blocks) * v.n_points * L8;
         const double factor = step.stress == Stress::at_theta ? 4 * step.theta : 4;
-        for (int k = 0; k < 6; ++k) p.S[k] = (k < 3 ? 2.0 : 1.0) * vload(v.user_S + k * stride + at);
-        for (int k = 0; tangent && k < 36; ++k) {
-            const double share = (k / 6 < 3 ? 1.0 : 0.5) * (k % 6 < 3 ? 1.0 : 0.5);
-            p.T[k] = factor * share * vload(v.user_D + k * stride + at);
+        const V stretched = stretch(q), inverse = 1.0 / stretched;
+        for (int k = 0; k < n; ++k)
+            S[k] = (2.0 / tensor_weight(k)) * stretched * vload(v.user_S + k * stride + at);
+        for (int k = 0; tangent && k < n * n; ++k) {
+            const double share = factor / (tensor_weight(k / n) * tensor_weight(k % n));
+            T[k] = share * inverse * vload(v.user_D + k * stride + at);
         }
     }
 
@@ -216,38 +207,43 @@ struct SolidElement {
         return (static_cast<std::int64_t>(block) * v.n_points + q) * L8 + lane;
     }
 
+    VISVIVA_INLINE V user_energy(int q) const {
+        const V stretched = stretch(q);
+        return stretched * stretched * stretched * vload(v.user_W + point(q));
+    }
+
     VISVIVA_INLINE V energy(int q, const V* c1, const V* par) const {
-        const V stretch = v.thermal && !v.small ? 1.0 + thermal(q) : broadcast(1.0);
-        const V volume = stretch * stretch * stretch;
-        if (v.kind == MaterialKind::user) return volume * vload(v.user_W + point(q));
+        if (v.kind == MaterialKind::user) return user_energy(q);
         Response r;
-        response<false>(c1, par, r);
-        return volume * r.W;
+        energy_at(q, par).template evaluate<false>(c1, r);
+        return r.W;
     }
 
     // F33 of plane stress
     VISVIVA_INLINE V across(int q, const V* c1, const V* par) const {
-        Response r;
-        V c33;
-        plane_stress<false>(v.kind, c1, par, r, c33);
-        const V e = v.thermal ? thermal(q) : V{};
-        return v.small ? 1.0 + 0.5 * c33 + e : (1.0 + e) * vsqrt(1.0 + c33);
+        const V c33 = PlaneStress<Stretched<MaterialEnergy>>{material(q, par), true}.across(c1);
+        return v.small ? 1.0 + 0.5 * c33 : vsqrt(1.0 + c33);
     }
 
-    // S of Kelvin and Voigt: isotropic in the rate of Green's strain, dE/dt = sym(F^T dF/dt)
+    // S of Kelvin and Voigt: Hooke's of the rate of C, 2 sym(F^T dF/dt)
     VISVIVA_INLINE void viscous_stress(SolidPoint& p) const {
-        V e[6];
+        V rate[6];
         for (int k = 0; k < 6; ++k) {
-            e[k] = V{};
+            rate[k] = V{};
             for (int m = 0; m < 3; ++m)
-                e[k] += 0.5 * (p.Ft[3 * m + voigt_a[k]] * p.rate[3 * m + voigt_b[k]] +
-                               p.Ft[3 * m + voigt_b[k]] * p.rate[3 * m + voigt_a[k]]);
+                rate[k] += p.Ft[3 * m + voigt_a[k]] * p.rate[3 * m + voigt_b[k]] +
+                           p.Ft[3 * m + voigt_b[k]] * p.rate[3 * m + voigt_a[k]];
         }
-        const V trace = viscosity(1) * (e[0] + e[1] + e[2]);
-        for (int k = 0; k < 6; ++k) {
-            p.viscous[k] = 2.0 * viscosity(2) * e[k] + (k < 3 ? trace : V{});
-            p.S[k] += p.viscous[k];
-        }
+        const V constants[2] = {viscosity(1), viscosity(2)};
+        Response r;
+        hooke<false>(rate, constants, r);
+        for (int k = 0; k < 6; ++k) p.viscous[k] = 2.0 * r.s[k], p.S[k] += p.viscous[k];
+    }
+
+    // X of the derivative of the rate of Green's strain by the motion at the end, sym(X^T dF)
+    VISVIVA_INLINE void rate_gradient(const SolidPoint& p, V* X) const {
+        for (int k = 0; k < 9; ++k)
+            X[k] = step.motion[0][0] * p.Ft[k] + (v.small ? V{} : step.theta * p.rate[k]);
     }
 
     // P = F S, times the volume

@@ -111,7 +111,8 @@ void solid_strains(const SolidView& v, const Step& step, const Vectors& x, doubl
         for (int q = 0; q < e.v.n_points; ++q) {
             V F0[9], F1[9], Ft[9], c[6];
             auto put = [&](const V* F, double* to) {
-                e.elastic_strain(q, F, c);
+                e.strain(F, c);
+                if (e.v.thermal) strain_beyond(e.thermal(q), e.v.small, c, c);
                 for (int k = 0; k < 6; ++k) vstore(to + k * stride + e.point(q), k < 3 ? 1.0 + c[k] : c[k]);
             };
             e.gradient(e.x0, q, 1.0, F0), e.gradient(e.x1, q, 1.0, F1);

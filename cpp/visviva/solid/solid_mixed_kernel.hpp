@@ -1,46 +1,41 @@
 // Residual, tangent, energy and fields of batches of F-bar and mixed elements.
 #pragma once
 #include "visviva/solid/solid_dispatch.hpp"
-#include "visviva/solid/solid_mixed_element.hpp"
+#include "visviva/solid/solid_fbar.hpp"
+#include "visviva/solid/solid_pressure.hpp"
 #include "visviva/solid/solid_scatter.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
-VISVIVA_INLINE SolidView view_of_centre(const SolidView& v) {
-    SolidView c = v;
-    c.n_points = 1, c.G = v.centre_G, c.H = v.centre_H, c.damped = false;
-    return c;
-}
-
 /// Calls f(element, block, lane, active lanes) for every W elements of some blocks.
-template <int D, bool fbar, class F>
+template <class Map, class F>
 VISVIVA_INLINE void for_mixed(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                               F f) {
-    const SolidView centre = view_of_centre(v);
     for (int block = begin; block < end; ++block)
         for (int lane = 0; lane < L8; lane += W) {
-            const SolidElement<D, 0> e(v, step, x, block, lane), middle(centre, step, x, block, lane);
-            MixedElement<D, fbar> element(e, middle);
+            const SolidElement<Map::dim, 0> e(v, step, x, block, lane);
+            SolidOfMap<Map> element(e);
             f(element, block, lane, e.active());
         }
 }
 
-template <int D, bool fbar>
+template <class Map>
 struct Mixed {
+    static constexpr int D = Map::dim;
     static void residual(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                          double* r) {
-        for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int, int, int n) {
+        for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int, int, int n) {
             V f[mixed_max_unknowns];
             element.forces(f);
             solid_scatter_forces(element.e, f, n, r);
             for (int k = 0; k < v.n_pressures; ++k)
-                for (int l = 0; l < n; ++l) r[element.pressure_index(k)[l]] += f[element.n_motion + k][l];
+                for (int l = 0; l < n; ++l) r[element.e.pressure_index(k)[l]] += f[element.n_motion + k][l];
         });
     }
 
     static void tangent(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                         double* values) {
-        for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
+        for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
             V K[mixed_max_unknowns * mixed_max_unknowns];
             element.tangent(K);
             const int n_nodes = element.e.nodes(), n_all = n_nodes + v.n_pressures;
@@ -62,14 +57,14 @@ struct Mixed {
 
     static void energy(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                        double* out) {
-        for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int block, int lane, int) {
+        for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int block, int lane, int) {
             vstore(out + block * L8 + lane, element.energy());
         });
     }
 
     static void fields(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                        double* out) {
-        for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
+        for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
             for (int q = 0; q < v.n_points; ++q) {
                 V row[solid_field_rows];
                 element.field(q, row);
@@ -81,7 +76,7 @@ struct Mixed {
 
     static void forces(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                        double* out) {
-        for_mixed<D, fbar>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
+        for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int block, int lane, int n) {
             V f[mixed_max_unknowns];
             element.forces(f);
             put_rows(f, element.n_motion, (block - begin) * L8 + lane, element.n_motion, 0, n, out);

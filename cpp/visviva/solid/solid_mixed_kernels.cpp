@@ -4,7 +4,7 @@
 namespace visviva::VISVIVA_ISA {
 
 extern const MixedKernels mixed_tables[4];
-const MixedKernels mixed_tables[4] = {Mixed<2, true>::table, Mixed<2, false>::table, Mixed<3, true>::table,
-                                      Mixed<3, false>::table};
+const MixedKernels mixed_tables[4] = {Mixed<FbarMap<2>>::table, Mixed<PressureMap<2>>::table,
+                                      Mixed<FbarMap<3>>::table, Mixed<PressureMap<3>>::table};
 
 }  // namespace visviva::VISVIVA_ISA

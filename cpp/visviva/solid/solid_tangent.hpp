@@ -53,9 +53,8 @@ struct SolidTangent {
         V par[material_max_parameters];
         for (int k = 0; k < e.v.n_par; ++k) par[k] = e.parameter(k);
         Response start;
-        e.template response<false>(p.c0, par, start);
-        const V stretch = e.v.thermal && !e.v.small ? 1.0 + e.thermal(q) : broadcast(1.0);
-        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * stretch * start.s[k];
+        e.energy_at(q, par).template evaluate<false>(p.c0, start);
+        for (int k = 0; k < 6; ++k) p.S[k] = 2.0 * start.s[k];
     }
 
     template <int n>
@@ -102,9 +101,8 @@ struct SolidTangent {
 
     VISVIVA_INLINE void add_viscous_moduli(const SolidPoint& p, V factor, V* to) const {
         const V lambda = factor * e.viscosity(1), mu = factor * e.viscosity(2);
-        V X[9];  // derivative of the strain rate: sym(X^T dF)
-        for (int k = 0; k < 9; ++k)
-            X[k] = e.step.motion[0][0] * p.Ft[k] + (e.v.small ? V{} : e.step.theta * p.rate[k]);
+        V X[9];
+        e.rate_gradient(p, X);
         for (int i = 0; i < 3; ++i)
             for (int l = 0; l < 3; ++l)
                 for (int j = 0; j < 3; ++j)

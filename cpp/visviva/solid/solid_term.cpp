@@ -71,18 +71,21 @@ void SolidTerm::set_callback(LawCallback f) {
     view_.user_W = user_W_.data(), view_.user_S = user_S_.data(), view_.user_D = user_D_.data();
 }
 
-// C at the elements' centres, behind C at their points.
+// C at the elements' centres, behind C at their points, and beyond the same heat.
 void SolidTerm::strains_at_centres(const Context& c) {
     const std::size_t lanes = static_cast<std::size_t>(view_.n_blocks) * L8;
     Aligned<double> c0(6 * lanes), ct(6 * lanes), c1(6 * lanes);
     SolidView centre = view_;
-    centre.n_points = 1, centre.G = view_.centre_G, centre.H = view_.centre_H;
+    centre.n_points = 1, centre.G = view_.centre_G, centre.H = view_.centre_H, centre.thermal = nullptr;
     solid_kernels().strains(centre, c.step, c.vectors, c0.data(), ct.data(), c1.data());
     const std::size_t nq = view_.n_points, stride = lanes * nq;
     for (const auto& [from, to] : {std::pair{&c0, &c0_}, {&ct, &ct_}, {&c1, &c1_}})
         for (std::size_t k = 0; k < 6; ++k)
-            for (std::size_t point = 0; point < stride; ++point)
-                (*to)[(6 + k) * stride + point] = (*from)[k * lanes + point / (nq * L8) * L8 + point % L8];
+            for (std::size_t point = 0; point < stride; ++point) {
+                const double stretch = view_.thermal ? 1 + view_.thermal[point] : 1;
+                (*to)[(6 + k) * stride + point] =
+                    (*from)[k * lanes + point / (nq * L8) * L8 + point % L8] / (stretch * stretch);
+            }
 }
 
 void SolidTerm::call_back(const Context& c, bool want_tangent) {

@@ -24,6 +24,7 @@ enum class LawKind : int {
     rate_callback,      // S(e, de/dt, t) from outside, batch level
     follower,           // force s(t) (e3, e4, e5) on the place (e0, e1, e2)
     torque,             // torque s(t) (e9, e10, e11) on the directors (e0..e2), (e3..e5), (e6..e8)
+    couple,             // torque s(t) (e3, e4, e5), less its part along it, on the one director (e0, e1, e2)
 };
 
 // Of a law: its name in Python, and what it is. Those of rates, and others, take the state at theta whatever
@@ -52,6 +53,7 @@ inline constexpr LawTraits law_traits[] = {
     {.kind = LawKind::rate_callback, .name = "RATE_CALLBACK", .is_callback = true, .needs_rate = true},
     {.kind = LawKind::follower, .name = "FOLLOWER", .is_at_theta = true},
     {.kind = LawKind::torque, .name = "TORQUE", .is_at_theta = true},
+    {.kind = LawKind::couple, .name = "COUPLE", .is_at_theta = true},
 };
 constexpr const LawTraits& traits(LawKind kind) { return law_traits[static_cast<int>(kind)]; }
 

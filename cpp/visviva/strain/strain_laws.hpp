@@ -118,6 +118,26 @@ VISVIVA_INLINE void cross(const V* a, const V* b, V* c) {
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+// The torque m on one director d, of any length, as a force f = m x d / d.d: d x f = m less its part along d.
+VISVIVA_INLINE void couple_law(const LawData& a) {
+    const V s = signal(a, a.signals->ate, 0, 1.0), *d = a.et, *m = a.et + 3;
+    const V inverse = 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), by = s * inverse;
+    V f[3], unit[3], column[3];
+    cross(m, d, f);
+    for (int c = 0; c < 3; ++c) {
+        a.S[c] = -by * f[c];
+        a.S[3 + c] = broadcast(0.0);
+    }
+    for (int k = 18; k < 36; ++k) a.D[k] = broadcast(0.0);
+    for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) unit[c] = broadcast(c == k ? 1.0 : 0.0);
+        cross(m, unit, column);
+        for (int c = 0; c < 3; ++c) a.D[6 * c + k] = -by * column[c] - 2.0 * inverse * a.S[c] * d[k];
+        cross(unit, d, column);
+        for (int c = 0; c < 3; ++c) a.D[6 * c + 3 + k] = -by * column[c];
+    }
+}
+
 // Inverse of the symmetric A = tr(D) I - D, D = sum d_i d_i^T, the moment of the forces t x d_i per t.
 VISVIVA_INLINE void inverse_arm(const V* d, V inverse[3][3]) {
     V A[3][3];
@@ -253,6 +273,9 @@ VISVIVA_INLINE void evaluate_law(const LawData& a) {
             break;
         case LawKind::follower:
             follower_law(a);
+            break;
+        case LawKind::couple:
+            couple_law(a);
             break;
         case LawKind::torque:
             torque_law(a);

@@ -185,6 +185,31 @@ bool System::solve_rates(const Context& c, const Context& instant) {
                         : rate_solver_->solve(r_.data(), end, d_.data(), 0));
 }
 
+// M a + G^T mu = -r, G a = -r at the present state: rates or accelerations and multipliers `a` from
+// residuals.
+bool System::solve_instant(const Step& now, const Signals& signals, const double* residual, double* a) {
+    if (rate_revision_ != revision_) analyze_rates();
+    const std::vector<double> x1 = x1_;
+    std::copy_n(x.begin(), n_, x1_.begin());
+    rate_values_.resize(values_.size());
+    values_.swap(rate_values_);
+    const AtExit back([&] { values_.swap(rate_values_), x1_ = x1, stale_begin_ = true; });
+    const Step step = instant_after(now);
+    const Vectors here{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
+    evaluate_rate_matrix({step, here, signals});
+    for (int i = 0; i < csr_.n; ++i) {
+        const int u = csr_.unknown[i];
+        r_[u] = !fixed_[u] && (order_[u] > 0 || constraint_[u]) ? residual[u] : 0.0;
+    }
+    if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
+    rate_solver_->forget();
+    if (!rate_solver_->factor(values_.data(), place(step))) return false;
+    const bool solved = rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), place(step), d_.data())
+                                    : rate_solver_->solve(r_.data(), place(step), d_.data(), 0);
+    for (int u = 0; u < n_; ++u) a[u] = fixed_[u] ? 0.0 : d_[u];
+    return solved;
+}
+
 bool System::project_rates(const Context& c) {
     if (rate_revision_ != revision_) analyze_rates();
     const Step step = instant_after(c.step);

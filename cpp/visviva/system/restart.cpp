@@ -5,18 +5,32 @@
 
 namespace visviva {
 
-std::vector<double> System::memory() const {
-    std::vector<double> m = {contraction_, noise_, static_cast<double>(iterations_last_),
-                             stale_factor_ ? 1.0 : 0.0};
-    const SolverSequence* sequence = solver_->capabilities().sequence;
-    const std::vector<double> solver = sequence ? sequence->state() : std::vector<double>();
-    m.insert(m.end(), solver.begin(), solver.end());
-    predictor_.write(m);
-    m.push_back(static_cast<double>(mean_.size()));
-    m.insert(m.end(), mean_.begin(), mean_.end());
-    for (const auto& [term, can] : terms_)
-        if (can.memory) can.memory->write_memory(m);
-    if (stale_factor_) return m;
+// The kept factorisation can be missing.
+static const std::string tangent_name = "tangent";
+static constexpr int tangent_version = 1;
+
+// Terms are told apart by their place.
+std::string System::memory_name(std::size_t term) const {
+    return terms_[term].can.memory->record_name + " " + std::to_string(term);
+}
+
+std::vector<Record> System::memory() const {
+    std::vector<Record> all;
+    all.push_back({"iterations", 1, {contraction_, noise_, static_cast<double>(iterations_last_)}});
+    if (const SolverSequence* sequence = solver_->capabilities().sequence)
+        all.push_back({"solver", 1, sequence->state()});
+    predictor_.write(all.emplace_back(Record{"predictor", 1, {}}).numbers);
+    all.push_back({"mean rates", 1, mean_});
+    for (std::size_t k = 0; k < terms_.size(); ++k)
+        if (const TermMemory* term = terms_[k].can.memory)
+            term->write_memory(all.emplace_back(Record{memory_name(k), term->record_version, {}}).numbers);
+    if (!stale_factor_) all.push_back(tangent_record());
+    return all;
+}
+
+Record System::tangent_record() const {
+    Record tangent{tangent_name, tangent_version, {}};
+    std::vector<double>& m = tangent.numbers;
     const Step& s = factored_;
     for (double value : {s.t0, s.t1, s.te, s.h, s.theta, s.theta_g, static_cast<double>(s.stress)})
         m.push_back(value);
@@ -24,44 +38,83 @@ std::vector<double> System::memory() const {
     m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
     m.insert(m.end(), factored_state_.begin(), factored_state_.end());
     m.insert(m.end(), factored_signals_.begin(), factored_signals_.end());
+    return tangent;
+}
+
+// Before anything is changed.
+void System::refuse_unknown(const std::vector<Record>& memory) const {
+    std::vector<Record> own = this->memory();
+    if (!record_named(own, tangent_name)) own.push_back({tangent_name, tangent_version, {}});
+    for (const Record& record : memory) {
+        const Record* known = record_named(own, record.name);
+        if (!known || !are_alike(*known, record))
+            throw std::invalid_argument("the record " + record.titled() + " is unknown to this system");
+    }
+    for (const Record& record : own)
+        if (record.name != tangent_name && !record_named(memory, record.name))
+            throw std::invalid_argument("the record " + record.titled() + " is missing");
+    if (const Record* iterations = record_named(memory, "iterations"))
+        iterations->end(iterations->numbers.data() + 3);
+}
+
+// What terms know of themselves, alone.
+std::vector<double> System::histories() const {
+    std::vector<double> m;
+    for (const auto& [term, can] : terms_)
+        if (can.history) can.history->write_history(m);
     return m;
 }
 
-void System::restore(const std::vector<double>& memory) {
+void System::restore_histories(const std::vector<double>& histories) {
+    const double* m = histories.data();
+    for (const auto& [term, can] : terms_)
+        if (can.history) can.history->read_history(m);
+}
+
+void System::return_to(Past past) {
+    for (const auto& [term, can] : terms_)
+        if (can.history) can.history->return_to(past);
+}
+
+void System::restore(const std::vector<Record>& memory) {
+    refuse_unknown(memory);
     recall(memory);
     mark_state();
 }
 
-void System::recall(const std::vector<double>& memory) {
-    const double* m = memory.data();
+void System::recall(const std::vector<Record>& memory) {
     forget();
-    const double contraction = m[0];
-    const double noise = m[1];
-    const int iterations_last = static_cast<int>(m[2]);
-    const bool stale = m[3] != 0;
+    const std::vector<double>& iterations = record_named(memory, "iterations")->numbers;
     SolverSequence* sequence = solver_->capabilities().sequence;
-    std::vector<double> solver(m + 4, m + 4 + (sequence ? sequence->state().size() : 0));
-    m = predictor_.read(m + 4 + solver.size());
-    const auto n_mean = static_cast<std::size_t>(*m++);
-    mean_.assign(m, m + n_mean), m += n_mean;
+    const std::vector<double> solver =
+        sequence ? record_named(memory, "solver")->numbers : std::vector<double>();
+    const Record& predictor = *record_named(memory, "predictor");
+    predictor.end(predictor_.read(predictor.numbers.data()));
+    mean_ = record_named(memory, "mean rates")->numbers;
     bool changed = false;
-    for (const auto& [term, can] : terms_)
-        if (can.memory && can.memory->read_memory(m)) changed = true;
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+        if (!terms_[k].can.memory) continue;
+        const Record& record = *record_named(memory, memory_name(k));
+        const double* m = record.numbers.data();
+        if (terms_[k].can.memory->read_memory(m)) changed = true;
+        record.end(m);
+    }
     if (changed) rewire();
     if (sequence) sequence->set_state(solver);
     solver_->forget();
     updated_ = false;
-    if (!stale) {
-        make_again(m);
+    if (const Record* tangent = record_named(memory, tangent_name)) {
+        make_again(*tangent);
         if (sequence) sequence->set_state(solver);  // making the factorisation again has counted
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    noise_ = noise, contraction_ = contraction, iterations_last_ = iterations_last;
+    contraction_ = iterations[0], noise_ = iterations[1], iterations_last_ = static_cast<int>(iterations[2]);
 }
 
 // The kept factorisation, where it was made.
-void System::make_again(const double* m) {
+void System::make_again(const Record& tangent) {
+    const double* m = tangent.numbers.data();
     Step s;
     s.t0 = m[0], s.t1 = m[1], s.te = m[2], s.h = m[3], s.theta = m[4], s.theta_g = m[5];
     s.stress = static_cast<Stress>(static_cast<int>(m[6]));
@@ -69,7 +122,12 @@ void System::make_again(const double* m) {
     std::copy(m + 27, m + 47, &s.transport[0][0]);
     m += 47;
     const std::vector<double> now[5] = {x, dx, v, a, w};
-    const AtExit back([&] { x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4]; });
+    const std::vector<double> known = histories();
+    return_to(Past::tangent);
+    const AtExit back([&] {
+        x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
+        restore_histories(known);
+    });
     std::vector<std::vector<double>*> kept = {&x, &dx, &v};
     if (s.uses_history()) kept.insert(kept.end(), {&a, &w});
     for (auto* u : kept) {
@@ -80,6 +138,7 @@ void System::make_again(const double* m) {
     set_base_rates(s);
     update_vectors(s);
     const std::size_t k = n_signals_;
+    tangent.end(m + 4 * k);
     const Signals signals{m, m + k, m + 2 * k, m + 3 * k};
     refactor({s, {x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()}, signals}, s);
 }

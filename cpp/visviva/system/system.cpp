@@ -383,12 +383,13 @@ void System::forces(const Step& step, const Signals& signals, double* residual) 
         if (!last_[3].empty()) a.swap(last_[3]);
         if (!last_[4].empty()) w.swap(last_[4]);
     };
-    exchange();
-    {
-        const AtExit back([&] { exchange(), stale_begin_ = true; });
-        assemble(step, signals, residual, nullptr);
-    }
-    restore_evaluations(evaluated);
+    const std::vector<double> known = histories();
+    exchange(), return_to(Past::step);
+    const AtExit back([&] {
+        exchange(), restore_histories(known), restore_evaluations(evaluated);
+        stale_begin_ = true;
+    });
+    assemble(step, signals, residual, nullptr);
 }
 
 void System::evaluate(const Step& step, const Signals& signals, bool with_mesh_tangents) {
@@ -407,6 +408,43 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     evaluate_tangent({step, vectors, signals}, true);
     std::copy(values_.begin(), values_.end() - 1, values);
+}
+
+double System::asymmetry() const {
+    // rows and columns scaled by their diagonal, whatever the units; those without one by their largest
+    // entry. Where something is larger than one then, both its row and its column share in taking it down
+    std::vector<double> scale(csr_.n, 0.0), largest(csr_.n);
+    for (int i = 0; i < csr_.n; ++i) {
+        const auto begin = csr_.col.begin() + csr_.row[i], end = csr_.col.begin() + csr_.row[i + 1];
+        const auto own = std::lower_bound(begin, end, i);
+        const double diagonal = own != end && *own == i ? std::abs(values_[own - csr_.col.begin()]) : 0.0;
+        if (diagonal > 0) scale[i] = 1 / std::sqrt(diagonal);
+    }
+    for (int round = 0; round < 5; ++round) {
+        for (int i = 0; i < csr_.n; ++i) {
+            largest[i] = 0;
+            for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+                largest[i] = std::max(
+                    largest[i], std::abs(values_[k]) * scale[csr_.col[k]] * (scale[i] > 0 ? scale[i] : 1.0));
+        }
+        for (int i = 0; i < csr_.n; ++i)
+            if (largest[i] > 0 && scale[i] == 0)
+                scale[i] = 1 / largest[i];
+            else if (largest[i] > 1)
+                scale[i] /= std::sqrt(largest[i]);
+    }
+    double found = 0;
+    for (int i = 0; i < csr_.n; ++i) {
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
+            const int j = csr_.col[k];
+            const auto begin = csr_.col.begin() + csr_.row[j], end = csr_.col.begin() + csr_.row[j + 1];
+            const auto across = std::lower_bound(begin, end, i);
+            const bool is_there = across != end && *across == i;
+            const double lack = values_[k] - (is_there ? values_[across - csr_.col.begin()] : 0.0);
+            found = std::max(found, std::abs(lack) * scale[i] * scale[j]);
+        }
+    }
+    return found;
 }
 
 }  // namespace visviva

@@ -43,7 +43,7 @@ enum class Supply : int { work = 0, power = 1, amount = 2 };
 // vectors, an increment that is tried among them, what a restart remembers, and what terms have evaluated.
 struct Snapshot {
     std::vector<std::vector<double>> vectors;
-    std::vector<double> memory;
+    std::vector<Record> memory;
     std::vector<std::any> evaluated, accepted;
     bool stale_begin = true;
 };
@@ -108,9 +108,13 @@ class System {
     // `moves`: the rates are velocities, and not what is left of them in statics.
     void evaluate_ledger(const Step& step, const Signals& signals, bool moves);
     // All that decides the bits of the coming steps besides x, v, a, w: predictor history, and the state at
-    // which the kept factorisation was made. Importing makes that factorisation again.
-    std::vector<double> memory() const;
-    void restore(const std::vector<double>& memory);
+    // which the kept factorisation was made, each part by name. Restoring makes that factorisation again, and
+    // refuses names and versions that this system would not write.
+    std::vector<Record> memory() const;
+    void restore(const std::vector<Record>& memory);
+    // The part of it that holds whatever the next steps are.
+    std::vector<double> histories() const;
+    void restore_histories(const std::vector<double>& histories);
     // For looks at other states, with the factorisation made again that is kept.
     Snapshot snapshot();
     void restore_snapshot(const Snapshot& snapshot);
@@ -139,20 +143,29 @@ class System {
     bool is_outdated() const { return revision_ != factored_revision_ || has_branched(); }
     // False if the linear solver failed; its message says why. `tolerance`: see LinearSolver.
     bool linear_solve(const Step& step, const double* residual, double* d, double tolerance);
+    // Whether an increment is no smaller than the one before it because the residual that it answers to, by
+    // the tangent factored last, is rounding: no iteration gets nearer.
+    bool meets_rounding(const double* residual, double size, double last) const;
+    // Largest difference of an entry of the tangent factored last from that across the diagonal, relative to
+    // the largest entry of their rows.
+    double asymmetry() const;
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);
 
-    // The residual of the step accepted last: at fixed unknowns, the force that holds them. History of terms
-    // is taken as it is now.
+    // The residual of the step accepted last: at fixed unknowns, the force that holds them. Terms outside the
+    // core have to know what they knew when that step began.
     void forces(const Step& step, const Signals& signals, double* residual);
 
     // Has the solver find redundant constraints at the trial state, and handle them from then on; returns how
     // many it found (0 from solvers that cannot). Without `on` it forgets them.
     int find_redundant(const Step& step, const Signals& signals, bool on);
+    bool solve_instant(const Step& now, const Signals& signals, const double* residual, double* a);
 
     int n() const { return n_; }
     const Csr& csr() const { return csr_; }
     // The equations that the linear solver gets.
+    // The pattern of what is assembled, before reductions.
+    const Csr& assembled() const { return csr_; }
     const Csr& solved() const { return reductions_.empty() ? csr_ : reductions_.back()->left(); }
     const std::vector<std::shared_ptr<Reduction>>& reductions() const { return reductions_; }
     int revision() const { return revision_; }     // of the pattern
@@ -171,8 +184,12 @@ class System {
     }
     void find_held(const Pattern&);
     void rewire();
-    void recall(const std::vector<double>& memory);
-    void make_again(const double* memory);
+    std::string memory_name(std::size_t term) const;
+    void refuse_unknown(const std::vector<Record>& memory) const;
+    void recall(const std::vector<Record>& memory);
+    void return_to(Past);
+    void make_again(const Record& tangent);
+    Record tangent_record() const;
     std::vector<std::any> evaluations() const;
     void restore_evaluations(const std::vector<std::any>&);
     std::vector<std::vector<double>*> looked_at();
@@ -215,6 +232,7 @@ class System {
     double iterate(const Step&);
     void weigh_constraints();
     double constraint_error() const;
+    double in_roundings(const double* residual) const;
     int worst_constraint() const;
     Place place(const Step& step) const { return {x.data(), x1_.data(), step.theta_g}; }
     void clear_sums();

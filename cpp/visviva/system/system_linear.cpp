@@ -1,5 +1,7 @@
 // Linearisation at a trial state for iterations outside of the core: load stepping, arc length.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "visviva/system/system.hpp"
 
@@ -65,6 +67,28 @@ bool System::linear_solve(const Step& step, const double* residual, double* d, d
     const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
     std::copy(d_.begin(), d_.begin() + n_, d);
     return solved;
+}
+
+// A residual in units of what rounding of the unknowns makes of its rows: the backward error by component of
+// Oettli and Prager (1964).
+double System::in_roundings(const double* residual) const {
+    constexpr double eps = std::numeric_limits<double>::epsilon();
+    double largest = 0;
+    for (int i = 0; i < csr_.n; ++i) {
+        const int row = csr_.unknown[i];
+        if (fixed_[row] || residual[row] == 0) continue;
+        double rounding = 0;
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+            rounding += std::abs(values_[k] * x1_[csr_.unknown[csr_.col[k]]]);
+        largest = std::max(largest, std::abs(residual[row]) / (eps * rounding));
+    }
+    return largest;
+}
+
+// Half of the digits are to be known all the same.
+bool System::meets_rounding(const double* residual, double size, double last) const {
+    constexpr double unsure = 1e-8, few = 2;
+    return size > 0.5 * last && size <= unsure && in_roundings(residual) <= few;
 }
 
 std::string System::refuse(const Step& step, const Signals& signals) {

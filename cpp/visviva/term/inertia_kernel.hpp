@@ -39,7 +39,7 @@ void inertia_tangent(const InertiaView& v, const Step& step, double* values) {
 void inertia_ledger(const InertiaView& v, const double* x, const double* rate, const InertiaLedger& out) {
     for (int base = 0; base < v.n; base += W) {
         V energy = broadcast(0.0), momentum[6];
-        for (V& m : momentum) m = broadcast(0.0);
+        clear(momentum, 6);
         for (int p = 0; p < v.n_pairs; ++p) {
             const int a = v.pair[2 * p], b = v.pair[2 * p + 1];
             const V m = vload(v.mass + p * v.stride + base);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "visviva/term/record.hpp"
 #include "visviva/term/step.hpp"
 
 namespace visviva {
@@ -79,10 +80,17 @@ class NeighbourSearch {
     virtual double resolution() const { return 0; }
 };
 
-// Of terms that a restart needs more of than the unknowns.
+// A moment in the past whose history a term may take: when the step accepted last began, or when the
+// tangent asked for last was made.
+enum class Past : int { step, tangent };
+
+// Of terms that a restart needs more of than the unknowns, under a name and with the version of its layout.
 class TermMemory {
   public:
+    TermMemory(std::string name, int version) : record_name(std::move(name)), record_version(version) {}
     virtual ~TermMemory() = default;
+    const std::string record_name;
+    const int record_version;
     virtual void write_memory(std::vector<double>&) const = 0;
     // Moves on in the memory; true if the coupling has changed.
     virtual bool read_memory(const double*& memory) = 0;
@@ -92,11 +100,22 @@ class TermMemory {
     virtual void restore_evaluation(const std::any&) {}
 };
 
+// Of terms with a state of their own that steps change, as internal variables of materials: a part of their
+// memory that holds whatever the next steps are.
+class TermHistory {
+  public:
+    virtual ~TermHistory() = default;
+    virtual void write_history(std::vector<double>&) const = 0;
+    virtual void read_history(const double*& history) = 0;  // moves on
+    virtual void return_to(Past) = 0;
+};
+
 // What a term can besides; none by default.
 struct TermCapabilities {
     MeshAssembly* mesh = nullptr;
     NeighbourSearch* search = nullptr;
     TermMemory* memory = nullptr;
+    TermHistory* history = nullptr;
 };
 
 // A term has to couple its unknowns, to find their places, and to give residual, tangent and its share of the

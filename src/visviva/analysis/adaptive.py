@@ -11,13 +11,18 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.output.checkpoint import Record
 from visviva.system.newton import StepFailure
+from visviva.system.steps import next_kink
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
+
+NAME, VERSION = "adaptive steps", 1
+"""Of the record of what the choice of steps carries on."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,7 @@ def adaptive_steps(
 ) -> Iterator[Any]:
     """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports.
 
-    ``system.pace`` carries the next length, the last error, and what the estimate remembers.
+    ``system.stepper.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
     if hitting := [c.label for c in system.components if c.collides and rule.max_step is None]:
@@ -114,18 +119,18 @@ def adaptive_steps(
     estimate = _Estimate(
         np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)
     )
-    h, last, estimate.length, estimate.before = system.pace.get(
-        "adaptive", np.array([np.clip(step, low, high), 1.0, 0.0, 0.0])
-    ).tolist()
-    estimate.rates = system.pace.get("rates")
-    system.clock.refuse_sliver(until, step)
+    h, last, pace = float(np.clip(step, low, high)), 1.0, system.stepper.pace
+    if NAME in pace:
+        h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
+        estimate.rates = pace[NAME].arrays["rates"]
+    system.clock.refuse_short(until, step, begins=system.stepper.is_given)
     while not system.clock.has_reached(until):
-        left = system.next_kink(until) - system.time
+        left = next_kink(system, until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
         try:
             attempt = system.attempt(scheme.step(system.time, taken))
         except StepFailure:
-            system.rejected += 1
+            system.stepper.rejected += 1
             if taken <= low:
                 raise
             h = max(0.5 * taken, low)
@@ -134,14 +139,15 @@ def adaptive_steps(
         error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), 1e-6)
         if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
             system.core.discard()
-            system.rejected += 1
+            system.stepper.rejected += 1
             h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
             continue
         system.accept(attempt, scheme)
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
         h, last = float(np.clip(h, low, high)), error
-        system.pace |= {"adaptive": np.array([h, last, taken, estimate.before]), "rates": rates}
+        steps = np.array([h, last, taken, estimate.before])
+        pace[NAME] = Record(NAME, VERSION, {"steps": steps, "rates": rates})
         yield attempt.report
 
 

@@ -9,15 +9,20 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.analysis.fork import NEAR, Fork, critical_mode
 from visviva.analysis.load_steps import Equilibrium, LoadReport, NoEquilibrium, Static
 from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError
+from visviva.output.checkpoint import Record
 from visviva.results.result import Result
 from visviva.system.memory import Trial
 from visviva.system.system import System
 
 Array = NDArray[np.float64]
+
+NAME, VERSION = "arc length", 2
+"""Of the record of what the path has got to."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,9 @@ class ArcLength(Static):
         Largest growth of the arc, relative to the first.
     most : int
         Largest number of steps.
+    branch : float
+        Leave the path at the first bifurcation along the mode in which the structure gives way there: by so much in
+        the measure of arcs, in the sense of the sign, and follow the new path on. 0 stays on the path.
     """
 
     line_search: bool = False
@@ -46,11 +54,19 @@ class ArcLength(Static):
     iterations: int = 5
     longest: float = 8.0
     most: int = 1000
+    branch: float = 0.0
     has_growing_time: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        bounded(self, load_weight=(0.0, 1e12), iterations=(1, 1e9), longest=(1.0, 1e12), most=(1, 1e9))
+        bounded(
+            self,
+            load_weight=(0.0, 1e12),
+            iterations=(1, 1e9),
+            longest=(1.0, 1e12),
+            most=(1, 1e9),
+            branch=(-1.0, 1.0),
+        )
 
     def march(self, system: System, *, until: float, step: float) -> Iterator[LoadReport]:
         return follow_path(system, self, until, step)
@@ -99,33 +115,109 @@ def arc_length(
 
 
 def follow_path(system: System, scheme: ArcLength, until: float, step: float) -> Iterator[LoadReport]:
-    """Steps along the path; ``system.pace`` carries arcs, the last increment and the number of steps."""
-    arc, shortest, longest, done = system.pace.get("arcs", np.zeros(4)).tolist()
-    previous = system.pace.get("increment")
-    while system.time < until and done < scheme.most:
-        equations = Equilibrium(system, scheme)
-        path = Path(equations, step, scheme.load_weight)
+    """Steps along the path; ``system.stepper.pace`` carries arcs, the last increment and the number of steps."""
+    way = Way(system, scheme, step)
+    while system.time < until and way.done < scheme.most:
         try:
             with Trial(system):
-                arc = path.predict(arc, previous)
-                if longest == 0.0:
-                    longest, shortest = scheme.longest * arc, arc / 2**scheme.halvings
-                iterations = path.correct(arc)
-                increment = np.append(equations.dx, path.time - system.time)
-                if previous is not None and path.retraced(increment, previous):
-                    raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
-                equations.accept(path.time)
+                iterations = way.go()
         except NoEquilibrium as failure:
-            system.rejected += 1
-            arc /= 2
-            if arc < shortest or longest == 0.0:
-                raise NoEquilibrium(f"{failure}; the arc was cut {scheme.halvings} times") from failure
-            continue
-        previous = increment
-        arc = min(arc * float(np.sqrt(scheme.iterations / iterations)), longest)
-        done += 1
-        system.pace |= {"arcs": np.array([arc, shortest, longest, done]), "increment": increment}
-        yield LoadReport(iterations, iterations)
+            system.stepper.rejected += 1
+            way.shorten(failure)
+        except Passed:
+            way.halve()
+        else:
+            way.record(iterations)
+            yield LoadReport(iterations, iterations)
+
+
+class Passed(Exception):
+    """A step went beyond a critical point that is to be located."""
+
+
+@dataclass
+class Way:
+    """How far a path has been followed, and what its next step starts from; arcs are 0 before the first one."""
+
+    system: System
+    scheme: ArcLength
+    unit: float
+
+    def __post_init__(self) -> None:
+        pace = self.system.stepper.pace
+        kept = pace[NAME].arrays if NAME in pace else {}
+        arcs: list[float] = kept.get("arcs", np.array([0.0, 0, 0, 0, 1])).tolist()
+        self.arc, self.shortest, self.longest, self.done, looks = arcs
+        self.previous: Array | None = kept.get("increment")
+        self.leap = self.scheme.branch
+        self.fork = Fork(Equilibrium(self.system, self.scheme)) if self.leap and looks else None
+        self.is_near = False
+
+    def go(self) -> int:
+        """One step along the path, or off it where that forks; returns the iterations it took."""
+        equations = Equilibrium(self.system, self.scheme)
+        path = Path(equations, self.unit, self.scheme.load_weight)
+        mode = critical_mode(equations, path.slope()) if self.fork and self.is_near else None
+        iterations = self._along(path) if mode is None else self._across(path, mode)
+        if self.fork and mode is None:
+            if not self.is_near and self.fork.is_passed(path.time):
+                raise Passed
+            self.fork.go_on(path.time)
+        equations.accept(path.time)
+        self.is_near = False
+        if mode is not None:
+            self.fork = None
+        return iterations
+
+    def _along(self, path: Path) -> int:
+        self.arc = path.predict(self.arc, self.previous)
+        if self.longest == 0.0:
+            self._measure(self.arc)
+        iterations = path.correct(self.arc)
+        self.increment = path.increment
+        if self.previous is not None and path.retraced(self.increment, self.previous):
+            raise NoEquilibrium(f"the path turns back at the load parameter {path.time:.6g}")
+        return iterations
+
+    def _across(self, path: Path, mode: Array) -> int:
+        """The first step along the branch, as long as `leap`."""
+        mode = mode * self.leap / path.length(mode, 0.0)
+        path.equations.dx[:] += mode
+        self.arc = abs(self.leap)
+        iterations = path.correct(self.arc)
+        self.increment = path.increment
+        if path.product(self.increment, np.append(mode, 0.0)) < 0.5 * self.leap**2:
+            raise NoEquilibrium(f"no branch goes along the mode at the load parameter {path.time:.6g}")
+        self._measure(self.arc)
+        return iterations
+
+    def _measure(self, arc: float) -> None:
+        self.longest, self.shortest = self.scheme.longest * arc, arc / 2**self.scheme.halvings
+
+    def halve(self) -> None:
+        """Come closer to a critical point that a step has passed."""
+        self.is_near = self.arc <= NEAR * self.longest / self.scheme.longest
+        self.arc *= 1.0 if self.is_near else 0.5
+
+    def shorten(self, failure: NoEquilibrium) -> None:
+        """Try again with half the step, unless that is too short."""
+        scheme = self.scheme
+        leaps = self.is_near and self.fork is not None
+        self.leap, self.arc = (0.5 * self.leap, self.arc) if leaps else (self.leap, 0.5 * self.arc)
+        short = (
+            abs(self.leap) < abs(scheme.branch) / 2**scheme.halvings if leaps else self.arc < self.shortest
+        )
+        if short or self.longest == 0.0:
+            raise NoEquilibrium(f"{failure}; the arc was cut {scheme.halvings} times") from failure
+
+    def record(self, iterations: int) -> None:
+        """Remember the step that was accepted, and find the length of the next one."""
+        self.previous = self.increment
+        wanted = self.arc * float(np.sqrt(self.scheme.iterations / iterations))
+        self.arc = min(wanted, self.longest)
+        self.done += 1
+        arcs = np.array([self.arc, self.shortest, self.longest, self.done, self.fork is not None])
+        self.system.stepper.pace[NAME] = Record(NAME, VERSION, {"arcs": arcs, "increment": self.increment})
 
 
 @dataclass
@@ -157,11 +249,20 @@ class Path:
         """Whether displacements and load parameter both turned: at limit points only one of them does."""
         return bool(self.metric @ (a[:-1] * b[:-1]) < 0 and a[-1] * b[-1] < 0)
 
+    @property
+    def increment(self) -> Array:
+        """Of the unknowns and, last, of the load parameter."""
+        return np.append(self.equations.dx, self.time - self.equations.system.time)
+
+    def slope(self) -> Array:
+        """Derivative of the residual by the load parameter at the present state."""
+        return self.equations.slope(self.time, self.unit)
+
     def predict(self, arc: float, previous: Array | None) -> float:
         """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
         e = self.equations
         e.linearise(self.time)
-        d = e.solve(self.time, e.slope(self.time, self.unit))
+        d = e.solve(self.time, self.slope())
         dt = self.unit
         if not self.length(d, 1.0):
             raise InputError(
@@ -182,7 +283,7 @@ class Path:
         e, o, last = self.equations, self.equations.options, np.inf
         for k in range(o.max_iterations):
             r = e.linearise(self.time)
-            slope = e.slope(self.time, self.unit)
+            slope = self.slope()
             d1, d2 = e.solve(self.time, r), e.solve(self.time, slope)
             dt = self.time - e.system.time
             w = (self.load_weight / self.unit) ** 2
@@ -201,7 +302,7 @@ class Path:
             e.at(self.time)
             e.dx[e.free] += d[e.free]
             done = size <= o.tolerance * max(min(1.0, e.size(e.dx)), 1e-12)
-            if done or (size > 0.5 * last and size <= 1e-13):
+            if done or e.is_exact(r, size, last):
                 e.residual(self.time)
                 return k + 1
             last = size

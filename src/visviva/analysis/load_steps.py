@@ -19,8 +19,10 @@ from visviva.base.errors import InputError, RunError
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.memory import Trial
+from visviva.system.newton import trouble_of
 from visviva.system.stability import falling_directions, instability
-from visviva.system.system import Attempt, System
+from visviva.system.steps import Attempt
+from visviva.system.system import System
 
 Array = NDArray[np.float64]
 
@@ -153,6 +155,11 @@ class Equilibrium:
         """Largest entry relative to the unknowns' scales."""
         return float(np.abs(d * self.system.inverse_scale).max(initial=0.0))
 
+    def is_exact(self, residual: Array, size: float, last: float) -> bool:
+        """Whether the increments shrink no more because `residual`, which the present one answers to, is rounding."""
+        stagnates = size > 0.5 * last and size <= 1e-13
+        return stagnates or bool(self.system.core.meets_rounding(residual, size, last))
+
     def slope(self, time: float, h: float) -> Array:
         """Derivative of the residual by the load parameter at the trial state."""
         kept, eps = self.dx.copy(), TINY * h
@@ -181,7 +188,7 @@ class Equilibrium:
             if not np.isfinite(size) or size > 1e3:
                 raise self.failure(time, "the iteration diverges")
             self.dx[:] += d
-            if size <= tolerance or (size > 0.5 * last and size <= 1e-13):
+            if size <= tolerance or self.is_exact(r, size, last):
                 self.residual(time)
                 return LoadReport(k + 1, n_tangents)
             searches = o.line_search and size < last * 1e3
@@ -225,7 +232,7 @@ class Equilibrium:
 
     def failure(self, time: float, what: str) -> NoEquilibrium:
         """The error of an iteration that failed at a load parameter, with elements that it has turned inside out."""
-        trouble = self.system.trouble().removesuffix(". ")
+        trouble = trouble_of(self.system).removesuffix(". ")
         at = f"{what} at the load parameter {time:.6g}"
         return NoEquilibrium(f"{at}: {trouble}; mesh the place finer, or load it less" if trouble else at)
 
@@ -240,7 +247,7 @@ class Equilibrium:
             raise Unstable(
                 f"{found}, follow it with vv.arc_length, or say vv.Static(unstable=True) if it is meant"
             )
-        self.system.stability.record(falling, time)
+        self.system.stepper.stability.record(falling, time)
         self.system.accept(Attempt(step, self.system.signals(step).copy(), None), Static())
 
 
@@ -318,7 +325,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
         raise InputError(f"until = {until} is not after the present time {system.time:g}")
     clock = system.clock
     clock.use(step)
-    clock.refuse_sliver(until, step)
+    clock.refuse_short(until, step, system.stepper.is_given)
     while not clock.has_reached(until):
         equations = Equilibrium(system, scheme)
         h = clock.next(until)
@@ -329,7 +336,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
                 report = equations.iterate(target)
                 equations.accept(target)
         except NoEquilibrium as failure:
-            system.rejected += 1
+            system.stepper.rejected += 1
             if clock.halvings >= scheme.halvings:
                 clock.restart(clock.time)
                 raise NoEquilibrium(

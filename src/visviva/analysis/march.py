@@ -19,7 +19,6 @@ from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
-from visviva.system.stability import Stability
 from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -57,8 +56,8 @@ def march(
     A step that does not converge is halved up to six times, and the halves lengthen again on the grid of the
     steps; if the shortest fails too `StepFailure` is raised and the system keeps the last accepted state. With
     `adaptive` the steps follow the motion, `step` is the first; a second march goes on with the length, and what is
-    known of the error, where the last one ended, unless ``system.pace`` is cleared. An initial state that does not fit
-    the constraints is moved onto them; more than a thousandth of the system's size only with `project`.
+    known of the error, where the last one ended, unless ``system.stepper.pace`` is cleared. An initial state that does
+    not fit the constraints is moved onto them; more than a thousandth of the system's size only with `project`.
 
     Examples
     --------
@@ -78,7 +77,7 @@ def march(
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     know(system, step)
     prepare(system, scheme, project=project)
-    if scheme.needs_acceleration and not system.has_acceleration:
+    if scheme.needs_acceleration and not system.stepper.has_acceleration:
         from visviva.system.consistency import initial_acceleration
 
         initial_acceleration(system, scheme, step)
@@ -111,14 +110,14 @@ def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) 
     """Steps of equal length, halved after failures; yields reports."""
     clock = system.clock
     clock.use(step)
-    clock.refuse_sliver(until, step)
+    clock.refuse_short(until, step, system.stepper.is_given)
     while not clock.has_reached(until):
         system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
         h = clock.next(until)
         try:
             report = system.step(h, scheme)
         except StepFailure:
-            system.rejected += 1
+            system.stepper.rejected += 1
             if clock.halvings >= HALVINGS:
                 clock.restart(clock.time)
                 raise
@@ -148,14 +147,14 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     if not scheme.has_inertia:
         for history in (system.v, system.core.a, system.core.w):
             history[:] = 0.0
-        system.has_acceleration = False
+        system.stepper.has_acceleration = False
     elif changes and system.report is not None:  # from statics to dynamics
         system.follow_prescribed()
-    if system.report is None or (system.is_edited and not still_fits(system)):
+    if system.report is None or (system.stepper.is_edited and not still_fits(system)):
         from visviva.system.check import fit
 
         system.report = fit(system, project=project)
-    system.is_edited = False
+    system.stepper.is_edited = False
     system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:
         component.start(system, scheme)
@@ -224,12 +223,11 @@ def begin(
     know(system, step)
     scheme = EnergyMomentum() if scheme is None else scheme
     prepare(system, scheme, project=project)
-    system.pace.clear()
-    system.stability = Stability()
+    system.stepper.begin_run()
     books = Bookkeeper(system)
     result = Result(system, scheme, books.ledger)
     with undisturbed(system):
-        system.take_stock()
+        system.evaluate_ledger()
     books.book(system.time, system.core)
     keep(result)
     return result, books

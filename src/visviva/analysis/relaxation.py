@@ -14,7 +14,7 @@ from visviva.base.errors import InputError, RunError
 from visviva.results.ledger import Bookkeeper
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
-from visviva.system.freedom import refuse_free
+from visviva.system.freedom import refuse_free, refuse_insulated
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning
 from visviva.system.newton import StepFailure
@@ -107,7 +107,8 @@ def equilibrium(
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
     for history in (system.v, system.core.a, system.core.w):
         history[:] = 0.0
-    system.touch()
+    system.invalidate()
+    refuse_insulated(system)
     prepare(system, Relaxation(), project=project)  # which gives prescribed motion its rates
     system.v[:] = 0.0
     result, books = begin(system, Relaxation())
@@ -118,8 +119,8 @@ def equilibrium(
     except RunError as error:
         raise RunError(f"{error}{free_motions(system)}") from error
     system.follow_prescribed()
-    system.touch()
-    system.has_acceleration = False
+    system.invalidate()
+    system.stepper.has_acceleration = False
     return result
 
 
@@ -159,7 +160,7 @@ def confirm(system: System, unstable: bool) -> None:
         raise Unstable(
             f"{instability(system, 'found', falling)}, or say vv.equilibrium(..., unstable=True) if it is meant"
         )
-    system.stability.record(falling, system.time)
+    system.stepper.stability.record(falling, system.time)
 
 
 def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int) -> None:
@@ -173,7 +174,7 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
             attempt = system.attempt(scheme.step(system.time, h))
         except StepFailure:
             failures += 1
-            system.rejected += 1
+            system.stepper.rejected += 1
             if failures > 20:
                 raise
             duration /= 4

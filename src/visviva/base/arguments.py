@@ -14,12 +14,14 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 
 from visviva.base.errors import InputError, nearest
 
 UNEXPECTED = "unexpected_keyword_argument"
 OBJECTS = ConfigDict(arbitrary_types_allowed=True)
+LISTED = BeforeValidator(lambda value: value.tolist() if isinstance(value, np.ndarray) else value)
+"""Arrays become lists, so that what has them as arguments holds plain data alone: comparable, hashable, storable."""
 ABSENT = "missing_keyword_only_argument", "missing_argument", "missing"
 
 

@@ -33,6 +33,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
 NAMES = {"pi": math.pi}
 NOTICEABLE = 0.05
 """Part of the largest slope of a table by which the slope jumps at a kink; what was sampled finely bends by less."""
+COMPLEX = 2.0**-100
+"""Length of the complex step that expressions are differentiated by."""
 MAX_LENGTH, MAX_DEPTH = 10_000, 300
 CURE = "give a table, or in Python a function"
 
@@ -158,6 +160,18 @@ class TimeFunction:
             return (f1 - f0) / (t1 - t0)
         return float(forward_rate(self._value, t, step)) if callable(self.source) else self.rate(t)
 
+    def curvature(self, t: float, step: float = 0.0) -> float:
+        """Second derivative at time `t`, as steps of a length see it.
+
+        Of a table its second difference over a step to both sides, which holds for what was sampled finely; 0 where a
+        kink is as near as that, for what happens there happens at once.
+        """
+        if not isinstance(self.source, list):
+            return float(central_rate(lambda s: self.rate(s, step), t, step))
+        if step == 0 or any(abs(kink - t) < 1.5 * step for kink in self.kinks):
+            return 0.0
+        return (self(t + step) - 2 * self(t) + self(t - step)) / step**2
+
     # --- a Python function: rate by differences -------------------------------------------------------------
     def _called(self, t: float) -> float:
         value = self.source(t)  # type: ignore[operator]
@@ -179,7 +193,13 @@ class TimeFunction:
         return value.real
 
     def _derivative(self, t: float, step: float) -> float:
-        return self._at(complex(t, 1e-30)).imag / 1e-30
+        rate = self._complex_step(t, COMPLEX)
+        if abs(rate) < COMPLEX and rate != self._complex_step(t, COMPLEX / 2):
+            return 0.0  # what depends on the length of the step is its error: t**3 at 0 gives its square
+        return rate
+
+    def _complex_step(self, t: float, length: float) -> float:
+        return self._at(complex(t, length)).imag / length
 
     def _at(self, t: complex) -> complex:
         try:

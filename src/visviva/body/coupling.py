@@ -36,8 +36,12 @@ class Coupling(Attachable):
     faces: FaceSet
 
     def __post_init__(self) -> None:
+        if self.solid.has_directions:
+            raise InputError(
+                f"{self.label}: {self.solid.label} has frames of its own; join it by beam.frame(s)"
+            )
         try:
-            faces = self.solid.faces(self.faces)
+            faces, self._skin = self.solid.faces(self.faces), self.solid.skin(self.faces)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         if self.solid.axisymmetric and self.solid.dimension == 2:
@@ -48,8 +52,11 @@ class Coupling(Attachable):
         for p in self.solid.face_points(faces):
             area += p.spread(np.ones((*p.size.shape, 1)), len(area))
         self._nodes = faces.nodes
-        self._share = area[self._nodes, 0] / area.sum()
-        X = self.solid.points[self._nodes]
+        owner = self._skin.nodes[self._skin.used]  # shells have two points at a node, on either side
+        self._share = (area[:, 0] / np.maximum(np.bincount(owner, minlength=len(area)), 1))[
+            owner
+        ] / area.sum()
+        X = self._skin.points[self._skin.used]
         self._centre = self._share @ X
         self._arms = X - self._centre
         spread = np.linalg.eigvalsh(self._arms.T @ (self._share[:, None] * self._arms))
@@ -71,6 +78,7 @@ class Coupling(Attachable):
         X: Array = x - self._centre
         return X
 
+    is_rigid = False
     is_massless = True
 
     def vectors(self, model: Model) -> Vectors:
@@ -84,7 +92,14 @@ class Coupling(Attachable):
         velocity, spin = self._initial_rates()
         turning = np.cross(spin, np.eye(3))[:d, :d]
         position = model.field(
-            self, "position", self._centre[:d], velocity[:d], scale=model.length, block=self, stage=1, node=d
+            self,
+            "position",
+            self._centre[:d],
+            velocity[:d],
+            scale=model.length_of(self),
+            block=self,
+            stage=1,
+            node=d,
         )
         directors = model.field(self, "directors", np.eye(d), turning, scale=1.0, block=self, stage=1, node=d)
         self._position, self._turning = position, directors
@@ -96,7 +111,10 @@ class Coupling(Attachable):
     def _initial_rates(self) -> tuple[Array, Array]:
         """Velocity of the centre (3,) and angular velocity (3,) that fit those of the nodes best."""
         d, w, X = self.solid.dimension, self._share, self._arms
-        nodal = np.pad(self.solid.initial_velocities()[self._nodes], ((0, 0), (0, 3 - d)))
+        owner = self._skin.nodes[self._skin.used]
+        beside = self._skin.points[self._skin.used] - self.solid.points[owner]
+        nodal = np.pad(self.solid.initial_velocities()[owner], ((0, 0), (0, 3 - d)))
+        nodal = nodal + np.cross(self.solid.angular_velocity, beside)
         velocity = w @ nodal
         moment = w @ np.cross(X, nodal - velocity)
         inertia = (w @ (X * X).sum(axis=1)) * np.eye(3) - X.T @ (w[:, None] * X)
@@ -126,9 +144,9 @@ class RigidCoupling(Coupling):
 
     Parameters
     ----------
-    solid : Solid
+    solid : Solid or Shell
     faces : str or Faces
-        Name of a set of faces, or 'all'.
+        Name of a set of faces, or 'all'; of shells a set of edges, or the side 'upper' or 'lower'.
 
     Notes
     -----
@@ -147,15 +165,25 @@ class RigidCoupling(Coupling):
     49
     """
 
+    is_rigid = True
+
     def announce(self, model: Model) -> None:
         model.announce(self.solid, Holding(self, self._nodes, None))
 
     def tie(self, model: Model) -> None:
         d = self.solid.dimension
-        multipliers = model.multipliers(self, "tie", d * len(self._nodes), block=self)
-        for k, (node, X) in enumerate(zip(self._nodes, self._arms, strict=True)):
+        arms = self.solid.points[self._nodes] - self._centre
+        held = [self._skin.director(int(node)) for node in self._nodes]
+        n = d * len(self._nodes) + 2 * sum(map(len, held))
+        multipliers, first = model.multipliers(self, "tie", n, block=self), 0
+        for node, X, directors in zip(self._nodes, arms, held, strict=True):
             apart = self.solid.combination([node], [1.0]) - self.place(X)
-            model.constrain(self, multipliers, self._vanishing(apart), first=d * k)
+            model.constrain(self, multipliers, self._vanishing(apart), first=first)
+            first += d
+            for director, D in directors:  # its length is held, so that two of its components are free
+                across = [dot(director, self.turn(e, X)) for e in axes_across(D)]
+                model.constrain(self, multipliers, across, first=first)
+                first += 2
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -167,9 +195,9 @@ class DistributedCoupling(Coupling):
 
     Parameters
     ----------
-    solid : Solid
+    solid : Solid or Shell
     faces : str or Faces
-        Name of a set of faces, or 'all'.
+        Name of a set of faces, or 'all'; of shells a set of edges, or the side 'upper' or 'lower'.
 
     Notes
     -----
@@ -189,7 +217,7 @@ class DistributedCoupling(Coupling):
 
     def tie(self, model: Model) -> None:
         d = self.solid.dimension
-        mean = self._vanishing(self._origin - self.solid.combination(self._nodes, self._share))
+        mean = self._vanishing(self._origin - self._skin.combination(self._share))
         fit = self._fit()
         multipliers = model.multipliers(self, "tie", len(mean) + len(fit), block=self)
         model.constrain(self, multipliers, mean)
@@ -200,9 +228,16 @@ class DistributedCoupling(Coupling):
         """What vanishes when the directors are the rotation in the mean deformation of the nodes."""
         d = range(self.solid.dimension)
         weights = self._share[:, None] * self._arms / self._size**2
-        M = [self.solid.combination(self._nodes, weights[:, j]) for j in d]
+        M = [self._skin.combination(weights[:, j]) for j in d]
         D = self._directors
         return [dot(D[i], M[j]) - dot(D[j], M[i]) for i in d for j in d if i < j]
+
+
+def axes_across(D: Array) -> tuple[Array, Array]:
+    """Two orthonormal directions across a unit vector."""
+    e = np.eye(3)[int(np.argmin(np.abs(D)))]
+    first = np.cross(D, e) / np.linalg.norm(np.cross(D, e))
+    return first, np.cross(D, first)
 
 
 def vector_of(field: Field, node: int) -> Vector:

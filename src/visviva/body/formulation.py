@@ -63,10 +63,10 @@ def check(
             f"{label}: in plane stress the thickness adapts and no volume locks; take formulation='displacement' or "
             f"'enhanced' instead of {kind!r}"
         )
-    if kind != "enhanced" and heated:
+    if kind == "mixed" and heated:
         raise InputError(
-            f"{label}: formulation={kind!r} does not know thermal_strain; take formulation='enhanced', or "
-            "'displacement' with cells of second order"
+            f"{label}: formulation={kind!r} does not know thermal_strain; take formulation='F-bar' or 'enhanced', "
+            "or 'displacement' with cells of second order"
         )
     if kind == "mixed":
         _check_pressures(label, grid, material)

@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError
 from visviva.body.element import volumes
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
+from visviva.body.touching import Skin
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable
 from visviva.component.values import Number, Vector3, VectorOrFunction
-from visviva.mesh.faces import Faces, chosen_faces
+from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.locate import locate
 from visviva.model.field import Field, Vectors
 from visviva.model.form import Form, Vector
@@ -93,16 +94,7 @@ class MeshBody(Attachable, Meshed):
         InputError
             If there is no such set or node, or none in it.
         """
-        if isinstance(chosen, str):
-            everything = chosen == "all" and chosen not in {*self.grid.node_sets, *self.grid.face_sets}
-            found = np.arange(self.grid.n_nodes) if everything else self.grid.nodes(chosen)
-        else:
-            found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
-        if len(found) == 0:
-            raise InputError(f"{self.label}: the set of nodes {chosen!r} is empty")
-        if found[0] < 0 or found[-1] >= self.grid.n_nodes:
-            raise InputError(f"{self.label}: there is no node {found[0 if found[0] < 0 else -1]}")
-        return found
+        return chosen_nodes(self.grid, chosen, self.label)
 
     def faces(self, chosen: str | Faces) -> Faces:
         """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given.
@@ -113,6 +105,24 @@ class MeshBody(Attachable, Meshed):
             If there is no such set, or none in it.
         """
         return chosen_faces(self.grid, chosen, self.label)
+
+    def skin(self, chosen: str | Faces, fine: bool = False) -> Skin:
+        """What others touch of it: by default the nodes of these faces.
+
+        Lines have points between their nodes too where it shall be `fine`.
+
+        Raises
+        ------
+        InputError
+            If there are no such faces.
+        """
+        import scipy.sparse as sp
+
+        n, faces = self.grid.n_nodes, self.faces(chosen)
+        every = np.arange(n)
+        weights = sp.eye_array(n, format="csr")
+        first = lambda: self.node_unknowns(every)  # noqa: E731
+        return Skin(first, weights, self.points, every, faces, faces, self.dimension)
 
     def cell_points(self) -> Iterator[Points]:
         """Quadrature points of the cells for forces on the volume, type by type."""
@@ -147,12 +157,17 @@ class MeshBody(Attachable, Meshed):
             force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
             model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
 
+    def _centre(self) -> Array:
+        """Centre of mass (3,) in the reference; without mass the mean of the nodes."""
+        w = self.nodal_mass if self.density > 0 else np.ones(self.grid.n_nodes)
+        centre: Array = w @ self.points / w.sum()
+        return centre
+
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
         X, v = self.points, self.sampled(self.velocity)
         if np.any(self.angular_velocity):
-            w = self.nodal_mass if self.density > 0 else np.ones(len(X))
-            v = v + np.cross(self.angular_velocity, X - w @ X / w.sum())
+            v = v + np.cross(self.angular_velocity, X - self._centre())
         if self.dimension == 2 and np.any(v[:, 2] != 0):
             raise InputError(f"{self.label}: a plane solid cannot have velocities out of its plane")
         return v[:, : self.dimension]

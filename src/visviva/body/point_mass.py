@@ -37,7 +37,7 @@ class PointMass(Attachable):
             raise InputError(f"{self.label}: mass {self.mass:g} is not positive")
 
     def declare(self, model: Model) -> None:
-        self._field = model.field(self, "position", self.position, self.velocity, scale=model.length)
+        self._field = model.field(self, "position", self.position, self.velocity, scale=model.length_of(self))
 
     def contribute(self, model: Model) -> None:
         model.inertia(self, self._field.start, [[self.mass]], (True,))

@@ -157,7 +157,7 @@ class RigidBody(Attachable):
         R, w = self.rotation, self.angular_velocity
         q = np.concatenate([self.position, *R.T])
         v = np.concatenate([self.velocity, *(spin(*w.tolist()) @ R).T])
-        scale = np.r_[np.full(3, model.length), np.ones(9)]
+        scale = np.r_[np.full(3, model.length_of(self)), np.ones(9)]
         self._field = model.field(self, "configuration", q, v, scale=scale)
 
     def contribute(self, model: Model) -> None:

@@ -10,10 +10,10 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat, GetPydanticSchema, NonNegativeInt
+from pydantic import ConfigDict, Field, FiniteFloat, GetPydanticSchema, NonNegativeInt
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import Validated
+from visviva.base.arguments import LISTED, Validated
 from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties, euler_tensor, inertia_tensor
 from visviva.body.triangles import (
@@ -30,19 +30,14 @@ from visviva.body.triangles import (
 from visviva.component.point import Frame
 
 
-def _plain(value: Any) -> Any:
-    """Turn arrays into lists, so that a shape holds plain data alone: comparable, hashable, storable."""
-    return value.tolist() if isinstance(value, np.ndarray) else value
-
-
 def _rows_of(item: Any) -> Any:
     """Annotation of a table (n, 3): array-like for the caller, validated and kept as tuples of three."""
-    rows = Annotated[tuple[tuple[item, item, item], ...], BeforeValidator(_plain)]
+    rows = Annotated[tuple[tuple[item, item, item], ...], LISTED]
     return GetPydanticSchema(lambda _, schema_of: schema_of(rows))
 
 
 Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Lengths = Annotated[tuple[Length, Length, Length], BeforeValidator(_plain)]
+Lengths = Annotated[tuple[Length, Length, Length], LISTED]
 PointRows = Annotated[ArrayLike, _rows_of(FiniteFloat)]
 TriangleRows = Annotated[ArrayLike, _rows_of(NonNegativeInt)]
 CONFIG = ConfigDict(extra="forbid", defer_build=True)

@@ -24,6 +24,7 @@ from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.quadrature import Rule
 from visviva.model.callback import callback_of
 from visviva.model.field import Role
 
@@ -65,6 +66,7 @@ class Solid(MeshBody):
     thermal_strain : float, or a function of reference positions (n, 3) with values (n,)
         Expansion coefficient times rise of temperature: the strain, the same in all directions, that heat alone would
         leave. Finite strains are measured from there, ``(1 + e)^3 W(C / (1 + e)^2)``. It does not change in time.
+        Elements of 'F-bar' have that of their centre.
     lumped : bool
         Diagonal mass matrix instead of the consistent one.
     mass_damping, stiffness_damping : float
@@ -174,18 +176,27 @@ class Solid(MeshBody):
             lumped=self.lumped,
         )
 
+    def mass_blocks(self, model: Model) -> Iterator[tuple[Ints, Array]]:
+        if self.dimension < 3 or not self.density:
+            return
+        for cell, nodes in self.grid.cells.items():
+            a, b = np.triu_indices(nodes.shape[1])
+            mass = np.zeros((len(nodes), nodes.shape[1], nodes.shape[1]))
+            mass[:, a, b] = mass[:, b, a] = self._cell_masses(cell, nodes)
+            yield self.node_unknowns(nodes).astype(np.int64), mass
+
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         d = self.dimension
         self.motion = model.field(
-            self, "position", self.grid.points, self.initial_velocities(), scale=model.length, node=d
+            self, "position", self.grid.points, self.initial_velocities(), scale=model.length_of(self), node=d
         )
         if self.formulation == "enhanced":  # d modes per element, without inertia; damping needs their rates
             role = Role.MOTION if self.stiffness_damping > 0 else Role.STATE
             zero = np.zeros((self.grid.n_cells, d, d))
             own = np.repeat(np.arange(len(zero)), d * d)
             self._inner = model.field(
-                self, "enhanced", zero, role=role, scale=model.length, stage=1, node=d, element=own
+                self, "enhanced", zero, role=role, scale=model.length_of(self), stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
             self._pressure_numbers, own = forms.pressure_numbers(self.grid)
@@ -238,7 +249,7 @@ class Solid(MeshBody):
         arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
         term = _core.SolidTerm(int(kind), self.material.small, index, *arrays)
         term.name = self.label
-        thermal = self._thermal(cell, nodes) if self._is_heated else None
+        thermal = self._thermal(cell, nodes, solid_rule(points, nodes, cell)) if self._is_heated else None
         self._complete(term, cell, nodes, thermal)
         self._book(model, term, first)
         return Elements(cell=cell, nodes=nodes, first=first, thermal=thermal, term=term, volume=g.volume)
@@ -294,9 +305,12 @@ class Solid(MeshBody):
         strain = model.account(self, "strain", "potential")
         term.book_solid(strain, kinetic, dissipated, model.index(self), first)
 
-    def _thermal(self, cell: str, nodes: Ints) -> Array:
-        """Thermal strains (m, q) at the points of elements."""
-        N = CELLS[cell].N(solid_rule(self.grid.points, nodes, cell).points)
+    def _thermal(self, cell: str, nodes: Ints, rule: Rule) -> Array:
+        """Thermal strains (m, q) at the points of elements; those of F-bar grow like their centre."""
+        xi = rule.points
+        if self.formulation == "F-bar":
+            xi = np.broadcast_to(CELLS[cell].nodes.mean(axis=0), xi.shape)
+        N = CELLS[cell].N(xi)
         if not callable(self.thermal_strain):
             return np.full((len(nodes), len(N)), float(self.thermal_strain))
         X = (N @ self.points[nodes]).reshape(-1, 3)

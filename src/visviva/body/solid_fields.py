@@ -181,28 +181,29 @@ def evaluated(
         for start in range(0, n, step):
             some = slice(start, min(start + step, n))
             fields = of_points(part.term.fields(x, some.start, some.stop), material.small)
+            stretch = np.ones_like(fields.J) if part.thermal is None else 1 + part.thermal[some]
             if isinstance(energy, AcrossFree):
-                fields = across_free(fields, energy, 0.0 if part.thermal is None else part.thermal[some])
+                fields = across_free(fields, energy, stretch)
             elif material.energy is not None and formulation == "F-bar":
-                fields = responding(fields, material)
+                fields = responding(fields, material, stretch)
             numbers = slice(part.first + some.start, part.first + some.stop)
             yield part.cell, part.nodes[some], numbers, part.volume[some], fields
 
 
-def across_free(part: Fields, energy: AcrossFree, thermal: Array | float) -> Fields:
-    """Fields with the F33 of plane stress, which the core does not know of a user's energy."""
-    stretch = 1 + thermal + np.zeros(part.J.shape)
+def across_free(part: Fields, energy: AcrossFree, stretch: Array) -> Fields:
+    """Fields with the F33 of plane stress, which the core does not know of a user's energy, where heat stretches."""
     C = components(part.C) / stretch[..., None] ** 2
     F = part.F.copy()
     F[..., 2, 2] = stretch * np.sqrt(energy.settled(C.reshape(-1, 6).T)[2].reshape(part.J.shape))
     return replace(part, F=F)
 
 
-def responding(part: Fields, material: Material) -> Fields:
+def responding(part: Fields, material: Material, stretch: Array) -> Fields:
     """Fields with a user's stress of the F of F-bar, which the core does not know either."""
-    energy, S, _ = material.respond(components(part.C).reshape(-1, 6))
-    shape = part.J.shape
-    return replace(part, second_piola=S.reshape(*shape, 6)[..., FULL], energy=energy.reshape(shape))
+    C = components(part.C) / stretch[..., None] ** 2
+    energy, S, _ = material.respond(C.reshape(-1, 6))
+    second_piola = S.reshape(C.shape)[..., FULL] * stretch[..., None, None]
+    return replace(part, second_piola=second_piola, energy=energy.reshape(stretch.shape) * stretch**3)
 
 
 def of_points(values: Array, small: bool) -> Fields:

@@ -32,6 +32,28 @@ class Holding:
     directions: NDArray[np.bool_] | None
 
 
+@dataclass(frozen=True, eq=False)
+class Clamping:
+    """Nodes (k,) of a body that neither move nor turn."""
+
+    nodes: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Guiding:
+    """Nodes (k,) of a body whose directors follow others, and are as long as these make them."""
+
+    nodes: NDArray[np.int64]
+
+
+class Straining(Component):
+    """What gives a beam strains of its own, as heat does; it announces itself about the beam."""
+
+    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Shear along d1 and d2, extension, curvatures, twist (6,) at the unknowns `x` of the system."""
+        raise NotImplementedError
+
+
 class Wetting(Component):
     """What lets a body feel the fluid that it lies in; it announces itself about the body."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
@@ -43,6 +43,7 @@ class Component(metaclass=Validated):
     name: str | None = None
 
     contributes_last = False  # since it asks what others hold
+    carries_heat = False  # whether it has temperatures that what it touches could see
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 
     @property
@@ -133,9 +134,25 @@ class Component(metaclass=Validated):
             if e.weights:
                 model.potential(self, "gravity", e, linear(1.0))
 
+    def mass_blocks(self, model: Model) -> Iterator[tuple[NDArray[np.int64], Array]]:
+        """Its mass between vectors of three unknowns: where these begin (m, k), and the mass matrices (m, k, k)."""
+        number, alike = model.index(self), defaultdict(list)
+        for key, index, values, _, owner in model.masses:
+            if owner == number:
+                alike[key].append((index[::3], values))
+        for (_, k, _, pairs, _), found in alike.items():
+            mass = np.zeros((len(found), k, k))
+            mass[:, *np.array(pairs).T] = [values for _, values in found]
+            yield np.array([starts for starts, _ in found], dtype=np.int64), mass
+
     def vectors(self, model: Model) -> Vectors | None:
         """What carries the component, see `Owner`; None for what has no points."""
         return None
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether its mesh is a line or a middle surface, so that its faces bound no volume."""
+        return False
 
     def surface(self) -> Any:
         """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
@@ -224,4 +241,13 @@ def characteristic_length(components: Sequence[Component]) -> float:
         if m is not None:
             mass, _, J = m()
             sizes.append(float(np.sqrt(np.trace(J) / mass)))
-    return float(max(sizes)) or 1.0
+    return float(max(sizes)) or way_of_one(components, given)
+
+
+def way_of_one(components: Sequence[Component], places: Array) -> float:
+    """The length of a model without extent, of one point: how far it is from the origin, where the ground stands, else
+    what it goes in a unit of time, 1 where it does neither."""
+    velocities = [getattr(c, "velocity", None) for c in components]
+    speeds = [np.linalg.norm(v) for v in velocities if v is not None and np.shape(v) == (3,)]
+    far = np.linalg.norm(places, axis=1) if len(places) else np.zeros(1)
+    return float(far.max()) or float(max(speeds, default=0.0)) or 1.0

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.component.component import Component
 from visviva.component.values import VectorOrFunction
+from visviva.mesh.cells import CELLS
 from visviva.mesh.mesh import Mesh
+from visviva.output.surface import Surface
 
 Array = NDArray[np.float64]
 
@@ -63,3 +65,21 @@ class Meshed(Component):
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
         """Fields at the nodes, (n,) or (n, components) each."""
         raise NotImplementedError
+
+    # --- what is drawn of it: by default its cells ---------------------------------------------------------
+    def drawn(self) -> Surface:
+        """Cells that are drawn and stored, at their reference positions."""
+        cells = self.grid.cells
+        return Surface(str(self.name), self.points, list(cells.values()), [CELLS[name].vtk for name in cells])
+
+    def drawn_positions(self, x: Array) -> Array:
+        """Positions (n, 3) of what is drawn at the unknowns `x` of the system."""
+        return self.positions(x)
+
+    def drawn_velocities(self, x: Array, v: Array) -> Array:
+        """Velocities (n, 3) of what is drawn at the unknowns `x` and rates `v` of the system."""
+        return self.velocities(x, v)
+
+    def drawn_fields(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        """Fields at the points that are drawn, (n,) or (n, components) each."""
+        return self.smoothed(names, x)

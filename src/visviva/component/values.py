@@ -192,3 +192,20 @@ Motion = Annotated[
     ),
 ]
 """Displacements: a function of time and positions, or a function of time, None or 'free' for each direction."""
+
+
+def _time_and_place(value: Any) -> Any:
+    return value if _is_function(value) and not isinstance(value, TimeFunction) else TimeFunction(value)
+
+
+def _plain_time_and_place(value: Any) -> Any:
+    return _plain_number(value) if not isinstance(value, TimeFunction) else value.source
+
+
+OfTimeAndPlace = Annotated[
+    Any,
+    BeforeValidator(_time_and_place),
+    PlainSerializer(_plain_time_and_place),
+    WithJsonSchema(TIME_SCHEMA),
+]
+"""A number, an expression or a table of time; or a function ``f(t, X)`` of time and positions (n, 3), giving (n,)."""

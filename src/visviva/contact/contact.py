@@ -10,12 +10,14 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.body.rigid import RigidBody
 from visviva.component.component import Component, settings
 from visviva.component.point import Attachable
 from visviva.component.values import Number
+from visviva.contact.bars import is_bar
 from visviva.contact.contact_check import (
+    check_bars,
     check_multipliers,
+    check_numbers,
     check_restitution,
     check_schemes,
     check_sides,
@@ -23,32 +25,22 @@ from visviva.contact.contact_check import (
     refuse_overlap,
 )
 from visviva.contact.contact_fields import record
-from visviva.contact.contact_surface import Surface, mesh_bodies, points_of, positions, skin, surface_of
+from visviva.contact.contact_layer import Layer
+from visviva.contact.contact_pair import FRAME, GapFunctions, Pair
+from visviva.contact.contact_remarks import remarks_of
+from visviva.contact.contact_surface import Surface, mesh_bodies, positions
+from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
-from visviva.contact.obstacle import frame_surface
 from visviva.contact.resolve import resolve, side_of
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
 if TYPE_CHECKING:
-    from visviva.body.shape import Outline
-    from visviva.component.point import Frame
     from visviva.model.model import Model
     from visviva.model.state import State
     from visviva.scheme.schemes import Scheme
 
 Array = NDArray[np.float64]
-
-AT_ONCE = 1 / 32
-"""Part of a layer's mass that answers to the traction of one vertex: less than the share of a node, as consistent
-masses let one node move more easily than all together (by 3.5 across the surface and 1.7 along each direction), and
-nodes at edges and corners more easily still."""
-AT_LIMIT = 1e-6
-"""Tractions that miss Coulomb's limit by no more than this part of it have reached it by slipping."""
-FRAME = 4
-"""Vertices of a frame."""
-TOUCHING = 1e-9
-"""Gaps below this part of the size of the first surface's facets are neither open nor closed without pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -57,13 +49,13 @@ class Contact(Component):
 
     Parameters
     ----------
-    first : Solid, RigidBody or PointMass
+    first : Solid, Shell, Beam, RigidBody or PointMass
         Gaps belong to the vertices of this surface, which should be the finer one.
-    second : Solid, RigidBody, Plane or Obstacle, optional
+    second : Solid, Shell, Beam, RigidBody, Plane or Obstacle, optional
         What it touches; if left out the first surface touches itself, by vertices and with a penalty.
     first_faces, second_faces : str or Faces
-        Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape; 'all' for
-        the whole boundary.
+        Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape, of shells
+        'upper' or 'lower', or an edge for the rim there; 'all' for the whole boundary, of shells both sides and rim.
     formulation : {'mortar', 'node-to-segment'}, optional
         By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, else 'mortar'.
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
@@ -85,7 +77,8 @@ class Contact(Component):
     stiffness : float
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
-        of rigid bodies, by default that of a facet of the layer.
+        of rigid bodies, by default that of a facet of the layer. Between rigid bodies alone there is no such layer, and
+        it has to be given, with multipliers too: about the weight over the penetration that one would call none.
     damping : float
         With a penalty in dynamics: pressure per rate of penetration. Impacts then lose energy at a rate that is chosen,
         booked as work of contact: of a body of mass m on a spring k alone, the share of velocity that is left follows
@@ -162,32 +155,20 @@ class Contact(Component):
     reach: Number | None = None
 
     def __post_init__(self) -> None:
-        if not self.friction >= 0:
-            raise InputError(
-                f"{self.label}: friction = {self.friction:g} is negative; give a coefficient >= 0"
-            )
+        check_bars(self)
+        if self.formulation is None and (self.second is not None or is_bar(self.first)):
+            self.formulation = self._usual_formulation()
         if self.second is None and (self.enforcement, self.formulation) != ("penalty", "node-to-segment"):
             raise InputError(
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
                 "formulation='node-to-segment'"
             )
-        if self.formulation is None:
-            self.formulation = self._usual_formulation()
         check_multipliers(self)
         check_restitution(self)
-        if not self.damping >= 0:
-            raise InputError(f"{self.label}: damping = {self.damping:g} is negative: it would add energy")
-        if self.damping > 0 and self.enforcement != "penalty":
-            raise InputError(f"{self.label}: damping needs enforcement='penalty', not {self.enforcement!r}")
-        for name in ("stiffness", "tangential_stiffness", "reach"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InputError(f"{self.label}: {name} = {value:g} is not positive")
+        check_numbers(self)
 
     def announce(self, model: Model) -> None:
-        for body in dict.fromkeys(
-            (self.first, self.second)
-        ):  # so that others of the same surfaces are refused
+        for body in dict.fromkeys((self.first, self.second)):  # others of the same surfaces are refused
             if body is not None:
                 model.announce(body, self)
 
@@ -195,7 +176,7 @@ class Contact(Component):
         """Exact for balls and points; other rigid shapes have edges, which vertices pass by."""
         feelers = self.first.feelers()
         is_exact = feelers is not None and len(feelers[0]) == 1 and self.multipliers == "standard"
-        return "node-to-segment" if is_exact else "mortar"
+        return "node-to-segment" if is_exact or is_bar(self.first) else "mortar"
 
     def declare(self, model: Model) -> None:
         model.index(self.first)
@@ -204,16 +185,15 @@ class Contact(Component):
         check_sides(self)
         refuse_doubles(self, model)
         self._started = False
-        self._facing: Surface | None = None
-        self._see()
+        self._find_surface(splits=self.initial != "resolve")  # nodes are moved by one gap each
         self.moved = 0.0  # how far a node was moved at most so that nothing overlaps
         if self.initial == "resolve":
-            gaps, size, _ = self._gaps(model.length)
+            gaps = self._gaps(model.length)
             sides = [side_of(self._surface, self.first, self.first_faces)]
-            if self._facing is not None:
-                sides.append(side_of(self._facing, self.second, self.second_faces))
-            self.moved = resolve(self.label, sides, model, gaps, size)
-            self._see()
+            if gaps.opposite is not None:
+                sides.append(side_of(gaps.opposite, self.second, self.second_faces))
+            self.moved = resolve(self.label, sides, model, gaps.core, gaps.size)
+            self._find_surface()
         n = len(self._surface.forms)
         if self.enforcement == "multipliers":
             self.pressure = model.field(self, "pressure", np.zeros(n), role=Role.CONTACT_PRESSURE, stage=1)
@@ -221,52 +201,47 @@ class Contact(Component):
             zeros = np.zeros((n, self._surface.dimension - 1))
             self.traction = model.field(self, "traction", zeros, role=Role.CONTACT_PRESSURE, stage=1)
 
-    def _see(self) -> None:
-        """The first surface."""
-        if self._by_vertices:
-            self._surface, self._radius = points_of(self.first, self.first_faces, self.label)
-        else:
-            self._surface, self._radius = surface_of(self.first, self.first_faces, self.label), 0.0
-
     @property
-    def _outline(self) -> Outline | None:
-        """The second one's exact shape, if that is what counts."""
-        by_facets = self.formulation == "mortar" or self.second_faces != "all"
-        if self.second is None or (by_facets and self.second.surface() is not None):
-            return None
-        outline: Outline | None = self.second.outline()
-        return outline
+    def _pair(self) -> Pair:
+        faces, mortar, dual = self.second_faces, self.formulation == "mortar", self.multipliers == "dual"
+        fine, rubs = self.enforcement == "penalty", self.friction > 0
+        return Pair(self.label, self.first, self.second, faces, mortar, dual, rubs, self.reach, fine)
 
-    @property
-    def _by_vertices(self) -> bool:
-        return self.formulation != "mortar" or self._outline is not None
+    def _find_surface(self, splits: bool = True) -> None:
+        self._surface, self._radius = self._pair.first_surface(self.first_faces, splits)
+
+    def _gaps(self, length: float) -> GapFunctions:
+        return self._pair.gap_functions(self._surface, self._radius, length)
 
     def contribute(self, model: Model) -> None:
         multipliers, sticks = self.enforcement == "multipliers", self.tangential == "multipliers"
         rubs = self.friction > 0
-        gaps, self.size, reach = self._gaps(model.length)
+        gaps = self._gaps(model.length)
+        self.size, self._facing, self._turns = gaps.size, gaps.opposite, gaps.turns
         spans = float(np.ptp(self.places, axis=0).max())
         alone = spans or self._radius or model.length  # of points that have no facets
         self.extent = self.size or alone  # by which overlaps at the start are judged
         self._share = self._surface.size or alone  # by which gaps are told from rounding
-        normal = self._stiffness(self.size)
-        tangential = self._tangential_stiffness(sticks) if rubs else 0.0
+        normal = self._stiffness()
+        tangential = self._tangential_stiffness() if rubs else 0.0
+        layer = self._layer
         along = self.traction.unknowns[:: self._surface.dimension - 1] if rubs and sticks else []
         self.term = _core.ContactTerm(
-            gaps,
-            reach,
+            gaps.core,
+            gaps.reach,
             np.array(self.pressure.unknowns if multipliers else [], dtype=np.int32),
             normal / self._surface.areas,
             self._surface.areas,
             self.impact == "conserving",
-            self._is_rigid,
+            self._pair.is_rigid,
             self._share_left,
             self._share,
             self.initial == "press",
             self.friction,
             np.array(along, dtype=np.int32),
             tangential / self._surface.areas,
-            self._inertia / self._surface.areas,
+            layer.inertia / self._surface.areas,
+            layer.rigid_inertia / self._surface.areas,
             self.damping / self._surface.areas if self.damping > 0 else np.zeros(0),
         )
         self.term.name = self.label
@@ -282,11 +257,6 @@ class Contact(Component):
             self._condense(model)
 
     @property
-    def _is_rigid(self) -> bool:
-        """Whether the first surface is that of a rigid body, or a point."""
-        return not mesh_bodies(self.first)
-
-    @property
     def _share_left(self) -> float:
         """Share of the velocity of approach that an impact of rigid bodies leaves."""
         if self.restitution is None:
@@ -299,54 +269,6 @@ class Contact(Component):
         for pressure, node in zip(self.pressure.unknowns, nodes, strict=True):
             model.press(int(pressure), int(node), self._surface.dimension)
 
-    def _gaps(self, length: float) -> tuple[_core.Gaps, float, float]:
-        """The gap functions, the size of facets, and how far they see."""
-        first, areas, outline = self._surface, self._surface.areas, self._outline
-        rubs = self.friction > 0
-        if outline is not None:
-            core, frame = outline
-            self._facing = frame_surface([*self._turning, frame], length)
-            pair = self._paired(self._facing)
-            half = np.array(core.half)
-            gaps = _core.obstacle(pair, areas, self._radius, rubs, core.kind, half, core.radius, length)
-            return gaps, first.size, length
-        self._facing = None
-        if self.second is None:
-            reach = self.reach or first.size
-            whole = skin(first, None)
-            return (
-                _core.self_contact(whole, areas, first.behind, reach, rubs, first.places),
-                first.size,
-                reach,
-            )
-        if not isinstance(self.second, Attachable):
-            raise InputError(f"{self.label}: {self.second.label} has no surface")
-        self._facing = opposite = surface_of(self.second, self.second_faces, self.label)
-        size = max(first.size, opposite.size)
-        reach = self.reach or size
-        pair = self._paired(opposite, *(frame_surface([frame], length) for frame in self._turning))
-        if self.formulation == "mortar":
-            return _core.mortar(pair, reach, first.axisymmetric, self.multipliers == "dual"), size, reach
-        axis = length if self._turning else 0.0
-        return _core.node_to_segment(pair, areas, first.behind, self._radius, reach, rubs, axis), size, reach
-
-    @property
-    def _turning(self) -> list[Frame]:
-        """The frame of balls that rub, which their points turn with."""
-        if self._radius > 0 and self.friction > 0 and isinstance(self.first, RigidBody):
-            return [self.first.frame()]
-        return []
-
-    def _paired(self, opposite: Surface, *frames: Surface) -> _core.Skin:
-        first = self._surface
-        other = self.second.label if self.second else ""
-        if first.dimension != opposite.dimension and any(opposite.forms):
-            raise InputError(f"{self.label}: {self.first.label} and {other} differ in dimension")
-        if not any(form for part in (first, opposite) for form in part.forms):
-            raise InputError(f"{self.label}: neither {self.first.label} nor {other} can move")
-        pair: _core.Skin = skin(first, opposite, *frames)
-        return pair
-
     def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)
         if self._started or self.initial == "press":
@@ -355,49 +277,30 @@ class Contact(Component):
         if not state.is_given:
             return
         state.core.find_neighbours()
-        state.take_stock()
+        state.evaluate_ledger()
         refuse_overlap(self, positions(self._surface, state.x))
 
-    def _stiffness(self, size: float) -> float:
+    @property
+    def _layer(self) -> Layer:
+        bodies = [body for body in (self.first, self.second) if body is not None]
+        return Layer(self.label, bodies, self._surface, self.size)
+
+    def _stiffness(self) -> float:
         """Stiffness of the normal contact."""
-        multipliers = self.enforcement == "multipliers"
+        layer, factor = self._layer, 1.0 if self.enforcement == "multipliers" else 10.0
         if self.stiffness is None:
-            return self._default_stiffness(size, multipliers)
-        if not multipliers and self._moduli:
-            own = self._layer(size)
-            check_stiffness(self.label, self.stiffness, own, 10 * own)
+            return factor * layer.stiffness
+        if self.enforcement == "penalty" and layer.moduli:
+            check_stiffness(self.label, self.stiffness, layer.stiffness, 10 * layer.stiffness)
         return float(self.stiffness)
 
-    def _tangential_stiffness(self, multipliers: bool) -> float:
+    def _tangential_stiffness(self) -> float:
         """Stiffness along the surface; between rigid bodies that across it unless it is given."""
-        if self.tangential_stiffness or self._moduli:
-            return float(self.tangential_stiffness or self._default_stiffness(self.size, multipliers))
-        return self._stiffness(self.size)
-
-    @property
-    def _inertia(self) -> float:
-        """Mass by area that a traction at a vertex moves at once: a part of that of a layer of facets."""
-        area, meshes = self._surface.areas.sum(), mesh_bodies(self.first, self.second)
-        masses = [body.density * self.size for body in meshes]
-        masses += [
-            c.total_mass / area for c in (self.first, self.second) if c is not None and c not in meshes
-        ]
-        return AT_ONCE * min((m for m in masses if m > 0), default=0.0)
-
-    @property
-    def _moduli(self) -> list[float]:
-        return [body.modulus for body in mesh_bodies(self.first, self.second)]
-
-    def _default_stiffness(self, size: float, multipliers: bool) -> float:
-        if not self._moduli:
-            raise InputError(
-                f"{self.label}: between rigid bodies nothing says how stiff contact should be; give its stiffness"
-            )
-        return self._layer(size) * (1.0 if multipliers else 10.0)
-
-    def _layer(self, size: float) -> float:
-        """Stiffness of a layer of elements, of a facet of it where points of rigid bodies feel forces."""
-        return min(self._moduli) / size * (1.0 if len(self._surface.facets) else size**2)
+        if self.tangential_stiffness:
+            return float(self.tangential_stiffness)
+        if self._layer.moduli:
+            return self._layer.stiffness * (1.0 if self.tangential == "multipliers" else 10.0)
+        return self._stiffness()
 
     # --- results -------------------------------------------------------------------------------------------
     @property
@@ -407,12 +310,24 @@ class Contact(Component):
 
     @property
     def places(self) -> Array:
-        """Reference positions (n, 3) of the vertices of the first surface, in own coordinates of a rigid body."""
+        """Reference positions (n, 3) of the vertices of the first surface, in own coordinates of a rigid body.
+
+        By mortar those at sharp edges of rigid bodies, and of solids that rub, are one for each side: see `source`.
+        """
         return self._surface.places
 
     @property
+    def source(self) -> NDArray[np.int64] | None:
+        """At which node or corner each vertex of the first surface is, if several are at sharp edges."""
+        return self._surface.source
+
+    @property
     def pressures(self) -> Array:
-        """Pressures (n,) at the vertices of the first surface in the last step."""
+        """Pressures (n,) at the vertices of the first surface in the last step.
+
+        Where more than three vertices of a rigid body press on what is rigid by multipliers, only their sum and its
+        torque are determined; how they share it follows from the motion before, and so do `tractions` and `forces`.
+        """
         values: Array = self.term.pressures
         return values
 
@@ -448,8 +363,10 @@ class Contact(Component):
             return np.zeros((n, 3))
         rubbed = self.term.friction_forces.reshape(-1, 3)
         forces: Array = self.term.forces.reshape(-1, 3)[:n] + rubbed[:n]
-        if self._turning:  # friction acts on the vertices of their frame, which stand behind those of facets
-            begin = n + (len(self.opposite.forms) if self.opposite else 0)
+        if is_bar(self.first) and len(self._turns):
+            forces += rubbed[self._turns[:, None] + np.arange(FRAME)].sum(axis=1)
+        elif len(self._turns):  # friction acts on the vertices of one frame for all
+            begin = int(self._turns[0])
             rest = rubbed[begin : begin + FRAME].sum(axis=0) - self.tractions.sum(axis=0)
             forces += self.tractions + rest / n  # the rest balances torques and is of the order of the gap
         return forces
@@ -467,30 +384,14 @@ class Contact(Component):
 
     @property
     def collides(self) -> bool:
-        return self.enforcement == "multipliers" and self._is_rigid
+        return self.enforcement == "multipliers" and self._pair.is_rigid
+
+    def remarks(self) -> list[str]:
+        return remarks_of(self, self._surface)
 
     def unfit_for_modes(self) -> str:
-        presses = self.pressures > 0
-        touches = ~presses & (np.abs(self.gaps) <= TOUCHING * self._share)
-        if touches.any():
-            return (
-                f"it touches without pressure at {int(touches.sum())} of its vertices, which are neither open nor "
-                "closed; press the surfaces together by a load, or move them apart"
-            )
-        limit = (1 - AT_LIMIT) * self.friction * self.pressures
-        slips = presses & (np.linalg.norm(self.tractions, axis=1) >= limit) & (self.friction > 0)
-        if slips.any():
-            return (
-                f"friction is at Coulomb's limit at {int(slips.sum())} of its vertices, which slip or are about to; "
-                "raise friction, or leave it out"
-            )
-        return ""
+        return without_tangent(self.pressures, self.gaps, self.tractions, self.friction, self._share)
 
     def trouble(self, x: Array) -> str:
-        vertices = self.term.unsettled
-        if not vertices:
-            return ""
-        places = positions(self._surface, x)[vertices[:3]]
-        near = ", ".join("(" + ", ".join(f"{c:.4g}" for c in place) + ")" for place in places)
-        what = "opens and closes, or sticks and slips," if self.friction > 0 else "opens and closes"
-        return f"{self.label} still {what} at {len(vertices)} vertices, such as near {near}"
+        what = unsettled(self.term, self._surface, self.friction, x)
+        return f"{self.label} {what}" if what else ""

@@ -1,4 +1,4 @@
-"""What is wrong with surfaces before they touch: found with component, place and cure."""
+"""Checks of surfaces before they touch; messages have component, place and cure."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
+from visviva.contact.bars import is_bar
 from visviva.contact.contact_surface import mesh_bodies
 from visviva.mesh.faces import Faces
 
@@ -23,6 +24,21 @@ SOFTEST, STIFFEST = 1e-4, 1e6
 """Penalties outside this range of the bodies' own stiffness are mistakes of unit."""
 DEEP = 1e-6
 """Surfaces may overlap by this part of a facet, or of a shape that has none, at the start: rounding of meshes."""
+
+
+def check_numbers(contact: Contact) -> None:
+    """Refuse numbers that no contact has."""
+    label = contact.label
+    if not contact.friction >= 0:
+        raise InputError(f"{label}: friction = {contact.friction:g} is negative; give a coefficient >= 0")
+    if not contact.damping >= 0:
+        raise InputError(f"{label}: damping = {contact.damping:g} is negative: it would add energy")
+    if contact.damping > 0 and contact.enforcement != "penalty":
+        raise InputError(f"{label}: damping needs enforcement='penalty', not {contact.enforcement!r}")
+    for name in ("stiffness", "tangential_stiffness", "reach"):
+        value = getattr(contact, name)
+        if value is not None and not value > 0:
+            raise InputError(f"{label}: {name} = {value:g} is not positive")
 
 
 def check_multipliers(contact: Contact) -> None:
@@ -54,6 +70,37 @@ def check_multipliers(contact: Contact) -> None:
         raise InputError(
             f"{label}: standard multipliers of mortar contact press on the nodes beside their own as well and cannot "
             "be condensed; give multipliers='dual'"
+        )
+
+
+def check_bars(contact: Contact) -> None:
+    """Refuse what round bars cannot do: they are touched all along, by points of their middle."""
+    label, first, second = contact.label, contact.first, contact.second
+    if second is not None and is_bar(second) and not is_bar(first):
+        feelers = None if isinstance(first, MeshBody) else first.feelers()
+        if feelers is None or feelers[1] == 0:
+            raise InputError(
+                f"{label}: the points of {second.label} touch {first.label}, not the other way: exchange first and "
+                "second"
+            )
+    if not (is_bar(first) or is_bar(second)):
+        return
+    if contact.formulation == "mortar":
+        raise InputError(
+            f"{label}: formulation='mortar' is between surfaces, and a beam touches by points of its middle; leave it "
+            "out"
+        )
+    if not (is_bar(second) or second is None):
+        return
+    if contact.enforcement != "penalty":
+        raise InputError(
+            f"{label}: beams are kept apart by enforcement='penalty', not {contact.enforcement!r}: where they cross "
+            "there is no node for a multiplier"
+        )
+    if contact.friction > 0:
+        raise InputError(
+            f"{label}: friction = {contact.friction:g} between beams is not served yet; leave it out, or let one of "
+            "them be a shell or solid"
         )
 
 
@@ -106,7 +153,7 @@ def check_sides(contact: Contact) -> None:
         if body is None:
             continue
         if isinstance(body, MeshBody):
-            check_faces(body, body.faces(faces), contact.label)
+            check_skin(contact, body, faces)
         elif isinstance(body, RigidBody) and body.shape is None:
             raise InputError(f"{contact.label}: {body.label} has no surface; give it a shape")
         elif faces != "all" and not isinstance(body, RigidBody):
@@ -120,11 +167,26 @@ def check_sides(contact: Contact) -> None:
         return
     if not isinstance(first, MeshBody):
         raise InputError(f"{contact.label}: {first.label} cannot touch itself")
-    shared = np.intersect1d(first.faces(contact.first_faces).nodes, first.faces(contact.second_faces).nodes)
+    one, two = first.skin(contact.first_faces), first.skin(contact.second_faces)
+    shared = np.intersect1d(one.used, two.used)
     if len(shared):
         raise InputError(
-            f"{contact.label}: both surfaces are of {first.label} and share node {shared[0]}; give parts of it that "
-            "lie apart, or leave out second for self-contact"
+            f"{contact.label}: both surfaces are of {first.label} and share node {one.nodes[shared[0]]}; give parts of "
+            "it that lie apart, or leave out second for self-contact"
+        )
+
+
+def check_skin(contact: Contact, body: MeshBody, faces: str | Faces) -> None:
+    """Refuse faces that look inwards, and of beams and shells what only solids can do."""
+    if type(body).skin is MeshBody.skin:
+        check_faces(body, body.faces(faces), contact.label)
+        return
+    body.skin(faces)
+    if contact.condensed or contact.initial == "resolve":
+        what = "condensed=True" if contact.condensed else "initial='resolve'"
+        raise InputError(
+            f"{contact.label}: {what} is for nodes of solids, and {body.label} is touched beside its nodes; leave it "
+            "out" + ("" if contact.condensed else " and move one of the bodies")
         )
 
 

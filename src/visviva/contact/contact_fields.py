@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.body.mesh_body import MeshBody
 from visviva.component.meshed import Meshed
-from visviva.contact.contact_surface import mesh_bodies
+from visviva.contact.contact_surface import mesh_bodies, positions
 
 if TYPE_CHECKING:
     from visviva.component.component import Component
@@ -35,21 +35,33 @@ def record(contact: Contact, x: Array) -> Array:
     pressing = contact.pressures > 0
     state = np.where(pressing, 1.0 + contact.slipping, 0.0)
     first = np.column_stack([contact.pressures, contact.gaps, state, contact.tractions])
+    if isinstance(contact.first, MeshBody):
+        first = _at_nodes(contact.source, first)
     opposite, body = contact.opposite, contact.second
     if opposite is None or not isinstance(body, MeshBody):
         return first
     second = np.zeros((len(opposite.forms), 6))
     second[:, GAP] = np.nan
     if len(contact.term.forces):
-        places = body.positions(x)[body.faces(contact.second_faces).nodes]
-        areas = replace(opposite, places=places).areas[:, None]
+        areas = replace(opposite, places=positions(opposite, x)).areas[:, None]
         forces, friction = (
-            values.reshape(-1, 3)[len(first) :][: len(second)] / areas
+            values.reshape(-1, 3)[len(contact.places) :][: len(second)] / areas
             for values in (contact.term.forces, contact.term.friction_forces)
         )
         second[:, 0] = np.linalg.norm(forces, axis=1)
         second[:, STATE], second[:, 3:] = second[:, 0] > 0, friction
-    return np.vstack([first, second])
+    return np.vstack([first, _at_nodes(opposite.source, second)])
+
+
+def _at_nodes(source: Ints | None, rows: Array) -> Array:
+    """Of the vertices at a node that which presses most; the smallest gap of all."""
+    if source is None:
+        return rows
+    order = np.argsort(rows[:, 0], kind="stable")  # the last one that is written stays
+    found = np.full((source.max() + 1, rows.shape[1]), np.nan)
+    found[source[order]] = rows[order]
+    np.fmin.at(found[:, GAP], source, rows[:, GAP])
+    return found
 
 
 class Painting:
@@ -69,7 +81,7 @@ class Painting:
         width = 6 if any(contact.friction > 0 for contact in contacts) else 3
         self._blank = np.full((n_points, width), np.nan)
         for mesh in {body for c in contacts for body in mesh_bodies(c.first, c.second)}:
-            points = starts[mesh] + np.arange(mesh.grid.n_nodes)
+            points = starts[mesh] + np.arange(len(mesh.drawn().points))
             self._blank[points] = 0.0
             self._blank[points, GAP] = np.nan
 
@@ -96,12 +108,17 @@ class Painting:
         return {name: found[:, chosen].copy() for name, chosen in named}
 
 
-def sides(contact: Contact, starts: Mapping[Meshed, int]) -> Iterator[tuple[Ints, slice]]:
-    """Points of the solids on either side, and the rows of the record that belong to them."""
+def sides(contact: Contact, starts: Mapping[Meshed, int]) -> Iterator[tuple[Ints, Ints]]:
+    """Points of the bodies on either side, and the rows of the record that belong to them."""
     n = len(contact.places)
-    chosen: list[tuple[Component, str | Faces, slice]] = [(contact.first, contact.first_faces, slice(n))]
+    if contact.source is not None and isinstance(contact.first, MeshBody):
+        n = int(contact.source.max()) + 1
+    chosen: list[tuple[Component, str | Faces, int]] = [(contact.first, contact.first_faces, 0)]
     if contact.opposite is not None and contact.second is not None:
-        chosen.append((contact.second, contact.second_faces, slice(n, None)))
-    for body, faces, rows in chosen:
+        chosen.append((contact.second, contact.second_faces, n))
+    for body, faces, begin in chosen:
         if isinstance(body, MeshBody):
-            yield starts[body] + body.faces(faces).nodes, rows
+            own = body.skin(faces)
+            nodes, drawn = own.touched, np.arange(body.grid.n_nodes) if own.drawn is None else own.drawn
+            points = np.flatnonzero(np.isin(drawn, nodes))
+            yield starts[body] + points, begin + np.searchsorted(nodes, drawn[points])

@@ -14,6 +14,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
+from visviva.body.touching import Skin
 from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.mesh.cells import CELLS
@@ -66,6 +67,14 @@ class Surface:
         Edges stand for surfaces of revolution about the second axis.
     thick : array, (n,), optional
         Thickness of the body behind points without facets.
+    source : array of int, (n,), optional
+        Where several vertices stand for one place, at sharp edges and on the sides of shells: which.
+    whole : Surface, optional
+        What it is a part of, if that is known.
+    extent : array, (n,), optional
+        Areas that belong to the points of a round bar.
+    across : float
+        Its diameter.
     """
 
     forms: list[list[tuple[int, float]]]
@@ -76,10 +85,19 @@ class Surface:
     dimension: int
     axisymmetric: bool = False
     thick: Array | None = None
+    source: Ints | None = None
+    whole: Surface | None = None
+    extent: Array | None = None
+    across: float = 0.0
 
     @cached_property
     def sights(self) -> Array:
         """Thickness of the body behind each facet, and free way before it, (m, 2); inf where nothing is known."""
+        if self.whole is not None:
+            every = {where_of(corners): k for k, corners in enumerate(self.whole._corners())}
+            return self.whole.sights[[every[where_of(corners)] for corners in self._corners()]]
+        if self.extent is not None:  # a line has no sides
+            return np.full((len(self.facets), 2), np.inf)
         found = _core.sights(self.dimension, self.places.ravel(), self.facets.astype(np.int32).ravel())
         return np.asarray(found).reshape(-1, 2)
 
@@ -94,6 +112,8 @@ class Surface:
     @cached_property
     def areas(self) -> Array:
         """Area (n,) that belongs to each vertex; length in the plane, 1 for points without facets."""
+        if self.extent is not None:
+            return self.extent
         if len(self.facets) == 0:
             return np.ones(len(self.places))
         there = self.facets >= 0
@@ -105,11 +125,21 @@ class Surface:
         return np.asarray(total, dtype=float)
 
     def _facet_areas(self) -> Array:
+        return np.asarray(np.linalg.norm(self._area_vectors(), axis=1))
+
+    @property
+    def normals(self) -> Array:
+        """Unit normals (m, 3) of the facets; zero of those without area."""
+        vectors = self._area_vectors()
+        sizes = np.linalg.norm(vectors, axis=1, keepdims=True)
+        return np.asarray(vectors / np.where(sizes > 0, sizes, 1.0))
+
+    def _area_vectors(self) -> Array:
         corners = self._corners()
         if self.dimension == 2:
-            return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
-        diagonals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        return np.asarray(0.5 * np.linalg.norm(diagonals, axis=1))
+            return np.cross(corners[:, 1] - corners[:, 0], (0.0, 0.0, 1.0))
+        # of a triangle, whose fourth corner is the first one, this is the product of two of its edges
+        return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
     def _corners(self) -> Array:
         """Corners (m, 4, 3) of the facets; those that a facet lacks are its first one."""
@@ -117,7 +147,9 @@ class Surface:
 
     @cached_property
     def size(self) -> float:
-        """Largest diameter of a facet; 0 for points without facets."""
+        """Largest diameter of a facet, or of a round bar; 0 for points without facets."""
+        if self.across > 0:
+            return self.across
         corners = self._corners()
         spans = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1)
         return float(spans.max(initial=0.0))
@@ -163,7 +195,7 @@ def vertices_of(faces: Faces) -> sp.csr_array:
 def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface:
     """The surface of a mesh given by faces, or the whole one of a rigid body or the ground."""
     if isinstance(component, MeshBody):
-        return _of_mesh(component, component.faces(faces))
+        return of_skin(component, component.skin(faces))
     return _of_shape(component, faces, label)
 
 
@@ -172,27 +204,74 @@ def mesh_bodies(*bodies: Component | None) -> list[MeshBody]:
     return [body for body in bodies if isinstance(body, MeshBody)]
 
 
-def _of_mesh(body: MeshBody, faces: Faces) -> Surface:
-    weights, unknowns = vertices_of(faces), body.node_unknowns(faces.nodes)
-    ranges = pairwise(weights.indptr)
-    forms = [[(int(unknowns[weights.indices[k]]), float(weights.data[k])) for k in range(*r)] for r in ranges]
-    return replace(of_nodes(body, faces, forms), places=np.asarray(weights @ body.points[faces.nodes]))
+def of_skin(body: MeshBody, own: Skin) -> Surface:
+    """The surface of a body that is part of a system."""
+    used = own.used
+    shaped = own.weights[used] if own.round else vertices_of(own.faces) @ own.weights[used]
+    surface = of_points(body, own, forms_of(shaped, own.vectors()))
+    nodes, source = np.unique(own.nodes[used], return_inverse=True)
+    return replace(
+        surface,
+        places=surface.places if own.round else np.asarray(vertices_of(own.faces) @ own.points[used]),
+        source=None if len(nodes) == len(used) else source,
+        whole=None if own.whole is own.faces or own.round else _whole(body, own),
+    )
 
 
-def of_nodes(body: MeshBody, faces: Faces, forms: list[list[tuple[int, float]]]) -> Surface:
-    """The surface of a body whose nodes are these forms."""
-    nodes = faces.nodes
-    rows: list[tuple[int, ...]] = []
-    number = np.full(body.grid.n_nodes, -1)
-    number[nodes] = np.arange(len(nodes))
-    for kind, cells in faces.cells.items():
+def layer_mass(body: MeshBody, size: float) -> float:
+    """Mass by area of a layer of this thickness, or of the whole of what is thinner."""
+    own = body.skin("all").mass
+    return body.density * size if own is None else own
+
+
+def _whole(body: MeshBody, own: Skin) -> Surface:
+    every = replace(own, faces=own.whole)
+    return replace(
+        of_points(body, every, []), places=np.asarray(vertices_of(own.whole) @ own.points[every.used])
+    )
+
+
+def forms_of(weights: sp.csr_array, unknowns: NDArray[np.int32]) -> list[list[tuple[int, float]]]:
+    """Rows of weights of vectors that start at these unknowns."""
+    weights = weights.tocsr()
+    weights.sort_indices()
+    starts, where, values = weights.indptr.tolist(), unknowns[weights.indices].tolist(), weights.data.tolist()
+    return [list(zip(where[a:b], values[a:b], strict=True)) for a, b in pairwise(starts)]
+
+
+def where_of(corners: Array) -> tuple[tuple[float, ...], ...]:
+    """What tells a facet from others: where its corners are, wherever it begins."""
+    return tuple(sorted(map(tuple, corners.tolist())))
+
+
+def of_points(body: MeshBody, own: Skin, forms: list[list[tuple[int, float]]]) -> Surface:
+    """The surface of a body whose points of the skin, as far as it has faces there, are these forms."""
+    points = own.used
+    number = np.full(len(own.points), -1)
+    number[points] = np.arange(len(points))
+    rows = [NO_FACETS]
+    for kind, cells in own.faces.cells.items():
         for part in SUBFACETS[kind]:
             facets = np.full((len(cells), 4), -1)
             facets[:, : len(part)] = number[cells[:, list(part)]]
-            rows.extend(map(tuple, facets.tolist()))
-    places = body.points[nodes]
+            rows.append(facets)
+    places = own.points[points]
+    surface = Surface(
+        forms, True, np.zeros_like(places), np.concatenate(rows), places, body.dimension, body.axisymmetric
+    )
+    bar = own.round
+    return replace(surface, extent=bar.areas, across=2 * bar.radius) if bar else surface
+
+
+def joined(*parts: Surface) -> Surface:
+    """Vertices without facets, one surface after the other."""
     return Surface(
-        forms, True, np.zeros_like(places), np.array(rows), places, body.dimension, body.axisymmetric
+        [form for part in parts for form in part.forms],
+        False,
+        np.concatenate([part.constant for part in parts]),
+        NO_FACETS,
+        np.concatenate([part.places for part in parts]),
+        3,
     )
 
 
@@ -241,10 +320,13 @@ def positions(surface: Surface, x: Array) -> Array:
     return places
 
 
-def points_of(component: Attachable, faces: str | Faces, label: str) -> tuple[Surface, float]:
+def points_of(
+    component: Attachable, faces: str | Faces, label: str, fine: bool = False
+) -> tuple[Surface, float]:
     """Where a component touches exact shapes and facets, and the radius of balls about these points."""
     if isinstance(component, MeshBody):
-        return _of_mesh(component, component.faces(faces)), 0.0
+        own = component.skin(faces, fine)
+        return of_skin(component, own), own.round.radius if own.round else 0.0
     feelers = component.feelers()
     if feelers is None:
         raise InputError(f"{label}: nothing says where {component.label} touches; give it a shape")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component
@@ -16,7 +14,8 @@ if TYPE_CHECKING:
     from visviva.contact.contact import Contact
     from visviva.model.model import Model
 
-Side = tuple[Component, str | Faces]
+Keys = set[tuple[int, ...]]
+Side = tuple[Component, str | Faces | Keys]
 """A body and which part of its surface."""
 
 
@@ -42,11 +41,10 @@ def _sides(contact: Contact) -> list[Side]:
     return [first, first if contact.second is None else (contact.second, contact.second_faces)]
 
 
-def _tied(tie: Tie) -> Faces:
-    """Those of the first faces whose nodes are all tied."""
-    faces = tie.first.faces(tie.first_faces)
-    nodes = tie._nodes[tie._tied]
-    return faces.where(np.concatenate([np.isin(rows, nodes).all(axis=1) for rows in faces.cells.values()]))
+def _tied(tie: Tie) -> Keys:
+    """Those of the first faces whose points are all tied."""
+    points = set(tie._used[tie._tied].tolist())
+    return {key for key in tie.first.skin(tie.first_faces).keys if points.issuperset(key)}
 
 
 def _meet(one: list[Side], two: list[Side]) -> bool:
@@ -60,9 +58,9 @@ def _share(one: Side, two: Side) -> bool:
     if body is not other:
         return False
     if isinstance(body, MeshBody):
-        return not _nodes(body.faces(faces)).isdisjoint(_nodes(body.faces(others)))
+        return not _keys(body, faces).isdisjoint(_keys(body, others))
     return "all" in (faces, others) or faces == others
 
 
-def _nodes(faces: Faces) -> set[tuple[int, ...]]:
-    return {tuple(row) for rows in faces.cells.values() for row in np.sort(rows, axis=1).tolist()}
+def _keys(body: MeshBody, faces: str | Faces | Keys) -> Keys:
+    return faces if isinstance(faces, set) else body.skin(faces).keys

@@ -30,7 +30,7 @@ class Plane(Component):
     Parameters
     ----------
     on : Attachable, optional
-        What it moves with; by default it is fixed in space.
+        What it moves with; by default it is fixed in space, as plane solids need it.
     at : array (3,)
         A point of it initially.
     normal : array (3,)
@@ -64,7 +64,7 @@ class Obstacle(Component):
     ----------
     shape : Box, Sphere, Cylinder or Capsule
     on : Attachable, optional
-        What it moves with; by default it is fixed in space.
+        What it moves with; by default it is fixed in space, as plane solids need it.
     at : array (3,)
         Where its centre is initially.
     axis : array (3,)

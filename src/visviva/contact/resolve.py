@@ -40,18 +40,18 @@ class Side:
     nodes: Ints
     weights: sp.csr_array  # of the nodes in the vertices
 
-    def ease(self, model: Model) -> Array:
-        """How easily the nodes, or other vertices, (n, 3) move: the inverse of their mass, nothing for what is held."""
+    def inverse_mass(self, model: Model) -> Array:
+        """1/mass (n, 3) of the nodes, or other vertices; 0 where they are held."""
         if self.body is None:
             return np.zeros_like(self.surface.constant)
         body, nodes = self.body, self.nodes
         weight = body.nodal_mass if body.density > 0 else np.ones(body.grid.n_nodes)
-        ease = np.tile(1 / weight[nodes][:, None], (1, 3))
-        ease[:, body.dimension :] = 0.0
+        mobility = np.tile(1 / weight[nodes][:, None], (1, 3))
+        mobility[:, body.dimension :] = 0.0
         for holding in model.announced(body, Holding):
             directions = np.ones(3, dtype=bool) if holding.directions is None else holding.directions
-            ease[np.ix_(np.isin(nodes, holding.nodes), directions)] = 0.0
-        return ease
+            mobility[np.ix_(np.isin(nodes, holding.nodes), directions)] = 0.0
+        return mobility
 
     def move(self, by: Array, model: Model) -> None:
         """Move the nodes in the reference configuration by (n, 3)."""
@@ -85,7 +85,7 @@ def resolve(label: str, sides: Sequence[Side], model: Model, gaps: _core.Gaps, s
 
     x, _ = model.initial
     X = np.concatenate([positions(side.surface, x) for side in sides])
-    ease = np.concatenate([side.ease(model) for side in sides]).ravel()
+    mobility = np.concatenate([side.inverse_mass(model) for side in sides]).ravel()
     to_vertices = sp.block_diag([side.weights for side in sides], format="csr")
     by_nodes = sp.kron(to_vertices, sp.eye_array(3), format="csr")
     way, change = np.zeros_like(X), 0.0
@@ -94,7 +94,7 @@ def resolve(label: str, sides: Sequence[Side], model: Model, gaps: _core.Gaps, s
     for _ in range(ROUNDS):
         if max(depth.max(initial=0.0), change) <= RESOLVED * size:
             break
-        last, way = way, smallest(G, G @ way.ravel() - gap, ease).reshape(X.shape)
+        last, way = way, smallest(G, G @ way.ravel() - gap, mobility).reshape(X.shape)
         change = float(np.abs(way - last).max())
         depth, G, gap = linearised(gaps, X + to_vertices @ way)
         G = G @ by_nodes
@@ -122,12 +122,12 @@ def linearised(gaps: _core.Gaps, X: Array) -> tuple[Array, sp.csr_array, Array]:
     return depth, sp.csr_array(entries, shape=(len(gap), X.size)), gap
 
 
-def smallest(G: sp.csr_array, least: Array, ease: Array) -> Array:
-    """The move (n,) with ``G d >= least`` for which the sum of d^2 / ease is smallest, by an active set."""
+def smallest(G: sp.csr_array, least: Array, mobility: Array) -> Array:
+    """The move (n,) with ``G d >= least`` for which the sum of d^2 / mobility is smallest, by an active set."""
     import scipy.sparse as sp
     from scipy.sparse.linalg import spsolve
 
-    A = (G @ sp.diags_array(ease) @ G.T).tocsr()
+    A = (G @ sp.diags_array(mobility) @ G.T).tocsr()
     A = A + sp.diags_array(np.where(A.diagonal() > 0, 1e-13 * A.diagonal().max(), 1.0))
     pushed, force = least > 0, np.zeros(len(least))
     for _ in range(50):
@@ -140,5 +140,5 @@ def smallest(G: sp.csr_array, least: Array, ease: Array) -> Array:
         if np.array_equal(wanted, pushed):
             break
         pushed = wanted
-    move: Array = ease * (G.T @ force)
+    move: Array = mobility * (G.T @ force)
     return move

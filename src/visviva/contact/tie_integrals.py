@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.body.mesh_body import MeshBody
-from visviva.contact.contact_surface import SUBFACETS, of_nodes, skin
+from visviva.body.touching import Skin
+from visviva.contact.contact_surface import SUBFACETS, of_points, skin
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 
@@ -85,7 +86,7 @@ class Parents:
 
     @classmethod
     def of(cls, faces: Faces) -> Parents:
-        """In the order in which `of_nodes` cuts faces into facets."""
+        """In the order in which `of_points` cuts faces into facets."""
         number, first = faces.nodes, 0
         face, nodes, corners, kind = [], [], [], []
         for which, (name, cells) in enumerate(faces.cells.items()):
@@ -141,10 +142,10 @@ class MortarSurfaces:
     """Two surfaces and what is integrated over both; facets farther apart than `reach` do not see each other."""
 
     def __init__(
-        self, first: tuple[MeshBody, Faces], second: tuple[MeshBody, Faces], reach: float | None = None
+        self, first: tuple[MeshBody, Skin], second: tuple[MeshBody, Skin], reach: float | None = None
     ) -> None:
-        self.first, self.second = (of_nodes(*side, numbered(side[1])) for side in (first, second))
-        self.parents = Parents.of(first[1]), Parents.of(second[1])
+        self.first, self.second = (of_points(*side, numbered(side[1].faces)) for side in (first, second))
+        self.parents = Parents.of(first[1].faces), Parents.of(second[1].faces)
         self.reach = reach or 0.1 * max(self.first.size, self.second.size)
         self._axisymmetric = first[0].axisymmetric
         self._skin = skin(self.first, self.second, sees=False)

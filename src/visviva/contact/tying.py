@@ -11,9 +11,11 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
-from visviva.component.announcements import Holding
+from visviva.body.touching import Skin
+from visviva.component.announcements import Guiding, Holding
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
+from visviva.contact.contact_remarks import insulated
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.mesh.faces import Faces
 from visviva.model.batch import book
@@ -35,14 +37,15 @@ TOUCHING = 1e-10
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Tie(Component):
-    """Two surfaces of solids that stick together though their meshes do not match.
+    """Two surfaces of solids or shells that stick together though their meshes do not match.
 
     Parameters
     ----------
-    first, second : Solid
+    first, second : Solid or Shell
         What is tied. The nodes of the first surface, which should be the finer one, follow those of the second.
     first_faces, second_faces : str or Faces
-        Which part of the surface, by the name of a set of faces; 'all' for the whole boundary.
+        Which part of the surface, by the name of a set of faces; 'all' for the whole boundary. Of shells 'upper' and
+        'lower' are the sides, half a thickness beside the middle, and sets of edges the rims there.
     multipliers : {'dual', 'standard'}
         'dual': the nodes of the first surface leave the equations together with the multipliers, which stay
         positive definite. 'standard': the multipliers are unknowns.
@@ -86,9 +89,14 @@ class Tie(Component):
     reach: Number | None = None
 
     def __post_init__(self) -> None:
+        for body in (self.first, self.second):
+            if body.has_directions:
+                raise InputError(
+                    f"{self.label}: {body.label} is a line; join it by vv.Rigid to the frame of a coupling on the other"
+                )
         if self.first is self.second:
             raise InputError(
-                f"{self.label}: first and second are the same {self.first.label}; give two solids"
+                f"{self.label}: first and second are the same {self.first.label}; give two bodies"
             )
         if self.first.dimension != self.second.dimension:
             raise InputError(f"{self.label}: {self.first.label} and {self.second.label} differ in dimension")
@@ -100,11 +108,12 @@ class Tie(Component):
             raise InputError(f"{self.label}: reach = {self.reach:g} is not positive")
         sides = ((self.first, self.first_faces), (self.second, self.second_faces))
         try:
-            faces = [solid.faces(chosen) for solid, chosen in sides]
+            skins = [solid.skin(chosen) for solid, chosen in sides]
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
-        self._nodes, self._others = faces[0].nodes, faces[1].nodes
-        pair = MortarSurfaces((self.first, faces[0]), (self.second, faces[1]), self.reach)
+        self._used, self._others = skins[0].used, skins[1].used
+        self._nodes = skins[0].nodes[self._used]
+        pair = MortarSurfaces((self.first, skins[0]), (self.second, skins[1]), self.reach)
         self._reach = pair.reach
         self._weigh(pair)
 
@@ -126,6 +135,9 @@ class Tie(Component):
     def announce(self, model: Model) -> None:
         model.announce(self.first, self)
         model.announce(self.second, self)
+        if not self._follows:  # what is tied at both of its sides follows with its directors
+            nodes, count = np.unique(self._nodes[self._tied], return_counts=True)
+            model.announce(self.first, Guiding(nodes[count > 1]))
 
     def declare(self, model: Model) -> None:
         model.index(self.first), model.index(self.second)
@@ -149,7 +161,7 @@ class Tie(Component):
                 self._refuse(mine & held.all(axis=1), holding.by)
         for tie in model.announced(self.first, Tie):
             if tie is not self and tie.first is self.first:
-                self._refuse(np.isin(self._nodes, tie._nodes[tie._tied]), tie)
+                self._refuse(np.isin(self._used, tie._used[tie._tied]), tie)
         return held
 
     def _refuse(self, conflict: Mask, other: Component) -> None:
@@ -165,9 +177,13 @@ class Tie(Component):
 
     def _violation(self) -> Array:
         """Values (n, d) of the constraints in the reference configuration."""
-        d = self.first.dimension
-        X = np.vstack([self.first.points[self._nodes], self.second.points[self._others]])[:, :d]
+        first, second = self._skins()
+        X = np.vstack([first.points[self._used], second.points[self._others]])[:, : self.first.dimension]
         return np.asarray(self._rows @ X)
+
+    def _skins(self) -> tuple[Skin, Skin]:
+        """As they are now: other ties may have moved nodes."""
+        return self.first.skin(self.first_faces), self.second.skin(self.second_faces)
 
     def _move(self, model: Model) -> None:
         """Move nodes of the first mesh so that the constraints hold in the reference configuration."""
@@ -192,14 +208,30 @@ class Tie(Component):
                 f"{self.moved:.3g} to lie on {self.second.label}, more than the reach {self._reach:.3g}. Refine the "
                 "surfaces, leave faces out that do not touch, or give a larger reach"
             )
+        if not self._follows:
+            raise InputError(
+                f"{self.label}: faces of {self.first.label} and {self.second.label} do not fit by {self.moved:.3g}, "
+                f"and {self.first.label} cannot be moved to do so; exchange first and second, or lay its faces, which "
+                "are half a thickness beside its middle, on the other"
+            )
         self.first.move_reference(model, self._nodes, shift)
+
+    @property
+    def _follows(self) -> bool:
+        """Whether points of the first surface are nodes, which can be moved and leave the equations."""
+        return type(self.first).skin is MeshBody.skin
 
     @property
     def moved(self) -> float:
         """How far a node of the first mesh was moved at most so that the surfaces fit."""
         return float(self._shift.max(initial=0.0))
 
+    def remarks(self) -> list[str]:
+        return insulated(self.label, self.first, self.second)
+
     def contribute(self, model: Model) -> None:
+        import scipy.sparse as sp
+
         left = np.abs(self._violation()[self._active]).max(initial=0.0)
         if left > 1e-6 * self._reach * abs(self._rows).max():
             raise InputError(
@@ -207,9 +239,11 @@ class Tie(Component):
                 "to; exchange first and second of one of them, or let the meshes match there"
             )
         rows = self._rows[self._active.any(axis=1)]
-        unknown = np.concatenate(
-            [self.first.node_unknowns(self._nodes), self.second.node_unknowns(self._others)]
-        )
+        first, second = self._skins()
+        of_vectors = sp.block_diag([first.weights[self._used], second.weights[self._others]], format="csr")
+        rows = (rows @ of_vectors).tocsr()
+        rows.sort_indices()
+        unknown = np.concatenate([first.vectors(), second.vectors()])
         number = self._number[self._active.any(axis=1)]
         term = _core.TieTerm(
             self.first.dimension,
@@ -221,7 +255,7 @@ class Tie(Component):
         term.name = self.label
         book(term, [model.account(self, "constraint", "constraint")], [model.index(self)], 1)
         model.batch(term)
-        if self.multipliers == "dual":
+        if self.multipliers == "dual" and self._follows:
             unknowns = self.first.node_unknowns(self._nodes)[:, None] + np.arange(self.first.dimension)
             for pair in zip(unknowns[self._active], self._number[self._active], strict=True):
                 model.depend(*map(int, pair))

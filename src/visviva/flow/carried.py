@@ -111,7 +111,7 @@ class Carried(Wetting):
 
         What is `held` (n, d) does not, nor does the fluid there.
         """
-        transfer = Transfer(self.fluid)
+        transfer = self.fluid.transfer
         reach = self._reacher(transfer) if self._tells_reach else None
         n = len(multipliers)
         self._points = vectors.reshape(n, -1), weights.reshape(n, -1), multipliers
@@ -154,7 +154,7 @@ class Carried(Wetting):
 
     def _velocities(self, places: Place, flow: Array) -> Array:
         """Velocities (n, d) of the fluid with the unknowns `flow` at places."""
-        unknowns, weights = Transfer(self.fluid).at(places)
+        unknowns, weights = self.fluid.transfer.at(places)
         nodal = flow[unknowns[:, :, None] - self.fluid.flow.start + np.arange(self.fluid.dimension)]
         return np.asarray(np.einsum("nk,nkc->nc", weights, nodal))
 
@@ -167,7 +167,7 @@ class Carried(Wetting):
         own, move = (
             np.einsum("nk,nkc->nc", weights, y[vectors[:, :, None] + axes]) for y in (state.x, state.v)
         )
-        unknowns, shares = Transfer(self.fluid).at(self._located(own))
+        unknowns, shares = self.fluid.transfer.at(self._located(own))
         n, shape = len(own), (d * len(own), len(state.x))
 
         def spread(first: Ints, by: Array) -> sp.csr_array:

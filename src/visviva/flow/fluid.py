@@ -22,6 +22,7 @@ from visviva.flow.location import Location, Place
 from visviva.flow.overlap import refuse_dry
 from visviva.flow.periodic import Periods, numbering
 from visviva.flow.sheet import SIGHT, normals
+from visviva.flow.transfer import Transfer
 from visviva.load.force import guarded
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_faces
@@ -170,6 +171,7 @@ class Fluid(Meshed):
             refuse_dry(self, model)
         self._gravity = np.zeros(3)
         self.conditions = Conditions(self, model)
+        self.transfer = Transfer(self)  # which depends on the conditions
         v = np.zeros((self.n_numbers, self.dimension))
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)

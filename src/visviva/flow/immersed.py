@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.body.director_body import refuse_thin
 from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
 from visviva.component.component import Component, settings
@@ -20,7 +21,6 @@ from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
 from visviva.flow.overlap import covered_by_mesh, refuse_covering
 from visviva.flow.sheet import normals
-from visviva.flow.transfer import Transfer
 from visviva.model.batch import book
 
 if TYPE_CHECKING:
@@ -102,6 +102,7 @@ class Immersed(Carried):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        refuse_thin(self.label, "immerse it by vv.ImmersedThin(body=...)", self.solid)
         if self.solid.density == 0 and not self.massless:
             raise InputError(
                 f"{self.label}: {self.solid.label} has no density and would take the inertia of {self.fluid.label} "
@@ -160,7 +161,7 @@ class Immersed(Carried):
     def _seen(self, places: Place) -> Mask:
         """Whether (n d,) the fluid can move along each axis where nodes are: held ones hold it there, but at walls."""
         flow, d = self.fluid.flow, self.fluid.dimension
-        unknowns, weights = Transfer(self.fluid).at(places)
+        unknowns, weights = self.fluid.transfer.at(places)
         free = ~flow.fixed[unknowns[:, :, None] - flow.start + np.arange(d)]
         return np.asarray(np.einsum("nk,nkc->nc", np.abs(weights), free) > WALL).ravel()
 

@@ -24,6 +24,8 @@ TOLERANCE = 1e-8
 """How far outside a cell, in its reference coordinates, a place still counts as inside."""
 NEAREST = 12
 """So many cells whose centres are nearest are tried before all whose boxes hold a place."""
+STRAIGHT = 8 * np.finfo(float).eps
+"""Part of the largest coordinate by which nodes may be off where a linear map of the reference cell puts them."""
 BULGE = 0.5
 """Cells do not reach further out of the box of their nodes than by this share of their size, however curved."""
 
@@ -45,6 +47,31 @@ def inverse(cell: Cell, corners: Array, x: Array) -> Array:
         if not np.any(np.abs(step[~lost]) > 1e-13 * np.maximum(1.0, np.abs(here[~lost]))):
             break
     return xi
+
+
+class Straight:
+    """Cells of one type that are linear images of the reference cell, whose places need no iteration.
+
+    Attributes
+    ----------
+    are : bool array (m,)
+        Which are; nodes of the others are off by more than rounding.
+    """
+
+    def __init__(self, cell: Cell, corners: Array) -> None:
+        self._centre = cell.centre
+        N, dN = cell.N_dN(cell.centre[None])
+        self._middles = np.einsum("k,mkd->md", N[0], corners)
+        J = np.swapaxes(corners, 1, 2) @ dN[0]
+        images = self._middles[:, None, :] + (cell.nodes - cell.centre) @ np.swapaxes(J, 1, 2)
+        off = np.abs(corners - images).max(axis=(1, 2))
+        self.are = (off <= STRAIGHT * np.abs(corners).max()) & (np.abs(np.linalg.det(J)) > 0)
+        self._inverses = np.linalg.inv(np.where(self.are[:, None, None], J, np.eye(J.shape[1])))
+
+    def inverse(self, rows: Ints, x: Array) -> Array:
+        """Reference coordinates (n, d) of places (n, d) in cells by number."""
+        away = x - self._middles[rows]
+        return np.asarray(self._centre + (self._inverses[rows] @ away[:, :, None])[:, :, 0])
 
 
 def outside(cell: Cell, xi: Array) -> Array:
@@ -82,6 +109,10 @@ class Location:
         margin = BULGE * (high - low).max(axis=1, keepdims=True)
         return low - margin, high + margin
 
+    @cached_property
+    def _straight(self) -> dict[str, Straight]:
+        return {name: Straight(CELLS[name], self.mesh.points[self.mesh.cells[name]]) for name in self._first}
+
     def find(self, places: Array) -> tuple[Ints, Array]:
         """Cells (n,), -1 outside of all, and reference coordinates (n, d) of places (n, d)."""
         cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
@@ -112,13 +143,21 @@ class Location:
         rows, candidates = rows[near], candidates[near]
         for name, first in self._first.items():
             mine = (candidates >= first) & (candidates < first + len(self.mesh.cells[name]))
-            chosen, cell = rows[mine], CELLS[name]
+            chosen = rows[mine]
             if len(chosen) == 0:
                 continue
-            corners = self.mesh.points[self.mesh.cells[name][candidates[mine] - first]]
-            found = inverse(cell, corners, places[chosen])
-            hit = outside(cell, found) <= TOLERANCE
+            found = self._inverse(name, candidates[mine] - first, places[chosen])
+            hit = outside(CELLS[name], found) <= TOLERANCE
             cells[chosen[hit]], xi[chosen[hit]] = candidates[mine][hit], found[hit]
+
+    def _inverse(self, name: str, rows: Ints, x: Array) -> Array:
+        """Reference coordinates (n, d) of places (n, d) in cells of a type."""
+        straight = self._straight[name]
+        found, bent = straight.inverse(rows, x), ~straight.are[rows]
+        if bent.any():
+            corners = self.mesh.points[self.mesh.cells[name][rows[bent]]]
+            found[bent] = inverse(CELLS[name], corners, x[bent])
+        return found
 
     def parts(self, cells: Ints) -> list[tuple[str, Ints, Ints]]:
         """For each cell type: its name, which of the places lie in it, and the rows of their cells."""

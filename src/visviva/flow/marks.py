@@ -17,6 +17,9 @@ NEAR = 0.6
 INSIDE = 0.75
 """Marks inside keep so many spacings away from the surface."""
 
+BLOCK = 20000
+"""So many pairs of a place and a triangle are looked at together: arrays that stay in the cache."""
+
 
 def marks(shape: AnyShape, spacing: float, *, plane: bool) -> Array:
     """Marks (n, 3) of a shape, of a prism along z in the plane of its centre, in coordinates of the body.
@@ -50,14 +53,27 @@ def lattice(points: Array, spacing: float, plane: bool) -> Array:
 
 def winding(corners: Array, places: Array) -> Array:
     """How often a closed surface of triangles (m, 3, 3) goes round places (n,): 1 inside, 0 outside."""
-    total = np.zeros(len(places))
-    for k, place in enumerate(places):
-        a, b, c = np.moveaxis(corners - place, 1, 0)
-        A, B, C = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        volume = np.einsum("ni,ni->n", a, np.cross(b, c))
-        ab, bc, ca = (np.einsum("ni,ni->n", u, v) for u, v in ((a, b), (b, c), (c, a)))
-        total[k] = np.arctan2(volume, A * B * C + ab * C + bc * A + ca * B).sum() / (2 * np.pi)
-    return total
+    middle = corners.mean(axis=(0, 1))
+    corners, places = (
+        corners - middle,
+        places - middle,
+    )  # far from the origin differences of products lose digits
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
+    offsets = np.einsum("ni,ni->n", a, normals)
+    squares = [np.einsum("ni,ni->n", e, e) for e in (b - a, c - b, a - c)]
+    several = max(BLOCK // len(corners), 1)
+    blocks = np.array_split(places, range(several, len(places), several))
+    return np.concatenate([_winding(corners, normals, offsets, squares, some) for some in blocks])
+
+
+def _winding(corners: Array, normals: Array, offsets: Array, squares: list[Array], places: Array) -> Array:
+    """What `winding` tells of a few places: solid angles by the distances to corners and the lengths of edges alone."""
+    A, B, C = (np.sqrt(sum((corners[:, k, i] - places[:, i, None]) ** 2 for i in range(3))) for k in range(3))
+    # twice the products of the vectors to two corners, by the law of cosines
+    ab, bc, ca = (p * p + q * q - e for (p, q), e in zip(((A, B), (B, C), (C, A)), squares, strict=True))
+    angles = np.arctan2(offsets - places @ normals.T, A * B * C + 0.5 * (ab * C + bc * A + ca * B))
+    return np.asarray(angles.sum(axis=1) / (2 * np.pi))
 
 
 # --- the surface --------------------------------------------------------------------------------------------

@@ -32,17 +32,16 @@ class Transfer:
     around, complete them: ``v(x) = sum_A N_A(x) (v_A + grad v_A . (x - x_A) / 2)``. Without that a solid thinner than
     a cell can bend no more than the cell does, which shears instead. Rigid motions and linear fields stay exact, and
     along walls where the fluid sticks velocities are zero.
-
-    Attributes
-    ----------
-    width : int
-        How many nodes a place refers to at most.
     """
 
     def __init__(self, fluid: Fluid) -> None:
         self.fluid = fluid
         self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in fluid.grid.cells)
-        self.width = int(np.diff(self._stencils.indptr).max())
+
+    @cached_property
+    def width(self) -> int:
+        """How many nodes a place refers to at most."""
+        return int(np.diff(self._stencils.indptr).max())
 
     def at(self, places: Place) -> tuple[Ints, Array]:
         """First unknowns (n, width) of velocities at places, and their weights."""

@@ -144,7 +144,7 @@ class Joint(Component):
         if self.stroke:
             u = stroke_strain(*self.sides)
             self._coordinates["stroke"] = model.field(
-                self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length, stage=1
+                self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length_of(self), stage=1
             )
 
     def contribute(self, model: Model) -> None:

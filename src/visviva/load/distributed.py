@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
+from visviva.body.director_body import refuse_thin
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
@@ -116,6 +117,11 @@ class BodyForce(Component):
     times: OfTime | None = None
 
     def __post_init__(self) -> None:
+        refuse_thin(
+            self.label,
+            "give a beam a vv.LineLoad, a shell a vv.Traction on its side 'upper', or both vv.Gravity",
+            self.solid,
+        )
         self._distribution = Distribution(self.label, "body force", self.solid, self.force, self.times)
 
     def contribute(self, model: Model) -> None:

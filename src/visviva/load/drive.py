@@ -61,9 +61,9 @@ class Motor(OnJoint):
     def effort(self, state: State) -> float:
         """Torque (on an angle) or force (on a stroke) that the motor exerts, positive along the coordinate.
 
-        With the midpoint schemes it belongs to the middle of the last step.
+        It belongs to the present instant with every scheme. At a kink of the motion it leaves out the impulse there.
         """
-        return -float(state.x[self._multipliers.start])
+        return -float(state.x_with_reactions[self._multipliers.start])
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -14,7 +14,7 @@ from visviva.component.component import Component, settings
 from visviva.component.values import Vector3, VectorOrFunction
 from visviva.component.where import frame_of, movable, point_of
 from visviva.model.callback import rate_callback
-from visviva.model.form import Vector
+from visviva.model.form import Vector, strain
 from visviva.model.law import Law, LawKind
 
 if TYPE_CHECKING:
@@ -130,8 +130,8 @@ def add_user_force(
             S[:, k] = -value
         return S
 
-    label = f"{owner.label}, its force"
-    model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label)))
+    label, sizes = f"{owner.label}, its force", model.sizes_of([strain(e) for e in of])
+    model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label, sizes)))
 
 
 def guarded(label: str, what: str, function: Callable[..., Any]) -> Callable[..., Any]:

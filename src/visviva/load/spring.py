@@ -14,7 +14,7 @@ from visviva.component.where import point_of
 from visviva.load.force import guarded
 from visviva.model.callback import energy_callback, rate_callback
 from visviva.model.form import Strain, Vector, squared
-from visviva.model.law import Law, LawKind, length, viscous_length
+from visviva.model.law import Law, LawKind, length, linear, viscous_length
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -31,7 +31,7 @@ class Spring(Component):
     stiffness, damping : float
         Tension ``stiffness (l - free_length) + damping dl/dt``; not negative.
     free_length : float
-        Length without force; the initial length if not given.
+        Length without force; the initial length if not given. With 0, and a stiffness alone, the points may coincide.
     energy : callable
         Instead of a stiffness, the stored energy ``W(l)`` as a function of the length, elementwise on arrays.
         Tension and discrete gradient follow from it: energy is conserved to round-off.
@@ -92,19 +92,25 @@ class Spring(Component):
         A, B = self.points()
         e = squared(B.position - A.position)
         l0 = float(np.sqrt(e.value(model.initial[0])))
-        if l0 == 0:
-            raise InputError(f"{self.label}: its two points coincide initially, so it has no direction")
-        if self.stiffness:
-            free = l0 if self.free_length is None else self.free_length
-            model.potential(self, "spring", e, length(self.stiffness, free))
+        free = l0 if self.free_length is None else self.free_length
+        pulls_alone = self.free_length == 0 and not (self.damping or self.energy or self.force)
+        if l0 == 0 and not pulls_alone:
+            raise InputError(
+                f"{self.label}: its two points coincide initially, so it has no direction; move them apart, take a "
+                "Bushing, or free_length=0 and a stiffness alone, which needs none"
+            )
+        if self.stiffness:  # without a length of its own it pulls in proportion to the way, in any direction
+            law = length(self.stiffness, free) if free else linear(0.5 * self.stiffness)
+            model.potential(self, "spring", e, law)
         if self.damping:
             model.dissipate(self, "damper", e, viscous_length(self.damping))
         self._user_laws(model, e)
 
     def _user_laws(self, model: Model, e: Strain) -> None:
+        sizes = model.sizes_of([e])
         if self.energy is not None:
             W = guarded(self.label, "energy", self.energy)
-            call = energy_callback(lambda e: W(np.sqrt(e[0])), 1, f"{self.label}, its energy")
+            call = energy_callback(lambda e: W(np.sqrt(e[0])), 1, f"{self.label}, its energy", sizes)
             model.potential(self, "spring", e, Law(LawKind.ENERGY_CALLBACK, callback=call))
         if self.force is not None:
             f = guarded(self.label, "force", self.force)
@@ -113,7 +119,7 @@ class Spring(Component):
                 l = np.sqrt(e)
                 return f(l, rate / (2 * l)) / (2 * l)
 
-            call = rate_callback(stress, 1, f"{self.label}, its force")
+            call = rate_callback(stress, 1, f"{self.label}, its force", sizes)
             model.act(self, "spring force", e, Law(LawKind.RATE_CALLBACK, callback=call))
 
 

@@ -10,12 +10,14 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
+from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
-from visviva.component.announcements import Holding
+from visviva.component.announcements import Clamping, Holding
 from visviva.component.component import Component, settings
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
 from visviva.load.force import guarded
+from visviva.model.form import Vector
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -92,10 +94,39 @@ class Fixed(Support):
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
+class Clamped(Support):
+    """Nodes of a beam or shell that neither move nor turn.
+
+    Parameters
+    ----------
+    solid : Beam or Shell
+    nodes : str or int array
+        Name of a set of nodes, such as "start" and "end", 'all', or numbers.
+
+    Notes
+    -----
+    `Fixed` holds positions alone: there a beam can turn as on a ball joint.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.solid, DirectorBody):
+            raise InputError(f"{self.label}: {self.solid.label} has no directors to hold; take vv.Fixed")
+
+    def announce(self, model: Model) -> None:
+        super().announce(model)
+        model.announce(self.solid, Clamping(self._chosen))
+
+    def _holds(self) -> NDArray[np.bool_] | None:
+        return np.array(EVERY)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
 class SymmetryPlane(Support):
     """Nodes that stay in the planes through their reference positions, normal to `normal` (3,).
 
-    Planes across an axis cost unknowns instead of adding any; others are held by multipliers.
+    Directors of beams and shells keep their components along the normal. Planes across an axis cost unknowns instead of
+    adding any; others are held by multipliers.
 
     Examples
     --------
@@ -113,7 +144,8 @@ class SymmetryPlane(Support):
         m = getattr(self, "_multipliers", None)
         if m is None:
             return self._chosen[:0], np.zeros((0, 3))
-        return self._chosen, -state.x[m.start : m.start + m.size, None] * self._along
+        force = state.x_with_reactions[m.start : m.start + len(self._chosen), None]
+        return self._chosen, -force * self._along
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -135,10 +167,16 @@ class SymmetryPlane(Support):
     def contribute(self, model: Model) -> None:
         axis = np.abs(self._along) > 1e-12
         numbers = self._numbers(model, axis)
+        directors = self._chosen[:0]
+        if isinstance(self.solid, DirectorBody):
+            directors = self.solid.directors_of(self._chosen)
         if axis.sum() == 1:
             model.hold(self.solid.motion, numbers)
+            if isinstance(self.solid, DirectorBody):
+                self.solid.hold_directors(model, self._chosen, int(np.argmax(axis)))
             return
         forms = [self.solid.combination([k], [1.0]).along(self._along) for k in self._chosen]
+        forms += [Vector.of(int(u)).along(self._along) for u in directors]
         self._multipliers = multipliers = model.multipliers(self, "reaction", len(forms), block=self)
         x, _ = model.initial
         for k, form in enumerate(forms):

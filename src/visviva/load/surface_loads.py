@@ -15,6 +15,7 @@ from visviva.body.mesh_points import FacePoints
 from visviva.component.component import Component, settings
 from visviva.component.values import FaceSet, Number, VectorOrFunction
 from visviva.load.distributed import Distribution
+from visviva.mesh.cells import CELLS
 from visviva.model.batch import Layout, along, strain_batch
 from visviva.model.law import Law, LawKind
 
@@ -65,6 +66,12 @@ class Traction(OnFaces):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        on_sides = any(CELLS[kind].dimension == 2 for kind in self._faces.cells)
+        if on_sides and getattr(self.solid, "stretches_across", False):
+            raise InputError(
+                f"{self.label}: tractions on the sides of {self.solid.label}, whose thickness they would change, would "
+                "act on its middle; put a vv.Force on points above and below it, or take a vv.Solid"
+            )
         self._distribution = Distribution(self.label, "traction", self.solid, self.traction, self.times)
 
     def contribute(self, model: Model) -> None:

@@ -18,7 +18,7 @@ from visviva.component.point import Frame
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, movable
 from visviva.load.force import carried
-from visviva.model.form import Vector
+from visviva.model.form import Form, Vector
 from visviva.model.law import Law, LawKind
 
 if TYPE_CHECKING:
@@ -71,6 +71,51 @@ class FollowerTorque(Component):
     def contribute(self, model: Model) -> None:
         frame = frame_of(self.label, self.on)
         act(model, self, frame, carried(frame.directors, self.torque), self.times)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class SemitangentialTorque(Component):
+    """Torque by dead forces on a cross that turns along: half of it stays in space, half turns with the frame.
+
+    Parameters
+    ----------
+    on : component or Frame
+        What it acts on; it must have directors.
+    torque : array (3,)
+        Torque in space at the start.
+    times : number, expression, table or callable
+        Factor as a function of time, see `TimeFunction`.
+
+    Notes
+    -----
+    Forces along the initial directors E act on the directors d by the potential ``-M_i (d_j . E_k - d_k . E_j) / 2``,
+    with i, j, k cyclic, the components ``M_i`` of the torque along E (Ziegler 1968). For a turn about its own axis by
+    an angle it is ``M cos(angle)``. As it has a potential, tangents are symmetric and stability is told.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> body = vv.RigidBody(mass=1.0, inertia=(1, 1, 2))
+    >>> system = vv.System([body, vv.SemitangentialTorque(on=body, torque=(0, 0, 4))])
+    >>> _ = vv.simulate(system, until=0.1, step=0.01)
+    """
+
+    on: Any
+    torque: Vector3
+    times: OfTime | None = None
+
+    def contribute(self, model: Model) -> None:
+        d = frame_of(self.label, self.on).directors
+        x, _ = model.initial
+        E = [director.value(x) for director in d]
+        total = Form()
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            share = 0.5 * float(self.torque @ E[i])
+            total = total + share * (d[j].along(E[k]) - d[k].along(E[j]))
+        if not total.weights:
+            raise InputError(f"{self.label}: torque = {self.torque.tolist()} acts on nothing that moves")
+        model.load(self, "torque", total, 1.0, self.times)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -29,18 +29,7 @@ PACKED = [[a * 6 - a * (a - 1) // 2 + b - a if a <= b else b * 6 - b * (b - 1) /
 
 
 Kind = _core.MaterialKind
-"""The energies of the core (cpp/visviva/material/material.hpp)."""
-
-BULK = {
-    Kind.HOOKE: 0,
-    Kind.NEO_HOOKE: 1,
-    Kind.MOONEY: 3,
-    Kind.ISOCHORIC: 4,
-    Kind.GENT: 2,
-    Kind.HOLZAPFEL: 4,
-    Kind.OGDEN: 0,
-}
-"""Place of the modulus of the volumetric energy among the constants; the number of that energy follows it."""
+"""The energies of the core (cpp/visviva/material/material_list.hpp)."""
 
 TRACE, OF_BLATZ_KO = 3, 4
 """Numbers of the volumetric energies of linear materials, ``(tr e)^2 / 2``, and of Blatz and Ko's."""
@@ -97,7 +86,7 @@ class Material(metaclass=Validated):
         >>> vv.LinearElastic(young=3.0, poisson=0.5).split()[1:]
         ([0.0, 1.0], None, inf, 3)
         """
-        rest, place = list(self.constants()), BULK[self.kind]
+        rest, place = list(self.constants()), _core.bulk_place(int(self.kind))
         bulk, rest[place] = rest[place], 0.0
         measure = TRACE if self.kind is Kind.HOOKE else int(rest[place + 1])
         return Split(self.kind, rest, None, bulk, measure)

@@ -106,7 +106,8 @@ class ContactPressure(Reading):
 
     def __call__(self, system: System) -> float:
         values = self.contact.pressures
-        return float(values.max(initial=0.0) if self.at is None else values[nearest(self.contact, self.at)])
+        chosen = slice(None) if self.at is None else nearest(self.contact, self.at)
+        return float(values[chosen].max(initial=0.0))
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -128,10 +129,12 @@ class ContactGap(Reading):
     def __call__(self, system: System) -> float:
         gaps = self.contact.gaps
         if self.at is not None:
-            return float(gaps[nearest(self.contact, self.at)])
+            gaps = gaps[nearest(self.contact, self.at)]
         return float(np.nanmin(gaps)) if np.isfinite(gaps).any() else np.nan
 
 
-def nearest(contact: Contact, place: Array) -> int:
-    """The vertex of the first surface nearest to a place in the reference configuration."""
-    return int(np.argmin(np.linalg.norm(contact.places - place, axis=1)))
+def nearest(contact: Contact, place: Array) -> NDArray[np.int64]:
+    """The vertex of the first surface nearest to a place in the reference configuration; several at a sharp edge."""
+    places = contact.places
+    first = np.argmin(np.linalg.norm(places - place, axis=1))
+    return np.flatnonzero((places == places[first]).all(axis=1))

@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
     """Force (3,) and torque (3,) that a joint exerts on its partner `b`, torque about the joint's point on b.
 
-    Multipliers of the midpoint schemes belong to the middle of the last step; lever arms are of its end.
+    They belong to the present instant with every scheme, see :doc:`/theory/schemes`. Impulses, at kinks of what drives
+    and in impacts, have no part in them.
 
     Examples
     --------
@@ -40,7 +41,7 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
         raise InputError(f"reaction: {joint.label} is not in the system")
     a, b = joint.partners
     about = joint.sides[1].p.value(system.x)
-    force = joint.generalised_reaction(system.x)
+    force = joint.generalised_reaction(system.x_with_reactions)
     own = b.wrench(system, force, about)
     if own is None:
         other = a.wrench(system, force, about)

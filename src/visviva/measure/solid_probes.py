@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, nearest
+from visviva.body.director_body import DirectorBody, refuse_thin
 from visviva.body.element import masses, nodal_masses
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import settings
@@ -153,7 +154,8 @@ class SupportForce(Reading):
     """Probe: force (3,) by which supports hold nodes of a solid: `Fixed`, `Prescribed`, `SymmetryPlane`.
 
     Couplings and joints have their `ReactionForce`, contact has its `ContactForce`. Forces are those of the last step:
-    of the midpoint schemes, those that acted in its middle.
+    of the midpoint schemes, the means over it. Where functions of time drive motion those would alternate, and the
+    forces of the present instant are taken (:doc:`/theory/schemes`).
 
     Parameters
     ----------
@@ -173,30 +175,51 @@ class SupportForce(Reading):
         force: Array = self.by_node(system).sum(axis=0)
         return force
 
+    def _forces(self, system: System) -> Array:
+        """Residual by unknown: means over the last step, by which momenta change, unless what is driven spoils them."""
+        if system.solves_means and system.has_inertia and (system.model.is_driven or system.model.prescribed):
+            return system.present.holding_forces()
+        return system.holding_forces()
+
     def by_node(self, system: System) -> Array:
         """Forces (n, 3) on all nodes, zero on those that are free or not chosen."""
         solid = self.solid
-        held = np.zeros(len(system.x))
-        held[solid.motion.start : solid.motion.start + solid.motion.size] = solid.motion.fixed
-        force = solid.by_node(held * system.holding_forces())
+        force = solid.by_node(self._held(system))
         for plane in system.model.announced(solid, SymmetryPlane):
             np.add.at(force, *plane.reactions(system))
-        if self.nodes is not None:
-            chosen = np.zeros((solid.grid.n_nodes, 1))
-            chosen[solid.nodes(self.nodes)] = 1.0
-            return chosen * force
-        return force
+        return self._chosen * force
+
+    def _held(self, system: System) -> Array:
+        """Forces by unknown, zero on those that are free."""
+        motion, held = self.solid.motion, np.zeros(len(system.x))
+        held[motion.start : motion.start + motion.size] = motion.fixed
+        forces: Array = held * self._forces(system)
+        return forces
+
+    @property
+    def _chosen(self) -> Array:
+        """1 for the chosen nodes (n, 1), else 0."""
+        if self.nodes is None:
+            return np.ones((self.solid.grid.n_nodes, 1))
+        chosen = np.zeros((self.solid.grid.n_nodes, 1))
+        chosen[self.solid.nodes(self.nodes)] = 1.0
+        return chosen
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class SupportTorque(SupportForce):
-    """Probe: torque (3,) of the same forces about a point in space, with the present lever arms."""
+    """Probe: torque (3,) of the same forces about a point in space, with the present lever arms.
+
+    At clamped nodes of beams the torque that holds their directors is part of it.
+    """
 
     about: Vector3 = (0.0, 0.0, 0.0)
 
     def __call__(self, system: System) -> Array:
         arms = self.solid.positions(system.x) - self.about
         torque: Array = np.cross(arms, self.by_node(system)).sum(axis=0)
+        if isinstance(self.solid, DirectorBody):
+            torque += (self._chosen * self.solid.turning(self._held(system), system.x)).sum(axis=0)
         return torque
 
 
@@ -222,6 +245,7 @@ class SectionForce(Reading):
     normal: Vector3
 
     def __post_init__(self) -> None:
+        refuse_thin("SectionForce", "vv.Resultants gives the forces in sections of beams", self.solid)
         d = self.solid.dimension
         side = (self.solid.grid.centres - self.point[:d]) @ self.normal[:d]
         if not (np.any(side > 0) and np.any(side <= 0)):

@@ -13,11 +13,13 @@ from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
 from visviva.mesh.source_files import existing, refuse_outside
-from visviva.mesh.write_abaqus import HEX27, PLANE, SOLID, WRITTEN
+from visviva.mesh.write_abaqus import PLACES, PLANE, SOLID, WRITTEN
 
 PATTERNS = (
     (re.compile(r"(?:C3D|DC3D)(\d+)"), SOLID),
     (re.compile(r"(?:CPS|CPE|CPEG|CAX|CGAX|DC2D|DCAX|M3D|SFM3D|R3D|S)(\d)"), PLANE),
+    (re.compile(r"B[23]([123])"), {"1": "line2", "2": "line3", "3": "line2"}),
+    (re.compile(r"T[23]D([23])"), {"2": "line2", "3": "line3"}),
 )
 MAX_DEPTH = 20  # of files that include each other
 
@@ -141,7 +143,7 @@ class Reader:
         self.entry_of |= dict(zip(rows[:, 0].tolist(), entries.tolist(), strict=True))
         nodes = self.found(rows[:, 1:].ravel(), self.node_of, "node").reshape(-1, width - 1)
         self.types.append(name)
-        self.blocks.append(nodes[:, HEX27] if name == "hex27" else nodes)
+        self.blocks.append(nodes[:, PLACES[name]] if name in PLACES else nodes)
         if "ELSET" in section.parameters:
             self.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
 
@@ -225,8 +227,8 @@ def cell_of(element: str) -> str:
 
     Examples
     --------
-    >>> [cell_of(name) for name in ("C3D10M", "C3D8R", "CPE4", "CAX8R", "S4R")]
-    ['tet10', 'hex8', 'quad4', 'quad8', 'quad4']
+    >>> [cell_of(name) for name in ("C3D10M", "C3D8R", "CPE4", "CAX8R", "S4R", "B32")]
+    ['tet10', 'hex8', 'quad4', 'quad8', 'quad4', 'line3']
     """
     for pattern, cells in PATTERNS:
         match = pattern.match(element.upper())

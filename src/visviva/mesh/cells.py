@@ -50,7 +50,7 @@ class Cell:
     family : Family
         Its corners, edges and faces.
     middles : tuple of corner groups
-        Every node after the corners lies in the middle of such a group.
+        Every node after the corners lies in the middle of such a group, where a corner may count more than once.
     powers : sequence of exponents, (n_nodes, dimension)
         Monomials that span the shape functions.
     vtk : int
@@ -105,9 +105,9 @@ class Cell:
 
     @cached_property
     def coefficients(self) -> Array:
-        """Coefficients of the monomials (n_monomials, n_nodes) in the shape functions: multiples of 1/8."""
+        """Coefficients of the monomials (n_monomials, n_nodes) in the shape functions: multiples of 1/16."""
         values = np.prod(self.nodes[:, None, :] ** np.array(self.powers), axis=2)
-        return np.asarray(np.round(8 * np.linalg.inv(values)) / 8)
+        return np.asarray(np.round(16 * np.linalg.inv(values)) / 16)
 
     @cached_property
     def faces(self) -> tuple[Face, ...]:
@@ -215,6 +215,7 @@ def prism(degree: int) -> list[tuple[int, ...]]:
 TYPES = (
     Cell("line2", LINE, (), tensor(1, 1), 3, "line"),
     Cell("line3", LINE, LINE.edges, tensor(2, 1), 21, "line3"),
+    Cell("line4", LINE, ((0, 0, 1), (0, 1, 1)), tensor(3, 1), 35, "line4"),
     Cell("tri3", TRIANGLE, (), simplex(1, 2), 5, "triangle", ("line2",)),
     Cell("tri6", TRIANGLE, TRIANGLE.edges, simplex(2, 2), 22, "triangle6", ("line3",)),
     Cell("quad4", QUADRILATERAL, (), tensor(1, 2), 9, "quad", ("line2",)),

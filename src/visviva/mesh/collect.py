@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.faces import Faces, all_faces, boundary, union
@@ -68,6 +68,26 @@ class Collection:
                 node_sets[name] = lower
         return Mesh(self._flat(dimension), cells, node_sets, face_sets, cell_sets)
 
+    def part(self, name: str) -> Collection:
+        """What is left without cells that are not in a group, but for those of lower dimension.
+
+        Raises
+        ------
+        InputError
+            If there is no such group of cells.
+        """
+        if name not in self.groups:
+            raise InputError(f"there is no group of cells {name!r} in it{nearest(name, self.groups)}")
+        dimensions = np.repeat([dimension_of(t) for t in self.types], list(map(len, self.blocks)))
+        chosen = np.isin(np.arange(len(dimensions)), self.groups[name])
+        kept = chosen | (dimensions < dimensions[chosen].max())
+        new = np.cumsum(kept) - 1
+        starts = np.cumsum([0, *map(len, self.blocks)])
+        blocks = [rows[kept[k : k + len(rows)]] for rows, k in zip(self.blocks, starts, strict=False)]
+        types = [kind for kind, rows in zip(self.types, blocks, strict=True) if len(rows)]
+        groups = {label: new[entries[kept[entries]]] for label, entries in self.groups.items()}
+        return Collection(self.points, types, [rows for rows in blocks if len(rows)], groups, self.node_sets)
+
     def _cells(self, dimension: int) -> tuple[dict[str, Ints], Ints]:
         """Cells by type, the same cell once, and the number of the cell for every entry or -1."""
         starts = np.cumsum([0, *map(len, self.blocks)])
@@ -91,7 +111,7 @@ class Collection:
         faces, nodes = [], [np.zeros(0, np.int64)]
         for k in np.unique(np.searchsorted(starts, entries, side="right") - 1):
             rows = self.blocks[k][entries[(entries >= starts[k]) & (entries < starts[k + 1])] - starts[k]]
-            if dimension_of(self.types[k]) == dimension - 1:
+            if dimension_of(self.types[k]) == dimension - 1 > 0:
                 faces.append(match(cells, self.types[k], rows, label))
             else:
                 nodes.append(rows.ravel())
@@ -137,7 +157,10 @@ def match(cells: dict[str, Ints], kind: str, rows: Ints, label: str) -> Faces:
     found = first[group[n_faces:]]
     if len(found) and found.max() >= n_faces:
         missing = rows[np.flatnonzero(found >= n_faces)[0]]
-        raise InputError(f"the {kind} with the nodes {missing.tolist()} in {label!r} is no face of any cell")
+        raise InputError(
+            f"the {kind} with the nodes {missing.tolist()} in {label!r} is no face of any cell; to read those "
+            f"alone, say MeshFile(..., part={label!r})"
+        )
     chosen = np.zeros(n_faces, dtype=bool)
     chosen[found] = True
     return Faces({t: every.cells[t] for t in parts}, {t: every.owners[t] for t in parts}).where(chosen)

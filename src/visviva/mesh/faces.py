@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.arguments import Named
 from visviva.base.errors import InputError
@@ -105,6 +105,26 @@ def chosen_faces(mesh: Mesh, chosen: str | Faces, label: str) -> Faces:
         found = mesh.faces(chosen)
     if found.n_faces == 0:
         raise InputError(f"{label}: the set of faces {chosen!r} is empty")
+    return found
+
+
+def chosen_nodes(mesh: Mesh, chosen: str | Faces | ArrayLike, label: str) -> Ints:
+    """Nodes (k,) of a mesh by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
+
+    Raises
+    ------
+    InputError
+        If there is no such set or node, or none in it; `label` says whose mesh it is.
+    """
+    if isinstance(chosen, str):
+        everything = chosen == "all" and chosen not in {*mesh.node_sets, *mesh.face_sets}
+        found = np.arange(mesh.n_nodes) if everything else mesh.nodes(chosen)
+    else:
+        found = np.unique(np.asarray(getattr(chosen, "nodes", chosen), dtype=np.int64))
+    if len(found) == 0:
+        raise InputError(f"{label}: the set of nodes {chosen!r} is empty")
+    if found[0] < 0 or found[-1] >= mesh.n_nodes:
+        raise InputError(f"{label}: there is no node {found[0 if found[0] < 0 else -1]}")
     return found
 
 

@@ -7,25 +7,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, ConfigDict, Field, FiniteFloat
+from pydantic import ConfigDict, Field, FiniteFloat
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import Validated
+from visviva.base.arguments import LISTED, Validated
 from visviva.base.errors import InputError
 from visviva.mesh.cells import Array
 from visviva.mesh.grid import SIDES, Block, Grid, Names, assembled
 from visviva.mesh.mesh import Mesh
 
-
-def _listed(value: Any) -> Any:
-    """Turn arrays into lists, so that a generator holds plain data alone."""
-    return value.tolist() if isinstance(value, np.ndarray) else value
-
-
-LISTED = BeforeValidator(_listed)
 Length = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 Counts2 = Annotated[tuple[Count, Count], LISTED]

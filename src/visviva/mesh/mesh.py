@@ -31,7 +31,7 @@ class Mesh(metaclass=Named):
     points : array_like, (n_nodes, 3) or (n_nodes, 2)
         Positions of the nodes.
     cells : mapping of str to array_like of int, (m, k)
-        Nodes of the cells by type: line2, line3, tri3, tri6, quad4, quad8, quad9, tet4, tet10, hex8, hex20,
+        Nodes of the cells by type: line2, line3, line4, tri3, tri6, quad4, quad8, quad9, tet4, tet10, hex8, hex20,
         hex27, wedge6. Nodes are ordered as in VTK (a wedge begins with the triangle that looks anticlockwise
         from the other one). Cells are numbered through all types in the order of the mapping.
     node_sets : mapping of str to array_like of int

@@ -46,6 +46,8 @@ class MeshFile(MeshSource):
     trust : bool
         Run the script of a ``.geo`` file. Such scripts can run any command of the system: read them before. A scene
         file cannot say this; `read_scene` takes `trust`, the command line ``--trust``.
+    part : str, optional
+        Name of a group of cells which alone is the mesh, such as the stiffeners of a hull, without nodes of others.
     within : path, optional
         Folder which reading must not leave, for files that the file includes as well; that of the scene for meshes in
         scene files unless ``allow_outside`` is said.
@@ -74,16 +76,18 @@ class MeshFile(MeshSource):
     path: Path
     drop_orphans: bool = False
     trust: bool = False
+    part: str | None = None
     within: Path | None = None
 
     def build(self) -> Mesh:
         """The mesh."""
         refuse_outside(existing(self.path), self.within)
         try:
-            mesh = self._collection().mesh()
+            read = self._collection()
+            mesh = (read if self.part is None else read.part(self.part)).mesh()
         except ValueError as error:
             raise InputError(f"{self.path} cannot be used as a mesh: {error}") from error
-        return mesh.without_orphans() if self.drop_orphans else mesh
+        return mesh.without_orphans() if self.drop_orphans or self.part is not None else mesh
 
     def _collection(self) -> Collection:
         suffix = self.path.suffix.lower()

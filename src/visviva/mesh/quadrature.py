@@ -175,6 +175,7 @@ def rule(cell: str, degree: int) -> Rule:
 _DEGREES = {
     **dict.fromkeys(["line2", "quad4", "hex8"], (3, 3)),
     **dict.fromkeys(["line3", "quad8", "quad9", "hex20", "hex27"], (5, 5)),
+    "line4": (7, 7),
     **dict.fromkeys(["tri3", "tet4"], (1, 2)),
     **dict.fromkeys(["tri6", "tet10"], (2, 4)),
     "wedge6": (2, 2),

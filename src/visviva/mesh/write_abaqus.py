@@ -18,20 +18,23 @@ if TYPE_CHECKING:
 SOLID = {"4": "tet4", "6": "wedge6", "8": "hex8", "10": "tet10", "20": "hex20", "27": "hex27"}
 PLANE = {"3": "tri3", "4": "quad4", "6": "tri6", "8": "quad8", "9": "quad9"}
 WRITTEN = {name: f"C3D{n}" for n, name in SOLID.items()} | {name: f"CPE{n}" for n, name in PLANE.items()}
+WRITTEN |= {"line2": "B31", "line3": "B32"}
 WRITTEN["quad9"] = "M3D9"  # Abaqus has no plane element of nine nodes
 # Places of the nodes of a C3D27 in the order of VTK: the cell's middle comes first, then those of S1 to S6.
 HEX27 = np.array([*range(20), 26, 24, 23, 25, 21, 22, 20])
+LINE3 = np.array([0, 2, 1])  # of a B32: its middle is the second
+PLACES = {"hex27": HEX27, "line3": LINE3}
 
 
 def write_abaqus(mesh: Mesh, path: Path) -> None:
-    """Write a mesh with all its sets; elements are named C3D... and CPE...."""
+    """Write a mesh with all its sets; elements are named C3D..., CPE... and B3...."""
     lines = ["*NODE"]
     lines += [", ".join([str(k + 1), *map(repr, x)]) for k, x in enumerate(mesh.points.tolist())]
     numbers = cell_numbers(mesh.cells)
     for name, rows in mesh.cells.items():
         if name not in WRITTEN:
             raise InputError(f"Abaqus files of visviva cannot hold cells {name}; write .vtu or .msh")
-        nodes = rows[:, np.argsort(HEX27)] if name == "hex27" else rows
+        nodes = rows[:, np.argsort(PLACES[name])] if name in PLACES else rows
         lines.append(f"*ELEMENT, TYPE={WRITTEN[name]}")
         for row in (np.column_stack([numbers[name], nodes]) + 1).tolist():
             lines += _wrapped(row)

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Layout:
-    """What the elements of a batch share: forms ``y = weight x`` and strains ``e = y + coefficient y y``.
+    """Data common to the elements of a batch: forms ``y = weight x`` and strains ``e = y + coefficient y y``.
 
     Attributes
     ----------

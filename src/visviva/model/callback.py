@@ -2,8 +2,8 @@
 
 A function takes strains (n_e, n), one column per element, and returns one value per column; it is called with
 any number of columns, so what differs between elements has to come in as a strain (a constant form will do).
-First derivatives come from the complex step (exact to round-off) where the function allows complex arguments,
-else from central differences; second derivatives from central differences of the first.
+First derivatives come from the complex step (exact to round-off) where values nearby agree with it, else from central
+differences; second derivatives from central differences of the first.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ RELATIVE_STEP = 6e-6  # about the cube root of the rounding unit: best for centr
 # Below these relative changes of the strains the energy error of the plain midpoint is under round-off; the
 # second is for first derivatives from differences, whose rounding leaves less to gain from a correction.
 TINY, TINY_DIFFERENCES = 1e-8, 1e-5
+# Part of the strains by which values nearby are looked at, and rounding of these.
+PROBE, NOISE = 1e-3, 1.5e-14
 # Below this ratio of second to first differences of the stress, Simpson's rule is exact to round-off.
 SMOOTH = 1e-4
 
@@ -39,11 +41,17 @@ class Function:
         Numbers of strains and values per element.
     label : str
         Whose function it is, for error messages.
+    sizes : array (n_e,), optional
+        Large changes of the strains, by which differences are told from rounding where strains vanish; 1 each if left
+        out.
     """
 
-    def __init__(self, function: Callable[[Any], Any], n_e: int, m: int, label: str) -> None:
+    def __init__(
+        self, function: Callable[[Any], Any], n_e: int, m: int, label: str, sizes: Array | None = None
+    ) -> None:
         self.function, self.n_e, self.m, self.label = function, n_e, m, label
-        self._takes_complex: bool | None = None
+        self.sizes = np.ones((n_e, 1)) if sizes is None else np.asarray(sizes, dtype=float).reshape(n_e, 1)
+        self._refuses_complex = False
 
     def raw(self, e: Any) -> NDArray[Any]:
         """The function's values (m, n), shape checked."""
@@ -73,40 +81,83 @@ class Function:
             raise RunError(f"{self.label}: it returned {f[:, k].tolist()} at the strains {e[:, k].tolist()}")
         return f
 
-    def takes_complex(self, e: Array) -> bool:
-        """Whether the complex step works; tried once, against differences near the first strains met."""
-        if self._takes_complex is None:
-            near = e + 0.01 * np.abs(e) + 1e-4
-            with np.errstate(all="ignore"):
-                try:
-                    a, b = self._complex_gradient(near), self._difference_gradient(near)
-                except (TypeError, ValueError, AttributeError, RunError):
-                    a, b = np.zeros(1), np.ones(1)
-                scale = np.abs(b).max()
-                self._takes_complex = bool(np.abs(a - b).max() <= 1e-4 * scale)
-        return self._takes_complex
+    def takes_complex(self, e: Array) -> NDArray[np.bool_]:
+        """Whether the complex step holds (n,): asked at every point, as functions branch."""
+        return self.checked_gradient(e)[1]
 
     def gradient(self, e: Array) -> Array:
         """First derivatives (m, n_e, n)."""
-        if self.takes_complex(e):
-            return self._complex_gradient(e)
-        return self._difference_gradient(e)
+        return self.checked_gradient(e)[0]
+
+    def checked_gradient(self, e: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """First derivatives, and whether they are by the complex step (n,); where it misleads, by differences.
+
+        Nothing is remembered of what it did elsewhere, so that runs go on alike after restarts and looks.
+        """
+        found = None if self._refuses_complex else self._by_complex_step(e)
+        if found is None:
+            g = self._difference_gradient(e)  # which raises where the function does not hold here at all
+            self._refuses_complex = True
+            return g, np.zeros(e.shape[1], dtype=bool)
+        g, holds = found
+        if not holds.all():
+            g[:, :, ~holds] = self._difference_gradient(e[:, ~holds])
+        return g, holds
+
+    def _by_complex_step(self, e: Array) -> tuple[Array, NDArray[np.bool_]] | None:
+        """Gradients by the complex step, and whether values nearby agree; None if it refuses complex numbers."""
+        with np.errstate(all="ignore"):
+            try:
+                return self._probed_gradient(e)
+            except RunError:  # perhaps of a point nearby that is not in its domain
+                pass
+            try:
+                return self._complex_gradient(e), np.ones(e.shape[1], dtype=bool)
+            except RunError:
+                return None
 
     def _complex_gradient(self, e: Array) -> Array:
-        z = np.repeat(e[:, None, :], self.n_e, axis=1).astype(complex)
-        z += 1j * COMPLEX_STEP * np.eye(self.n_e)[:, :, None]
-        return self.raw(z.reshape(self.n_e, -1)).imag.reshape(self.m, self.n_e, -1) / COMPLEX_STEP
+        return np.asarray(self.raw(stepped(e)).imag.reshape(self.m, self.n_e, -1) / COMPLEX_STEP)
+
+    def _probed_gradient(self, e: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """The complex step, and whether values on both sides of a point differ by what it says (n,).
+
+        Absolute values, norms and real parts give complex numbers no derivative. Along one direction Simpson's rule
+        in the derivatives gives the difference of values, up to a kink, which shows in their second difference, and
+        to rounding. One call of the function does, and points that cannot be taken tell nothing.
+        """
+        n, probe = e.shape[1], probes(e, self.sizes)
+        sides = [e + sign * probe + 1j * COMPLEX_STEP * probe for sign in (1, -1)]
+        f = self.raw(np.concatenate([stepped(e), *sides], axis=1))
+        g = f[:, : -2 * n].imag.reshape(self.m, self.n_e, n) / COMPLEX_STEP
+        after, before = f[:, -2 * n : -n], f[:, -n:]
+        slopes = after.imag / COMPLEX_STEP, np.einsum("min,in->mn", g, probe), before.imag / COMPLEX_STEP
+        said = (slopes[0] + 4 * slopes[1] + slopes[2]) / 3
+        seen = after.real - before.real
+        kink = np.abs(slopes[0] - 2 * slopes[1] + slopes[2])
+        size = np.abs(after.real) + np.abs(before.real) + np.abs(slopes[0] - slopes[2]) / PROBE**2
+        size += (np.abs(slopes[0]) + np.abs(slopes[2])) / PROBE
+        allowed = kink + 1e-6 * np.maximum(np.abs(said), np.abs(seen)) + NOISE * size
+        return g, ~(np.abs(said - seen) > allowed).any(axis=0)
 
     def _difference_gradient(self, e: Array) -> Array:
-        points, distance = neighbours(e)
+        points, distance = neighbours(e, self.sizes)
         f = self.value(points.reshape(self.n_e, -1)).reshape(self.m, 2, self.n_e, -1)
         return (f[:, 0] - f[:, 1]) / distance
 
-    def hessian(self, e: Array) -> Array:
-        """Second derivatives (m, n_e, n_e, n)."""
-        points, distance = neighbours(e, 1.0 if self.takes_complex(e) else 20.0)
-        g = self.gradient(points.reshape(self.n_e, -1)).reshape(self.m, self.n_e, 2, self.n_e, -1)
-        H = (g[:, :, 0] - g[:, :, 1]) / distance
+    def hessian(self, e: Array, holds: NDArray[np.bool_] | None = None) -> Array:
+        """Second derivatives (m, n_e, n_e, n); where the complex step `holds`, from first ones that are exact."""
+        if holds is None:
+            holds = self.takes_complex(e)
+        H = np.empty((self.m, self.n_e, self.n_e, e.shape[1]))
+        for there, gradient, stretch in (
+            (holds, self._complex_gradient, 1.0),
+            (~holds, self._difference_gradient, 20.0),
+        ):
+            if there.any():
+                points, distance = neighbours(e[:, there], self.sizes, stretch)
+                g = gradient(points.reshape(self.n_e, -1)).reshape(self.m, self.n_e, 2, self.n_e, -1)
+                H[..., there] = (g[:, :, 0] - g[:, :, 1]) / distance
         return 0.5 * (H + H.swapaxes(1, 2))
 
     def discrete_gradient(self, e0: Array, e1: Array, want_tangent: bool) -> tuple[Array, Array | None]:
@@ -118,21 +169,22 @@ class Function:
         """
         de, em = e1 - e0, 0.5 * (e0 + e1)
         # one call of the user's function for all points: a call costs more than what it computes
-        g0, gm, g1 = np.split(self.gradient(np.concatenate([e0, em, e1], axis=1)), 3, axis=2)
+        g, holds = self.checked_gradient(np.concatenate([e0, em, e1], axis=1))
+        g0, gm, g1 = np.split(g, 3, axis=2)
+        at_middle, analytic = np.split(holds, 3)[1], np.all(np.split(holds, 3), axis=0)
         f0, f1 = np.split(self.value(np.concatenate([e0, e1], axis=1)), 2, axis=1)
         first, second = (g1 - g0) * de, (g0 - 2 * gm + g1) * de
         exact = f1 - f0 - (gm * de).sum(axis=1)
         smooth = np.abs(second).sum(axis=1) <= SMOOTH * np.abs(first).sum(axis=1)
-        analytic = self.takes_complex(em)
         b = np.where(smooth & analytic, second.sum(axis=1) / 6, exact)
         size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0)).max(axis=0)
-        tiny = np.abs(de).max(axis=0) <= (TINY if analytic else TINY_DIFFERENCES) * size
+        tiny = np.abs(de).max(axis=0) <= np.where(analytic, TINY, TINY_DIFFERENCES) * size
         inverse = np.where(tiny, 0.0, 1 / np.where(tiny, 1.0, (de * de).sum(axis=0)))
         c = b * inverse
         S = gm + c[:, None] * de
         if not want_tangent:
             return S, None
-        half = 0.5 * self.hessian(em)
+        half = 0.5 * self.hessian(em, at_middle)
         db = g1 - gm - np.einsum("mijn,jn->min", half, de) - 2 * c[:, None] * de
         D = half + np.einsum("in,mjn->mijn", de * inverse, db)
         return S, D + c[:, None, None] * np.eye(self.n_e)[:, :, None]
@@ -141,9 +193,11 @@ class Function:
 class AcrossFree(Function):
     """An energy of C (6, n) in plane stress: ``W*(C11, C22, C12)``, the least of ``W(C)`` over C33."""
 
-    def __init__(self, function: Callable[[Any], Any], n_e: int, m: int, label: str) -> None:
-        super().__init__(function, n_e, m, label)
-        self.inner = Function(function, n_e, m, label)
+    def __init__(
+        self, function: Callable[[Any], Any], n_e: int, m: int, label: str, sizes: Array | None = None
+    ) -> None:
+        super().__init__(function, n_e, m, label, sizes)
+        self.inner = Function(function, n_e, m, label, sizes)
 
     def settled(self, C: Array) -> Array:
         """``C`` with the C33 that leaves no stress across the plane, by Newton's method in ln C33."""
@@ -161,21 +215,47 @@ class AcrossFree(Function):
                 break
         return C
 
-    def takes_complex(self, e: Array) -> bool:
-        return self.inner.takes_complex(e)
-
     def value(self, e: Array) -> Array:
         return self.inner.value(self.settled(e))
 
-    def gradient(self, e: Array) -> Array:
-        g = self.inner.gradient(self.settled(e))
-        g[:, 2] = 0.0
-        return g
+    def checked_gradient(self, e: Array) -> tuple[Array, NDArray[np.bool_]]:
+        g, holds = self.inner.checked_gradient(self.settled(e))
+        return without_third(g), holds
+
+    def _complex_gradient(self, e: Array) -> Array:
+        return without_third(self.inner._complex_gradient(self.settled(e)))
+
+    def _difference_gradient(self, e: Array) -> Array:
+        return without_third(self.inner._difference_gradient(self.settled(e)))
 
 
-def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
-    """Both points of a central difference in every strain (n_e, 2, n_e, n), and their distances (n_e, n)."""
-    size = np.maximum(0.1 * np.abs(e).max(axis=0), 1e-3)
+def without_third(g: Array) -> Array:
+    """Derivatives by C, of which those by C33 vanish."""
+    g[:, 2] = 0.0
+    return g
+
+
+def stepped(e: Array) -> NDArray[np.complex128]:
+    """Strains (n_e, n_e * n), each with an imaginary step."""
+    z = np.repeat(e[:, None, :], len(e), axis=1).astype(complex)
+    z += 1j * COMPLEX_STEP * np.eye(len(e))[:, :, None]
+    return z.reshape(len(e), -1)
+
+
+def probes(e: Array, sizes: Array) -> Array:
+    """Where the complex step is judged from (n_e, n): a little along strains, by shares that nothing else has."""
+    share = 1 - 0.5 * np.modf(0.618034 * np.arange(len(e)))[0]
+    size = np.maximum(np.abs(e), 0.1 * sizes * np.abs(e / sizes).max(axis=0))
+    along: Array = PROBE * share[:, None] * np.copysign(size, e)
+    return along
+
+
+def neighbours(e: Array, sizes: Array, stretch: float = 1.0) -> tuple[Array, Array]:
+    """Both points of a central difference in every strain (n_e, 2, n_e, n), and their distances (n_e, n).
+
+    Strains whose large changes are `sizes` (n_e, 1) may be of different units.
+    """
+    size = sizes * np.maximum(0.1 * np.abs(e / sizes).max(axis=0), 1e-3)
     step = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
     moved = np.eye(len(e))[:, :, None] * step
     points = e[:, None, None, :] + np.stack([moved, -moved], axis=1)
@@ -183,7 +263,9 @@ def neighbours(e: Array, stretch: float = 1.0) -> tuple[Array, Array]:
     return points, distance
 
 
-def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user energy") -> LawCallback:
+def energy_callback(
+    energy: Callable[[Any], Any], n_e: int, label: str = "user energy", sizes: Array | None = None
+) -> LawCallback:
     """The core's callback for an energy ``W(e)``, given as a function of strains (n_e, n) with values (n,).
 
     Examples
@@ -196,7 +278,7 @@ def energy_callback(energy: Callable[[Any], Any], n_e: int, label: str = "user e
     >>> round(float((S[0, 0] * (e1 - e0)).item()), 12)
     0.5
     """
-    return callback_of(Function(energy, n_e, 1, label))
+    return callback_of(Function(energy, n_e, 1, label, sizes))
 
 
 def callback_of(W: Function) -> LawCallback:
@@ -220,10 +302,14 @@ def callback_of(W: Function) -> LawCallback:
 
 
 def constraint_callback(
-    function: Callable[[Any], Any], n_e: int, n_m: int, label: str = "user constraint"
+    function: Callable[[Any], Any],
+    n_e: int,
+    n_m: int,
+    label: str = "user constraint",
+    sizes: Array | None = None,
 ) -> LawCallback:
     """The core's callback for constraints ``Phi(e) = 0``: strains (n_e, n) to values (n_m, n)."""
-    Phi = Function(function, n_e, n_m, label)
+    Phi = Function(function, n_e, n_m, label, sizes)
 
     def call(
         n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]
@@ -244,11 +330,15 @@ def constraint_callback(
 
 
 def rate_callback(
-    stress: Callable[[float, Any, Any], Any], n_e: int, label: str = "user force"
+    stress: Callable[[float, Any, Any], Any],
+    n_e: int,
+    label: str = "user force",
+    sizes: Array | None = None,
 ) -> LawCallback:
     """The core's callback for stresses ``S(t, e, de/dt)`` (n_e, n) of time, strains and rates (n_e, n)."""
     time = 0.0
-    S = Function(lambda z: stress(time, z[:n_e], z[n_e:]), 2 * n_e, n_e, label)
+    both = None if sizes is None else np.tile(sizes, 2)  # rates of one size in a unit of time
+    S = Function(lambda z: stress(time, z[:n_e], z[n_e:]), 2 * n_e, n_e, label, both)
 
     def call(
         n: int, want_tangent: bool, t: float, h: float, discrete: bool, arrays: tuple[Array, ...]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Protocol
@@ -26,7 +26,7 @@ class Owner(Protocol):
         ...
 
     def vectors(self, model: Any) -> Vectors | None:
-        """What carries it: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+        """Vectors it is made of: first unknowns (n,), whether each is a position (n,), and components, 2 or 3.
 
         Positions move along under a translation, directors do not. None for what cannot move.
         """
@@ -36,9 +36,18 @@ class Owner(Protocol):
         """Add the potential of uniform gravity."""
         ...
 
+    @property
+    def total_mass(self) -> float:
+        """Its mass."""
+        ...
+
+    def mass_blocks(self, model: Any) -> Iterator[tuple[NDArray[np.int64], Array]]:
+        """Its mass between vectors of three unknowns: where these begin (m, k), and the mass matrices (m, k, k)."""
+        ...
+
 
 class Role(Enum):
-    """What unknowns are: it decides how they move in time, how they are booked, and which solvers suit them.
+    """Kind of unknowns: it decides how they move in time, how they are booked, and which solvers suit them.
 
     Attributes
     ----------
@@ -52,6 +61,8 @@ class Role(Enum):
         Without rates: where the energy is least, such as enhanced strains.
     MULTIPLIER
         Of constraints, such as the pressure of what is incompressible.
+    TEMPERATURE
+        At which entropy is exchanged over a step: without rates, it follows from what stores energy.
     SOLID_PRESSURE, FLUID_PRESSURE, CONTACT_PRESSURE
         Pressures (of contact: tractions, too) that follow from a compliance, a stabilisation, or by an inequality:
         the energy is largest in them.
@@ -62,6 +73,7 @@ class Role(Enum):
     VELOCITY = "velocity"
     STATE = "state"
     MULTIPLIER = "multiplier"
+    TEMPERATURE = "temperature"
     SOLID_PRESSURE = "solid pressure"
     FLUID_PRESSURE = "fluid pressure"
     CONTACT_PRESSURE = "contact pressure"
@@ -74,7 +86,7 @@ class Role(Enum):
     @property
     def bears(self) -> bool:
         """Whether it stands for forces: the energy is largest in it."""
-        return self not in ORDERS and self is not Role.STATE
+        return self not in ORDERS and self not in (Role.STATE, Role.TEMPERATURE)
 
     @property
     def has_least_energy(self) -> bool:
@@ -104,6 +116,9 @@ class Field:
         Unknowns that keep their values and have no equation.
     node : int
         So many consecutive unknowns make up a node of a mesh.
+    part : int
+        So many consecutive unknowns make up a block of their own, together with the part of the same number of other
+        fields of that block; 0: all are one.
     element : int array (size,)
         The only element that touches each unknown, which is eliminated with that element's equations before the
         others are solved; -1 if several do. An element's own unknowns follow each other.
@@ -124,6 +139,7 @@ class Field:
     block: Any
     fixed: NDArray[np.bool_]
     node: int = 1
+    part: int = 0
     instantaneous: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     moves: bool = field(init=False)
@@ -158,7 +174,7 @@ class Field:
 
     @property
     def supply(self) -> int:
-        """What held unknowns take in from the force r that holds them, see the core's `Supply`."""
+        """Kind of energy that held unknowns receive from the force r that holds them, see the core's `Supply`."""
         return SUPPLIES.get(self.role, 0)
 
     def form(self, k: int = 0) -> Form:

@@ -54,6 +54,10 @@ class Form:
         """Value of the linear part at `v`."""
         return sum(w * float(v[u]) for u, w in self.weights)
 
+    def size(self, scale: Array) -> float:
+        """A large change of it, where those of unknowns are `scale`."""
+        return max((abs(w) * float(scale[u]) for u, w in self.weights), default=0.0)
+
 
 @dataclass(frozen=True, slots=True)
 class Vector:
@@ -155,6 +159,11 @@ class Strain:
         """Time derivative at the unknowns `x` with rates `v`."""
         products = (c * (a.rate(v) * b.value(x) + a.value(x) * b.rate(v)) for c, a, b in self.products)
         return self.linear.rate(v) + sum(products)
+
+    def size(self, scale: Array) -> float:
+        """A large change of it, where those of unknowns are `scale`."""
+        products = (abs(c) * a.size(scale) * b.size(scale) for c, a, b in self.products)
+        return max(self.linear.size(scale), *products, 0.0)
 
     @property
     def unknowns(self) -> set[int]:

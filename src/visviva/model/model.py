@@ -62,14 +62,17 @@ class Model:
     functions: list[Callable[..., Any]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
     signals: list[TimeFunction] = field(default_factory=list)
+    rated: set[int] = field(default_factory=set)
     prescribed: list[Prescription] = field(default_factory=list)
     kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
     drives: list[tuple[int, int]] = field(default_factory=list)  # multipliers of what is driven, accounts
     dependences: list[tuple[int, int]] = field(default_factory=list)
+    held_lengths: list[tuple[int, int]] = field(default_factory=list)
     nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
     rigid: list[list[int]] = field(default_factory=list)
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
+    lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components
     is_driven: bool = False  # by functions of time in constraints
     has_servo: bool = False
     _announced: dict[int, list[object]] = field(default_factory=dict)  # by number of the component
@@ -95,8 +98,17 @@ class Model:
         self._announced.setdefault(self.index(about), []).append(what)
 
     def announced(self, about: Owner, kind: type[T]) -> list[T]:
-        """What of a kind others have announced about a component, in the order of those others."""
+        """Announcements of a kind about a component, in the order of the components that made them."""
         return [what for what in self._announced.get(self.index(about), ()) if isinstance(what, kind)]
+
+    def length_of(self, component: Owner) -> float:
+        """By what its positions are measured: the extent of the model, or of the small part of it that it is in."""
+        return self.lengths.get(id(component), self.length)
+
+    def sizes_of(self, strains: Sequence[Strain]) -> Array:
+        """Large changes (n_e,) of strains, 1 where unknowns tell none."""
+        scale = np.concatenate([f.scale for f in self.fields]) if self.fields else np.zeros(0)
+        return np.array([s.size(scale) or 1.0 for s in strains])
 
     # --- unknowns ------------------------------------------------------------------------------------------
     def field(
@@ -112,6 +124,7 @@ class Model:
         block: Any = None,
         fixed: ArrayLike = False,
         node: int = 1,
+        part: int = 0,
         element: ArrayLike = (),
         instantaneous: bool = True,
     ) -> Field:
@@ -137,6 +150,7 @@ class Model:
             block,
             held,
             node,
+            part,
             instantaneous,
             local,
         )
@@ -224,12 +238,19 @@ class Model:
         *,
         stage: int = 1,
         block: Any = None,
+        part: int = 0,
         instantaneous: bool = True,
     ) -> Field:
         """Unknown multipliers of `n` constraints."""
-        zero = np.zeros(n)
         return self.field(
-            component, name, zero, role=Role.MULTIPLIER, stage=stage, block=block, instantaneous=instantaneous
+            component,
+            name,
+            np.zeros(n),
+            role=Role.MULTIPLIER,
+            stage=stage,
+            block=block,
+            part=part,
+            instantaneous=instantaneous,
         )
 
     @property
@@ -245,10 +266,15 @@ class Model:
             self.accounts.append(Account(*key))
         return self._opened[key]
 
-    def signal(self, function: Any) -> int:
-        """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none."""
+    def signal(self, function: Any, has_rate: bool = False) -> int:
+        """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none.
+
+        Loads need its values alone; where its rate is needed too, it is asked for times around those of steps.
+        """
         if function is None:
             return -1
+        if has_rate:
+            self.rated.add(len(self.signals))
         self.signals.append(TimeFunction(function))
         return len(self.signals) - 1
 
@@ -268,6 +294,20 @@ class Model:
         account = self.account(component, "kinetic", "kinetic")
         index = list(range(start, start + 3 * len(m)))
         self.masses.append((key, index, values, account, self.index(component)))
+
+    def inertias(
+        self, component: Owner, vectors: NDArray[np.integer], mass: Array, positions: Sequence[bool]
+    ) -> None:
+        """Constant symmetric mass (m, k, k) of m elements between k vectors of three unknowns each.
+
+        `vectors` (m, k) gives their first unknowns.
+        """
+        a, b = np.nonzero(np.any(mass != 0, axis=0))
+        key = (2, mass.shape[1], 3, tuple(zip(a.tolist(), b.tolist(), strict=True)), tuple(positions))
+        account, number = self.account(component, "kinetic", "kinetic"), self.index(component)
+        unknowns = (vectors[:, :, None] + np.arange(3)).reshape(len(vectors), -1)
+        for index, values in zip(unknowns.tolist(), mass[:, a, b].tolist(), strict=True):
+            self.masses.append((key, index, values, account, number))
 
     def potential(self, component: Owner, kind: str, strains: Any, law: Law) -> None:
         """Potential energy ``W(e)`` of one strain (or several, for a law that takes several).
@@ -324,7 +364,7 @@ class Model:
         """
         n = len(strains) if n is None else n
         numbers = [multipliers.start + first + k for k in range(n)]
-        signals = [self.signal(f) for f in targets] if targets else [-1] * n
+        signals = [self.signal(f, has_rate=True) for f in targets] if targets else [-1] * n
         driven = any(s >= 0 for s in signals)
         account = self.account(
             component, "drive" if driven else "constraint", "work" if driven else "constraint"
@@ -350,6 +390,13 @@ class Model:
         The constraint must be that of a term of its own, and linear in the multiplier too.
         """
         self.dependences.append((unknown, multiplier))
+
+    def keep_length(self, unknown: int, multiplier: int) -> None:
+        """Let a multiplier that holds the length of the vector at three unknowns, and no more, leave the equations.
+
+        The vector leaves with what of it is no motion on the sphere: two of its three unknowns stay.
+        """
+        self.held_lengths.append((unknown, multiplier))
 
     def press(self, multiplier: int, unknown: int, size: int) -> None:
         """Let a multiplier leave the equations by the momentum of a node, its first unknown and how many it has.

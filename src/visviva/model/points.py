@@ -69,7 +69,7 @@ def add_points(
     parameters : array_like, (p,) or (m, q, p)
         Of the energy and of the pairing.
     reference : array_like, (m, q, n), optional
-        Strains of the reference, which the energy does not see.
+        All n strains of the map in the reference, which the energy does not see.
     energy : Function or Evolving, optional
         The user's, in place of the physics' own: of the same strains.
     start : sequence of float
@@ -86,7 +86,9 @@ def add_points(
         If groups or parameters are not those of the physics.
     """
     volume = np.asarray(volume, dtype=float)
-    refuse_misfits(component, groups, volume, parameters, model.n_unknowns)
+    kind_groups, n_strains = _core.point_shape(kind)
+    refuse_misfits(component, groups, volume, parameters, model.n_unknowns, kind_groups)
+    refuse_reference(component, reference, (*volume.shape, n_strains))
     m, q = volume.shape
     tables = [
         (
@@ -124,7 +126,12 @@ def add_points(
 
 
 def refuse_misfits(
-    component: Owner, groups: Sequence[Group], volume: Array, parameters: ArrayLike, n_unknowns: int
+    component: Owner,
+    groups: Sequence[Group],
+    volume: Array,
+    parameters: ArrayLike,
+    n_unknowns: int,
+    components: Sequence[int],
 ) -> None:
     """Refuse sizes that do not go together, unknowns that are none, numbers that are not finite.
 
@@ -147,8 +154,12 @@ def refuse_misfits(
             raise refuse(
                 f"group {k} needs whole numbers ({m}, nodes) as unknowns, got shape {unknowns.shape}"
             )
-        if unknowns.min() < 0 or unknowns.max() >= n_unknowns:
-            raise refuse(f"group {k} names unknowns beyond the {n_unknowns} of the model")
+        of_node = components[k] if k < len(components) else 1
+        if unknowns.min() < 0 or unknowns.max() + of_node > n_unknowns:
+            raise refuse(
+                f"group {k} names unknowns beyond the {n_unknowns} of the model: {unknowns.max()} is the first of "
+                f"{of_node} of a node"
+            )
         nodes = unknowns.shape[1]
         if weights.ndim not in (3, 4) or weights.shape[-3:-1] != (q, nodes) or weights.shape[0] not in (m, q):
             raise refuse(f"group {k} needs weights ({m}, {q}, {nodes}, columns), got shape {weights.shape}")
@@ -157,6 +168,23 @@ def refuse_misfits(
             raise refuse(f"group {k} needs mass {(m, nodes * (nodes + 1) // 2)}, got shape {mass.shape}")
         if not np.all(np.isfinite(weights)) or not np.all(np.isfinite(mass)):
             raise refuse(f"group {k} has weights or mass that are not finite")
+
+
+def refuse_reference(component: Owner, reference: ArrayLike | None, shape: tuple[int, ...]) -> None:
+    """Refuse strains of the reference that are not finite, or not as many as points and strains.
+
+    Raises
+    ------
+    InputError
+    """
+    if reference is None:
+        return
+    strains = np.asarray(reference, dtype=float)
+    if strains.shape != shape or not np.all(np.isfinite(strains)):
+        raise InputError(
+            f"{component.label}: reference needs finite strains {shape}, of every point, got shape {strains.shape}; "
+            "np.broadcast_to(strains, shape) repeats the same ones"
+        )
 
 
 def refuse_energy(component: Owner, energy: Function, start: Sequence[float], n_strains: int) -> None:

@@ -23,14 +23,11 @@ class State(Protocol):
         The compiled system.
     has_inertia : bool
         Whether masses take part, as they do not in statics.
-    is_given : bool
-        Whether the state was given, and is not that of a step.
     """
 
     model: Model
     core: Any
     has_inertia: bool
-    is_given: bool
 
     @property
     def x(self) -> Array:
@@ -38,8 +35,18 @@ class State(Protocol):
         ...
 
     @property
+    def x_with_reactions(self) -> Array:
+        """The same (n,) with the multipliers of lasting constraints that belong to this instant."""
+        ...
+
+    @property
     def v(self) -> Array:
         """Present rates (n,)."""
+        ...
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the state was given, and is not that of a step."""
         ...
 
     @property
@@ -57,6 +64,6 @@ class State(Protocol):
         """Whether constraints act on motion alone."""
         ...
 
-    def take_stock(self) -> None:
+    def evaluate_ledger(self) -> None:
         """Fill the core's sums with the present state."""
         ...

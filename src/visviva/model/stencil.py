@@ -31,7 +31,7 @@ class Stencil:
 
     @property
     def structure(self) -> tuple[Any, ...]:
-        """What is equal for all stencils of a batch."""
+        """Structure common to all stencils of a batch."""
         counts = len(self.unknowns), len(self.y_const), len(self.e_const)
         return (*counts, self.forms, self.quad, self.coefficients, self.lin)
 

@@ -20,12 +20,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stencils:
-    """What a term sees of the unknowns of its elements over a step; all arrays (n, n_local).
+    """Unknowns of a term's elements over a step; all arrays (n, n_local).
 
     Attributes
     ----------
     step : Step
-        ``t0, t1, te, h, theta, theta_g, discrete_gradient`` of the step.
+        ``t0, t1, te, h, theta, theta_g, discrete_gradient`` of the step. The books of `Static`, `BDF2` and
+        `GeneralizedAlpha` ask for the forces at the start of an accepted step by going it backwards: from x1 to x0
+        with ``h < 0``. Increments over h are rates there as well, but nothing evolves: ``has_length`` is False, as
+        at an instant, and the history to work with is that at the start of the step.
     x0, x1 : array
         Unknowns at both ends.
     rate, second_rate : array
@@ -89,6 +92,7 @@ class Term:
         self.history_at_tangent: dict[
             str, Array
         ] = {}  # when the tangent last asked for was made, for restarts
+        self.history_before: dict[str, Array] = {}  # when the step accepted last began, for its forces
 
     def residual(self, s: Stencils) -> Array:
         """Contribution (n, n_local) to the equations of its unknowns."""
@@ -142,6 +146,7 @@ class Term:
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
         moving = n and self.stores == "kinetic" and self.energy is not None
         self._places = places(model, index[0]) if moving else []
+        self._scale = scale_of(model, index[0]) if n else np.zeros(0)
         # The core keeps weak references only (a term may know its system); they live here.
         self._calls = self._residual, self._tangent, self._ledger, self._accept
         term = _core.CallbackTerm(index, *self._calls)
@@ -156,8 +161,7 @@ class Term:
 
     def _tangent(self, *args: Any) -> None:
         if args[0].has_length:  # that of an instant is not kept
-            known = self.history | self.trial
-            self.history_at_tangent = {name: value.copy() for name, value in known.items()}
+            self.history_at_tangent = copies(self.label, self.history | self.trial)
         args[7][:] = checked(self.label, "tangent", self.tangent(seen(args)), args[7].shape)
 
     def _ledger(self, *args: Any) -> None:
@@ -169,11 +173,28 @@ class Term:
         args[10][:] = checked(self.label, "momentum", self.momentum(s), args[10].shape)
 
     def _accept(self, *args: Any) -> None:
+        self.history_before = copies(self.label, self.history)
         self.accept(seen(args))
 
 
+def copies(label: str, history: dict[str, Array]) -> dict[str, Array]:
+    """A history that stays as it is now.
+
+    Raises
+    ------
+    RunError
+        If a value is no array of numbers, which could not be kept in restart files.
+    """
+    for name, value in history.items():
+        if not isinstance(value, np.ndarray | np.generic) or value.dtype.hasobject:
+            raise RunError(
+                f"{label}: history[{name!r}] = {value!r} is no array of numbers; keep np.array({value!r})"
+            )
+    return {name: value.copy() for name, value in history.items()}
+
+
 def seen(args: tuple[Any, ...]) -> Stencils:
-    """What the core hands over of a step."""
+    """Values of a step as the core passes them."""
     step, x0, x1, rate, second_rate, v1 = args[:6]
     return Stencils(step, x0, x1, rate, second_rate, v1, v0=args[11])
 
@@ -228,13 +249,27 @@ def checked(label: str, what: str, value: Any, shape: tuple[int, ...]) -> Array:
     return a
 
 
+SMALL = 0.1
+"""Of the scale of an unknown: differences are no shorter than those of a value of this size."""
+
+
+def scale_of(model: Model, unknowns: NDArray[np.int32]) -> Array:
+    """Sizes (nl,) at which changes of unknowns are large, 1 where none is told."""
+    scale = np.ones(len(unknowns))
+    for f in model.fields:
+        own = (unknowns >= f.start) & (unknowns < f.start + f.size)
+        scale[own] = f.scale[unknowns[own] - f.start]
+    return np.where(scale > 0, scale, 1.0)
+
+
 def numerical_tangent(term: Term, s: Stencils) -> Array:
-    """Central differences of a term's residual."""
+    """Central differences of a term's residual, over parts of the sizes of what it sees and may see."""
     n, nl = s.x1.shape
     K = np.empty((n, nl, nl))
     first, second = term.rate_factors(s.step)
+    scale = getattr(term, "_scale", np.ones(nl))
     for j in range(nl):
-        d = 6e-6 * max(1.0, float(np.abs(s.x1[:, j]).max()))
+        d = 6e-6 * max(SMALL * scale[j], float(np.abs(s.x1[:, j]).max()))
         ends = []
         for sign in (1.0, -1.0):
             x1, rate, acc = s.x1.copy(), s.rate.copy(), s.second_rate.copy()

@@ -1,10 +1,11 @@
-"""The restart state: arrays and numbers stored bit for bit."""
+"""The restart state: records of named and versioned parts, arrays and numbers stored bit for bit."""
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -15,23 +16,90 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.output.safe_files import replacing, reporting
 
-FORMAT = "visviva state 6"
+FORMAT = "visviva state 7"
 HEAD = 512  # bytes before the HDF5 file, which HDF5 leaves to its user: layout and checksum
 
 
-def save_state(
-    path: str | Path, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, float | str]
-) -> None:
+@dataclass(frozen=True)
+class Record:
+    """What one part of a run remembers.
+
+    Attributes
+    ----------
+    name : str
+        Of the part.
+    version : int
+        Of the layout of what follows.
+    arrays : mapping of str to array
+        Any numeric type and shape; a slash in a name makes a group.
+    values : mapping
+        Numbers and texts by name.
+    """
+
+    name: str
+    version: int
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    values: Mapping[str, float | str] = field(default_factory=dict)
+
+
+class Records:
+    """The records of a state file, taken one by one by the parts that wrote them.
+
+    Parameters
+    ----------
+    path
+        The file, for messages too.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, or of another program or layout.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path, self._left = Path(path), load_state(path)
+
+    def take(self, name: str, version: int) -> Record:
+        """The record of a part; refused if it is missing or of another version."""
+        record = self.take_if_any(name, version)
+        if record is None:
+            raise InputError(f"{self.path}: has no record {name!r}; start the run anew in another directory")
+        return record
+
+    def take_if_any(self, name: str, version: int) -> Record | None:
+        """The same of a part that may have had nothing to remember."""
+        record = self._left.pop(name, None)
+        if record is not None and record.version != version:
+            raise InputError(
+                f"{self.path}: its record {name!r} has version {record.version}, this version of visviva reads "
+                f"{version}; resume with the version that wrote it, or start the run anew in another directory"
+            )
+        return record
+
+    def take_all(self, start: str) -> list[Record]:
+        """All whose names start so, in the order in which they were written."""
+        return [self._left.pop(name) for name in list(self._left) if name.startswith(start)]
+
+    def refuse_rest(self) -> None:
+        """Refuse what nobody has taken: the run would go on without it."""
+        if self._left:
+            record = next(iter(self._left.values()))
+            raise InputError(
+                f"{self.path}: its record {record.name!r} (version {record.version}) is unknown to this version of "
+                "visviva and this system; resume with the version that wrote it, or start the run anew in another "
+                "directory"
+            )
+
+
+def save_state(path: str | Path, records: Iterable[Record]) -> None:
     """Write the state to one HDF5 file, replacing an older one only when the new one is complete.
 
     Parameters
     ----------
     path
         File to write.
-    arrays
-        Arrays by name, any numeric type and shape; a slash in a name makes a group.
-    attributes
-        Numbers and texts by name.
+    records
+        With names of their own.
 
     Raises
     ------
@@ -42,23 +110,18 @@ def save_state(
     --------
     >>> import tempfile, numpy
     >>> path = tempfile.mkdtemp() + "/state.h5"
-    >>> save_state(path, {"q": numpy.array([0.1, 0.2])}, {"time": 0.5, "scheme": "EnergyMomentum"})
-    >>> arrays, attributes = load_state(path)
-    >>> arrays["q"].tolist(), attributes["time"]
-    ([0.1, 0.2], 0.5)
+    >>> save_state(path, [Record("ball", 1, {"q": numpy.array([0.1, 0.2])}, {"time": 0.5})])
+    >>> ball = load_state(path)["ball"]
+    >>> ball.version, ball.arrays["q"].tolist(), ball.values["time"]
+    (1, [0.1, 0.2], 0.5)
     """
-    image = _image(arrays, attributes)
+    image = _image(records)
     with reporting(Path(path)), replacing(Path(path)) as temporary:
         temporary.write_bytes(image)
 
 
-def load_state(path: str | Path) -> tuple[dict[str, NDArray[Any]], dict[str, float | str]]:
-    """Read what `save_state` wrote.
-
-    Returns
-    -------
-    arrays : dict of str to array
-    attributes : dict of str to number or text
+def load_state(path: str | Path) -> dict[str, Record]:
+    """Read what `save_state` wrote, by name.
 
     Raises
     ------
@@ -74,24 +137,31 @@ def load_state(path: str | Path) -> tuple[dict[str, NDArray[Any]], dict[str, flo
         raise InputError(f"{path}: is not a readable state file ({error.strerror})") from error
     _check(path, image)
     with h5py.File(io.BytesIO(image), "r") as file:
-        arrays: dict[str, NDArray[Any]] = {}
-        file["arrays"].visititems(
-            lambda name, item: arrays.__setitem__(name, item[()]) if hasattr(item, "shape") else None
-        )
-        attributes = {name: _plain(value) for name, value in file["attributes"].attrs.items()}
-    return arrays, attributes
+        return {name: _read(name, group) for name, group in file.items()}
 
 
-def _image(arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, float | str]) -> memoryview:
+def _read(name: str, group: Any) -> Record:
+    arrays: dict[str, NDArray[Any]] = {}
+    group["arrays"].visititems(
+        lambda name, item: arrays.__setitem__(name, item[()]) if hasattr(item, "shape") else None
+    )
+    values = {key: _plain(value) for key, value in group["values"].attrs.items()}
+    return Record(name, int(group.attrs["version"]), arrays, values)
+
+
+def _image(records: Iterable[Record]) -> memoryview:
     """Compose the file in memory: a full disk then shows as one failed write of plain bytes."""
     import h5py
 
     memory = io.BytesIO()
     with h5py.File(memory, "w", track_order=True, userblock_size=HEAD) as file:
-        group = file.create_group("arrays")
-        for name, array in arrays.items():
-            group.create_dataset(name, data=np.asarray(array))
-        file.create_group("attributes").attrs.update(attributes)
+        for record in records:
+            group = file.create_group(record.name)
+            group.attrs["version"] = record.version
+            arrays = group.create_group("arrays")
+            for name, array in record.arrays.items():
+                arrays.create_dataset(name, data=np.asarray(array))
+            group.create_group("values").attrs.update(record.values)
     image = memory.getbuffer()
     head = f"{FORMAT}\n{sha256(image[HEAD:]).hexdigest()}\n".encode()
     image[: len(head)] = head

@@ -39,7 +39,7 @@ def audit(result: Result) -> str:
             f"  work done on the system: {works}",
             f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}: {energy_verdict(result)}",
             *momentum_lines(result),
-            *([f"  equilibria: {system.stability}"] if system.stability.equilibria else []),
+            *([f"  equilibria: {system.stepper.stability}"] if system.stepper.stability.equilibria else []),
             f"  constraints hold (relative) to {f['constraints']:.1e}, "
             f"their rates to {f['constraint rates']:.1e}",
         ]

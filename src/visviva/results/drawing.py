@@ -16,7 +16,6 @@ from visviva.component.point import Attachable
 from visviva.contact import contact_fields as of_contact
 from visviva.contact.contact import Contact
 from visviva.flow.flow_fields import FIELDS
-from visviva.mesh.cells import CELLS
 from visviva.model.form import Vector
 from visviva.output.surface import Surface
 
@@ -74,7 +73,7 @@ class Drawing:
         free = {name: spot for name, spot in (spots or {}).items() if name not in taken}
         self.surfaces = (
             *(Surface(str(c.name), points, triangles) for c, (points, triangles) in bodies),
-            *(filled(component) for component in self._meshes),
+            *(component.drawn() for component in self._meshes),
             *(Surface(name, [p.value(system.x) for p in line], [[0, 1]]) for name, line in named),
             *(Surface(name, [spot.value(system.x)], [[0]]) for name, spot in free.items()),
         )
@@ -113,11 +112,11 @@ class Drawing:
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
-        return self._placed(self._map @ x + self._constant, [c.positions(x) for c in self._meshes])
+        return self._placed(self._map @ x + self._constant, [c.drawn_positions(x) for c in self._meshes])
 
     def velocities(self, x: Array, v: Array) -> list[Array]:
         """Velocities of the points of every surface at the unknowns `x` and rates `v`."""
-        return self._placed(self._map @ v, [c.velocities(x, v) for c in self._meshes])
+        return self._placed(self._map @ v, [c.drawn_velocities(x, v) for c in self._meshes])
 
     def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
         """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
@@ -135,7 +134,7 @@ class Drawing:
         for component, start in zip(self._meshes, self._starts[self._n_bodies :], strict=False):
             wide = component.widths()
             own = [name for name, width in self.fields.items() if wide.get(name) == width]
-            for name, part in component.smoothed(own, x).items():
+            for name, part in component.drawn_fields(own, x).items():
                 found[name][start : start + len(part)] = part
         if not self._painting.is_blank:
             shown = [c.record(x) for c in self._contacts] if records is None else records
@@ -150,14 +149,6 @@ class Drawing:
         of_bodies = zip(self.surfaces, np.split(values, self._ends)[:-1], self._rigid, strict=False)
         moved = [s.points @ part[1:] + part[0] if rigid else part for s, part, rigid in of_bodies]
         return [*moved, *meshes, *values[n:m].reshape(-1, 2, 3), *values[m:, None]]
-
-
-def filled(component: Meshed) -> Surface:
-    """The cells of a solid or fluid at their reference positions."""
-    cells = component.grid.cells
-    return Surface(
-        str(component.name), component.points, list(cells.values()), [CELLS[name].vtk for name in cells]
-    )
 
 
 def named_lines(system: System) -> Iterator[tuple[str, Line]]:

@@ -198,7 +198,7 @@ class Bookkeeper:
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *pull(system))
+            self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *force_scale(system))
             self._per_reach = 1 / reaches(system)[:, None]
         if system.report is not None:
             self.ledger.moves = system.report.moves
@@ -249,11 +249,17 @@ def reaches(system: System) -> Array:
     return np.where(np.isfinite(reach), reach, 1.0)
 
 
-def pull(system: System) -> tuple[float, float]:
-    """Work of the present forces, without constraints, if every unknown of motion moved along by its size; and power
-    of those on flows, if all had the speed that is large."""
+def bearing(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) that stand for forces, or have the least energy in the state of the others."""
+    fields = system.model.fields
+    return np.concatenate([np.full(f.size, f.order == 0 and f.role is not Role.TEMPERATURE) for f in fields])
+
+
+def force_scale(system: System) -> tuple[float, float]:
+    """Floors of relative errors of energies: the sum of |force| times the scale of each unknown of motion, constraints
+    left out, and the sum of |force| times the scale of speed over unknowns of flows."""
     with returning(system):
-        system.x[system.order == 0] = 0.0
+        system.x[bearing(system)] = 0.0
         force = np.abs(system.residual(instant(system.time, theta=1.0)))
     fields, effect = system.model.fields, force * system.scale
     moves = np.concatenate([(f.role is Role.MOTION) & ~f.fixed for f in fields])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,8 +58,8 @@ class Result:
 
     Attributes
     ----------
-    times : sequence of float
-        Times of the kept states.
+    times : array (n,)
+        Times of the kept states, to be read.
     states, rates : sequences of arrays
         Unknowns and rates at these times; those of a run in a directory are read from its file.
     records : sequence of lists of arrays
@@ -74,10 +73,17 @@ class Result:
     ledger: Ledger
     kept: Kept | StateFile = field(default_factory=Kept)
     statistics: Statistics = field(default_factory=Statistics)
+    _times: Array = field(
+        default_factory=lambda: np.zeros(0), init=False, repr=False
+    )  # as far as they are read
 
     @property
-    def times(self) -> Sequence[float]:
-        return self.kept.times
+    def times(self) -> Array:
+        known, kept = len(self._times), self.kept.times
+        if known != len(kept):
+            self._times = np.append(self._times, kept[known:])
+            self._times.setflags(write=False)
+        return self._times
 
     @property
     def states(self) -> Sequence[Array]:
@@ -130,8 +136,8 @@ class Result:
         from visviva.results.drawing import Drawing
 
         drawing = Drawing(self.system, fields=fields)
-        grow = all(a < b for a, b in pairwise(self.times))
-        times = self.times if grow else [float(k) for k in range(len(self.times))]
+        grow = bool((np.diff(self.times) > 0).all())
+        times = (self.times if grow else np.arange(len(self.times), dtype=float)).tolist()
         with TrajectoryWriter(path, drawing.surfaces, len(times)) as writer:
             for time, x, v, records in zip(times, self.states, self.rates, self.records, strict=False):
                 writer.append(time, drawing.points(x), drawing.values(x, v, records))

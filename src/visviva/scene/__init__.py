@@ -1,7 +1,6 @@
 """Scene files (YAML or TOML): the constructors of Python, written as data."""
 
-from visviva.scene.reading import read_scene
-from visviva.scene.schema import scene_schema
-from visviva.scene.writing import write_scene
+import lazy_loader
 
-__all__ = ["read_scene", "scene_schema", "write_scene"]
+# loaded when they are asked for: the command line must start without the core to say what is wrong with it
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

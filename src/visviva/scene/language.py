@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import visviva
+from visviva.body.section import Section
 from visviva.body.shape import Shape
+from visviva.body.shell_section import Layer
 from visviva.component.component import Component
 from visviva.linear.choice import LinearOptions
 from visviva.material.material import Material
 from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
 from visviva.scheme.schemes import Scheme
+from visviva.thermal.heat import HeatLaw
 
 T = TypeVar("T")
 
@@ -35,6 +38,9 @@ CHOICES: dict[str, type[Any]] = {
     "shape": Shape,
     "mesh": MeshSource,
     "material": Material,
+    "section": Section,
+    "layer": Layer,
+    "heat": HeatLaw,
     "linear": LinearOptions,
 }
 """Kinds of values among which an argument chooses, by their names in the schema."""
@@ -64,7 +70,7 @@ def components() -> dict[str, type[Component]]:
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes, meshes, materials, options of linear solvers, measures, probes."""
+    """What can stand as an argument: shapes, meshes, materials, sections, options of solvers, measures, probes."""
     choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
     return {**choices, **public(Reading)}
 

@@ -291,6 +291,8 @@ class Reader:
             return self.path(key, given)
         if isinstance(given, dict):
             return self.instance(key, given, language.values())
+        if isinstance(given, list) and given and all(isinstance(item, dict) for item in given):
+            return [self.instance((*key, k), item, language.values()) for k, item in enumerate(given)]
         if isinstance(given, str) and given.lower() in WORDS and language.is_boolean(hint):
             raise self.document.error(
                 key, f"write true or false, not {given!r}: those alone are Booleans here"

@@ -98,11 +98,11 @@ class Clock:
         """By so much two times near `until` may differ and be the same."""
         return max(ROUNDING * self.step, 1e-15 * max(abs(until), abs(self.start)))
 
-    def refuse_sliver(self, until: float, step: float) -> None:
-        """Refuse an end time so close that the only step would be a sliver."""
-        left = until - self.time
-        if left < SLIVER * step and not self.has_reached(until):
+    def refuse_short(self, until: float, step: float, begins: bool) -> None:
+        """Refuse an end that the first step of all would pass; later ones may be cut short, to no sliver."""
+        left, least = until - self.time, ((1 - SLIVER) if begins else SLIVER) * step
+        if left < least and not self.has_reached(until):
             raise InputError(
-                f"end time until = {until} is {left:.3g} after the present time {self.time:g}, less than a hundredth "
-                f"of step = {step:g}: give a smaller step, or another end time"
+                f"step = {step:g} is longer than the way of {left:.6g} from the present time {self.time:g} to the end "
+                f"time until = {until:g}: give a step of at most {left:.6g}, or a later end time"
             )

@@ -72,6 +72,11 @@ class Scheme(metaclass=Validated):
         """Whether new velocities are twice the mean rate of the step less the old ones: a wrong one never dies out."""
         return self.has_inertia and bool(self.motion(1.0)[2][1] == -1)
 
+    @property
+    def solves_means(self) -> bool:
+        """Whether its multipliers are means over a step, and not those of its end."""
+        return self.has_inertia and self.theta < 1
+
     def refuse(self, state: State) -> None:
         """Raise `InputError` for systems that the scheme does not fit."""
 

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, fields
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from numpy.typing import NDArray
-
+from visviva.analysis import adaptive, arc_length
 from visviva.base.errors import InputError
-from visviva.output.checkpoint import load_state, save_state
+from visviva.output.checkpoint import Record, Records, save_state
 from visviva.results.ledger import Bookkeeper
 from visviva.results.result import Result
+from visviva.system import stepper as marching
 from visviva.system.memory import bring_back, memory_of
 from visviva.system.system import System
 
-Notes = Mapping[str, float | str]
-
-STATE = ("x", "v", "a", "w")
+VECTORS = ("x", "v", "a", "w")
+PACES = ((adaptive.NAME, adaptive.VERSION), (arc_length.NAME, arc_length.VERSION))
+"""Records of what chooses the steps; there is one if a run has marched so."""
+VERSION = 1
+"""Of the records that are written here."""
 
 
 def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]) -> None:
@@ -41,28 +44,25 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
         If it cannot be written; the older state is then still there.
     """
     system = result.system
-    arrays: dict[str, NDArray[Any]] = {name: getattr(system.core, name) for name in STATE}
-    arrays |= memory_of(system) | {"books/done": books.done, "books/span": books.ledger.span}
-    arrays |= {f"pace/{name}": value for name, value in system.pace.items()}
-    attributes: dict[str, float | str] = {
-        "time": system.time,
-        "rejected": system.rejected,
-        "has_acceleration": int(system.has_acceleration),
-        "total0": 0.0 if books.total0 is None else books.total0,
-        "model": signature(system),
-        "start": start_of(system),
-        "notes": json.dumps(notes),
-    }
-    attributes |= {f"clock.{name}": value for name, value in asdict(system.clock).items()}
-    attributes |= {f"statistics.{name}": value for name, value in asdict(result.statistics).items()}
-    attributes |= {f"stability.{name}": value for name, value in asdict(system.stability).items()}
-    save_state(path, arrays, attributes)
+    total0 = 0.0 if books.total0 is None else books.total0
+    ledger = {"done": books.done, "span": books.ledger.span}
+    records = [
+        Record("notes", VERSION, values={"json": json.dumps(notes)}),
+        Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
+        Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
+        Record("ledger", VERSION, ledger, {"total0": total0}),
+        Record("statistics", VERSION, values=asdict(result.statistics)),
+    ]
+    with suppress(Exception):  # functions of the user may raise; that keeps no state from being written
+        if (forces := system.forces_of_step()) is not None:
+            records.append(Record("forces", VERSION, {"residual": forces}))
+    stepper = system.stepper
+    save_state(path, [*records, stepper.record(), *stepper.pace.values(), *memory_of(system)])
 
 
 def notes_of(path: Path) -> dict[str, Any]:
     """The notes in a state file."""
-    _, attributes = load_state(path)
-    notes: dict[str, Any] = json.loads(str(attributes["notes"]))
+    notes: dict[str, Any] = json.loads(str(Records(path).take("notes", VERSION).values["json"]))
     return notes
 
 
@@ -82,31 +82,39 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     Raises
     ------
     InputError
-        If the file is unreadable or was written for another system.
+        If the file is unreadable, was written for another system, or has records that are unknown here or of other
+        versions.
     """
-    arrays, attributes = load_state(path)
-    system = result.system
-    for attribute, own in (("model", signature(system)), ("start", start_of(system))):
-        if attributes[attribute] != own and not (changed and attribute == "start"):
-            raise InputError(
-                f"{path}: was written for another system ({attributes[attribute]}; this one: {own}); resume with the "
-                "same or start the run anew"
-            )
-    for name in STATE:
-        getattr(system.core, name)[:] = arrays[name]
-    bring_back(system, arrays, histories_alone=changed)
-    system.is_given = False
-    for part in fields(system.clock):
-        setattr(system.clock, part.name, attributes[f"clock.{part.name}"])
-    system.rejected = int(attributes["rejected"])
-    system.pace = {n.removeprefix("pace/"): a.copy() for n, a in arrays.items() if n.startswith("pace/")}
-    system.has_acceleration = bool(attributes["has_acceleration"])
+    records, system, stepper = Records(path), result.system, result.system.stepper
+    records.take("notes", VERSION)
+    refuse_another(path, records.take("system", VERSION), system, changed)
+    state, ledger, statistics = (records.take(name, VERSION) for name in ("state", "ledger", "statistics"))
+    forces = records.take_if_any("forces", VERSION)
+    march, paces = (
+        records.take(marching.NAME, marching.VERSION),
+        [records.take_if_any(*kind) for kind in PACES],
+    )
+    for name in VECTORS:
+        getattr(system.core, name)[:] = state.arrays[name]
+    bring_back(system, records, histories_alone=changed)
+    stepper.recall(march)
+    if forces is not None and not changed:
+        stepper.told_forces = forces.arrays["residual"]
+    stepper.pace = {pace.name: pace for pace in paces if pace is not None}
     for statistic in fields(result.statistics):
-        setattr(result.statistics, statistic.name, attributes[f"statistics.{statistic.name}"])
-    for known in fields(system.stability):
-        setattr(system.stability, known.name, attributes[f"stability.{known.name}"])
-    books.done, books.total0 = arrays["books/done"], float(attributes["total0"])
-    books.ledger.span = arrays["books/span"]
+        setattr(result.statistics, statistic.name, statistics.values[statistic.name])
+    books.done, books.total0 = ledger.arrays["done"], float(ledger.values["total0"])
+    books.ledger.span = ledger.arrays["span"]
+
+
+def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
+    """Refuse the state of another system; other initial values are none if arguments have changed on purpose."""
+    for attribute, own in (("model", signature(system)), ("start", start_of(system))):
+        if record.values[attribute] != own and not (changed and attribute == "start"):
+            raise InputError(
+                f"{path}: was written for another system ({record.values[attribute]}; this one: {own}); resume with "
+                "the same or start the run anew"
+            )
 
 
 def signature(system: System) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import Named, finite, positive, refuse_other
@@ -90,3 +92,20 @@ class Study(metaclass=Named):
 def measure(system: System, probe: Probe) -> Any:
     """Present value of a probe."""
     return probe(system) if callable(probe) else system.value(probe)
+
+
+def probe_columns(study: Study) -> list[str]:
+    """Columns of the table of probes: vectors as name_x, name_y, name_z."""
+    return [
+        "time",
+        *(column for name, probe in study.probes.items() for column in columns_of(study, name, probe)),
+    ]
+
+
+def columns_of(study: Study, name: str, probe: Any) -> Iterator[str]:
+    """Columns of one probe, told by its present value."""
+    size = np.size(measure(study.system, probe))
+    if size == 1:
+        yield name
+    else:
+        yield from (f"{name}_{k}" for k in ("xyz" if size == 3 else range(size)))

@@ -44,6 +44,8 @@ def build_core(system: System) -> _core.System:
         core.eliminate_slaves(*columns(model.dependences))
     if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
         core.condense_contact(*columns(model.nodal_multipliers))
+    if model.held_lengths:
+        core.eliminate_directors(*columns(model.held_lengths))
     core.finalize()
     return core
 
@@ -60,17 +62,22 @@ def blocks(model: Model) -> tuple[Ints, ...]:
     block = np.zeros(model.n_unknowns, dtype=np.int32)
     multiplier = np.zeros_like(block)
     for f in model.fields:
-        if f.block not in numbers:
-            numbers[f.block] = len(numbers)
-            stages.append(f.stage)
-        block[f.start : f.start + f.size] = numbers[f.block]
+        part = f.part or max(f.size, 1)
+        for k in range(0, f.size, part):
+            if f.part and np.all(f.fixed[k : k + part]):
+                continue  # without equations the number does not matter
+            key = (f.block, k // part) if f.part else f.block
+            if key not in numbers:
+                numbers[key] = len(numbers)
+                stages.append(f.stage)
+            block[f.start + k : f.start + k + part] = numbers[key]
         multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
     rigid = np.array(model.rigid, dtype=np.int32).reshape(-1, 18)
     return block, np.array(stages, dtype=np.int32), multiplier, rigid
 
 
 def islands(model: Model) -> tuple[Ints, ...]:
-    """What constraints hold together has one number: that of each unknown, and accounts of constraints with theirs."""
+    """Number of the connected part (by constraints) that each unknown is in; accounts of constraints with theirs."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import connected_components
 

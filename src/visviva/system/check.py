@@ -25,6 +25,7 @@ from visviva.system.consistency import (
     rate_violation,
     worst,
 )
+from visviva.system.freedom import refuse_undetermined
 from visviva.system.instant import COMPLIANCE, Instant, instant
 from visviva.system.memory import returning
 
@@ -87,7 +88,7 @@ class TangentError:
 
 @dataclass
 class CheckReport:
-    """What `System.check` has found; print it.
+    """Findings of `System.check`; print it.
 
     Attributes
     ----------
@@ -171,6 +172,7 @@ def check(system: System, *, repair: bool = True, tangents: bool = True) -> Chec
     >>> vv.System([ground, ball, rod]).check().degrees_of_freedom
     2
     """
+    refuse_undetermined(system)
     at = Instant(system)
     refuse_unheld(system, at)
     positions = project_positions(system, at) if repair else told(worst(at))
@@ -211,7 +213,7 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
         If positions move by more than a thousandth of the size of the system, or speeds that were given change by as
         much of the greatest, unless `project` accepts that; the state is then as it was.
     """
-    x, v, edited = system.x.copy(), system.v.copy(), system.is_edited
+    x, v, edited = system.x.copy(), system.v.copy(), system.stepper.is_edited
     report = check(system, tangents=False)
     report.moves, far = told_moves(system, x, v, edited)
     if far and not project:
@@ -228,7 +230,7 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
 
 
 def told_moves(system: System, x0: Array, v0: Array, edited: bool) -> tuple[list[str], list[str]]:
-    """What has moved from a state by more than rounding, and what of it far.
+    """Components that moved from a state by more than rounding, and those of them that moved far.
 
     Bodies at rest take the speeds that their joints give them; those of an `edited` state are all given.
     """

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.scheme.clock import Clock
 from visviva.system.instant import COMPLIANCE, Instant, instant
 from visviva.system.memory import returning
 
@@ -89,9 +88,9 @@ def project_positions(system: System, at: Instant | None = None) -> Correction:
     else:
         message = contradiction(system)
         system.x[:] = start
-        system.touch()
+        system.invalidate()
         raise InputError(message)
-    system.touch()
+    system.invalidate()
     return Correction(first, last, moved(system, system.x - start))
 
 
@@ -181,7 +180,7 @@ def project_velocities(system: System, at: Instant | None = None) -> Correction:
             f"no velocities satisfy all constraints in the initial state: {unknown} of {component} "
             f"stays violated at the rate {rest[k]:.3g}. Check prescribed motions against what joints allow"
         )
-    system.touch()
+    system.invalidate()
     full = np.zeros(len(system.x))
     full[at.coordinates] = change
     return Correction(before, after, moved(system, full))
@@ -194,10 +193,10 @@ def rate_violation(system: System, at: Instant) -> float:
 
 
 def rate_reach(system: System, at: Instant, drift: Array) -> Array:
-    """What rates (m,) of constraints are measured by: their gradients times the speeds of the fastest unknowns.
+    """Scale of the rates (m,) of constraints: their gradients times the speeds of the fastest unknowns.
 
     Unknowns of one role compare by their scales; so no unit of time counts, and what rests beside what moves may have
-    the round-off of that.
+    the round-off of that. Where nothing moves, rates are measured by those that round-off of positions makes in a step.
     """
     relative, fastest = np.abs(system.v) * system.inverse_scale, np.zeros(len(system.x))
     fields = [f for f in system.model.fields if f.order > 0]
@@ -205,7 +204,8 @@ def rate_reach(system: System, at: Instant, drift: Array) -> Array:
         unknowns = np.concatenate([f.unknowns for f in fields if f.role is role])
         fastest[unknowns] = relative[unknowns].max(initial=0.0)
     speed = (fastest * system.scale)[at.coordinates]
-    reach: Array = abs(at.G) @ speed + np.abs(drift) + 1e-300
+    least = ROUND_OFF * at.reach / at.moment
+    reach: Array = np.maximum(abs(at.G) @ speed + np.abs(drift), least)
     return reach
 
 
@@ -238,7 +238,7 @@ def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
             break
     else:
         system.v[:] = start
-    system.touch()
+    system.invalidate()
     return moved(system, system.v - start)
 
 
@@ -275,8 +275,8 @@ def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant |
     for history, offset in zip(histories, scheme.history_at, strict=True):
         if offset and len(at.multipliers):
             history[:] = accelerations_later(system, history, offset * h)
-    system.touch()
-    system.has_acceleration = True
+    system.invalidate()
+    system.stepper.has_acceleration = True
 
 
 def accelerations_later(system: System, now: Array, time: float) -> Array:
@@ -288,7 +288,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
     with returning(system):
         system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
         system.v[moves] += time * now[moves]
-        system.clock = Clock(system.time + time, system.clock.step)
+        system.time += time
         for p in system.model.prescribed:
             system.x[p.unknowns], system.v[p.unknowns] = (
                 p.values(system.time),

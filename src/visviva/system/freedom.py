@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.component.point import Attachable
+from visviva.model.field import Role
 from visviva.scheme.schemes import EnergyMomentum, load_step
 
 if TYPE_CHECKING:
+    from visviva.model.field import Field
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -71,6 +73,22 @@ class Motions:
         return f"rotation about the axis through {_listed(through)} along {_direction(rotation)}"
 
 
+def refuse_undetermined(system: System) -> None:
+    """Refuse multipliers of what cannot give way, as pressures of an incompressible solid held throughout."""
+    own: dict[int, list[Field]] = {}
+    for f in system.model.fields:
+        if f.order > 0:
+            own.setdefault(id(f.component), []).append(f)
+    for f in system.model.fields:
+        moving = own.get(id(f.component), [])
+        if f.multiplier and not f.fixed.all() and moving and all(g.fixed.all() for g in moving):
+            raise InputError(
+                f"{f.component.label}: all of its {moving[0].name} is held or prescribed, so that nothing tells its "
+                f"{f.name}; leave a part of it free, or, where its material is incompressible, take a "
+                "Poisson's ratio below 0.5, 0.4999 say"
+            )
+
+
 def refuse_free(system: System) -> None:
     """Refuse a system with bodies that can move rigidly without resistance, for an analysis without inertia.
 
@@ -88,11 +106,39 @@ def refuse_free(system: System) -> None:
     >>> block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1, poisson=0.3))
     >>> refuse_free(vv.System([block, vv.Fixed(solid=block, nodes="z0")]))
     """
+    refuse_insulated(system)
     bodies = [c for c in system.components if isinstance(c, Attachable)]
     if found := free_bodies(system, bodies, load_step(system.time, 0.0)):
         raise InputError(
             f"nothing holds {', nor '.join(found)}: statics has no solution; hold it by vv.Fixed, "
             "vv.SymmetryPlane, a joint or a spring, or run it in time"
+        )
+
+
+def refuse_insulated(system: System) -> None:
+    """Refuse fields of heat whose level nothing holds, for a steady state.
+
+    Raises
+    ------
+    InputError
+    """
+    fields = [
+        f
+        for f in system.model.fields
+        if f.role is Role.CONTENT and getattr(f.component, "carries_heat", False)
+    ]
+    if not fields:
+        return
+    _, K = system.tangent(load_step(system.time, 0.0))
+    free = system.free_unknowns
+    for f in fields:
+        own = (free >= f.start) & (free < f.start + f.size)
+        alike = np.where(own, 1.0, 0.0)
+        if np.any(f.fixed) or not own.any() or np.abs(K @ alike).max() > 1e-10 * np.abs(K[own]).max():
+            continue
+        raise InputError(
+            f"nothing holds the {f.name} of {f.component.label}: a steady state has any; hold it by "
+            "vv.PrescribedTemperature, let it exchange heat by vv.Convection, or run it in time"
         )
 
 
@@ -174,7 +220,7 @@ def _coordinates(system: System) -> Array:
 
 
 def _resistance(system: System, motions: Array, step: Any) -> Array:
-    """What motions (n, k) meet: forces and violations of constraints (m, k), relative to what cancels in them."""
+    """Forces and violations of constraints (m, k) due to motions (n, k), relative to the terms that cancel in them."""
     import scipy.sparse as sp
 
     system.core.find_neighbours()  # bodies may rest on what they touch

@@ -129,11 +129,14 @@ class Instant:
         r: Array = self.system.residual(step, signals)[self.multipliers[: len(self.reach)]]
         return r
 
-    def _signal_rates(self, time: float) -> Array:
-        return np.array([f.rate(time, self.system.clock.step) for f in self.system.model.signals])
+    def _signal_curvatures(self) -> Array:
+        model, time, step = self.system.model, self.system.time, self.system.clock.step
+        return np.array(
+            [f.curvature(time, step) if k in model.rated else 0.0 for k, f in enumerate(model.signals)]
+        )
 
     def _by_signals(self, rate: Array) -> Array:
-        h = self._moment
+        h = self.moment
         return 0.5 / h * (self.violation(ahead=h * rate) - self.violation(ahead=-h * rate))
 
     @property
@@ -142,7 +145,7 @@ class Instant:
         return bool(model.terms) or any(e.law.callback is not None for e in model.elements)
 
     @property
-    def _moment(self) -> float:
+    def moment(self) -> float:
         """How far from now functions of time are looked at: a step, as far as its length is known."""
         return self.system.clock.step or NO_STEP
 
@@ -152,7 +155,7 @@ class Instant:
         if system.model.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
         if system.model.prescribed:
-            h = self._moment
+            h = self.moment
             along = h * self.prescribed(lambda p: system.v[p.unknowns])
             total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
@@ -189,17 +192,17 @@ class Instant:
         if np.any(v):
             total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
         if system.model.signals:
-            total = total + self._by_signals(central_rate(self._signal_rates, system.time, system.clock.step))
+            total = total + self._by_signals(self._signal_curvatures())
         if system.model.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
-            d = self._moment
+            d = self.moment
             values = [self.violation(k * d) for k in (-2, -1, 0, 1, 2)]
             second = (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (
                 12 * d * d
             )
             total = (
-                total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self._moment)
+                total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self.moment)
             )
         return total
 
@@ -239,7 +242,7 @@ class Instant:
         return bend
 
     def _prescribed_convection(self) -> Array:
-        """What prescribed rates and accelerations add to the second time derivatives (m,)."""
+        """Part of the second time derivatives (m,) due to prescribed rates and accelerations."""
         free, a = self.system.v.copy(), self.prescribed_acceleration()
         free[~np.isin(np.arange(len(free)), self.coordinates)] = 0.0
         moved = free + self.prescribed(lambda p: self.system.v[p.unknowns])
@@ -369,7 +372,7 @@ class Instant:
 
 
 def by_complement(K: sp.csc_array, n: int) -> Callable[[Array], Array]:
-    """Solution with a matrix whose first n equations are diagonal among themselves, by what is left of the others.
+    """Solution by the Schur complement of the first n equations, which are diagonal among themselves.
 
     Many constraints, the pressures of a flow in space for instance, fill much less that way.
     """

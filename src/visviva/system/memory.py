@@ -9,36 +9,87 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.model.term import copies
+from visviva.output.checkpoint import Record, Records
+
 if TYPE_CHECKING:
+    from visviva.model.term import Term
     from visviva.system.system import System
+
+CORE, HISTORY = "core: ", "history: "
+"""How names of records begin of the core's parts, and of terms in Python."""
+HISTORY_VERSION = 1
+INTERNAL, INTERNAL_VERSION = "histories", 1
+"""Record of all internal variables of materials, which hold whatever the next steps are."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
 
-def memory_of(system: System) -> dict[str, NDArray[Any]]:
-    """What restarts keep besides the state: the core's memory, and histories of terms in Python."""
-    arrays: dict[str, NDArray[Any]] = {"memory": system.core.memory()}
-    for k, (term, _) in enumerate(system.model.terms):
-        for when, history in (("now", term.history), ("at_tangent", term.history_at_tangent)):
-            arrays |= {f"terms/{k}/{when}/{name}": value.copy() for name, value in history.items()}
-    return arrays
+def memory_of(system: System) -> list[Record]:
+    """Data that restarts need besides the state: the core's memory part by part, and histories of terms in Python."""
+    records = [Record(CORE + r.name, r.version, {"numbers": r.numbers}) for r in system.core.memory()]
+    records.append(Record(INTERNAL, INTERNAL_VERSION, {"numbers": system.core.histories()}))
+    for name, term in _remembering(system):
+        parts = ("now", term.history), ("at_tangent", term.history_at_tangent)
+        arrays = {f"{when}/{key}": a.copy() for when, history in parts for key, a in history.items()}
+        records.append(Record(name, HISTORY_VERSION, arrays))
+    return records
 
 
-def bring_back(system: System, arrays: Arrays, histories_alone: bool = False) -> None:
-    """Have a system remember what `memory_of` gave, or the present histories of its terms alone.
+def bring_back(system: System, records: Records, histories_alone: bool = False) -> None:
+    """Have a system remember what `memory_of` gave, or the present histories of its materials and terms alone.
 
     The kept factorisation is made again from the tangent of its own time, so terms need the history of that time.
+
+    Raises
+    ------
+    InputError
+        If a part is missing, unknown to the system, or of another version, or if materials have another number of
+        internal variables.
     """
-    if not histories_alone:
-        _recall(system, arrays, "at_tangent")
-        system.core.restore(np.ascontiguousarray(arrays["memory"]))
-    _recall(system, arrays, "now")
+    of_core, internal = records.take_all(CORE), records.take(INTERNAL, INTERNAL_VERSION)
+    of_terms = [(term, records.take(name, HISTORY_VERSION)) for name, term in _remembering(system)]
+    records.refuse_rest()
+    if histories_alone:
+        _recall_internal(system, records, np.ascontiguousarray(internal.arrays["numbers"]))
+    else:
+        _recall(of_terms, "at_tangent")
+        try:
+            system.core.restore([_in_core(record) for record in of_core])
+        except ValueError as error:
+            raise InputError(
+                f"{records.path}: {error}; resume with the version of visviva that wrote it, or start the run anew "
+                "in another directory"
+            ) from error
+    _recall(of_terms, "now")
 
 
-def _recall(system: System, arrays: Arrays, when: str) -> None:
-    for k, (term, _) in enumerate(system.model.terms):
-        start = f"terms/{k}/{when}/"
-        found = {n.removeprefix(start): a.copy() for n, a in arrays.items() if n.startswith(start)}
+def _remembering(system: System) -> list[tuple[str, Term]]:
+    """Terms in Python with the names of their records."""
+    terms = [term for term, _ in system.model.terms]
+    return [(f"{HISTORY}{type(term).__name__} {k}", term) for k, term in enumerate(terms)]
+
+
+def _in_core(record: Record) -> Any:
+    return _core.Record(record.name.removeprefix(CORE), record.version, record.arrays["numbers"])
+
+
+def _recall_internal(system: System, records: Records, kept: NDArray[Any]) -> None:
+    own = system.core.histories().size
+    if kept.size != own:
+        raise InputError(
+            f"{records.path}: keeps {kept.size} internal variables of materials and the changed system has {own}; "
+            "start the run anew in another directory"
+        )
+    system.core.restore_histories(kept)
+
+
+def _recall(of_terms: list[tuple[Term, Record]], when: str) -> None:
+    for term, record in of_terms:
+        start = f"{when}/"
+        found = {n.removeprefix(start): a.copy() for n, a in record.arrays.items() if n.startswith(start)}
         term.history.update(found)
         term.trial.clear()
         if when == "at_tangent":
@@ -49,15 +100,14 @@ Histories = list[tuple[dict[str, NDArray[Any]], ...]]
 
 
 def histories(system: System) -> Histories:
-    """What terms in Python know: their history, that of the kept tangent, and that of the trial state."""
+    """Histories of terms in Python: of the trial state, the kept tangent, and the start of the last step."""
     return [
-        tuple(_copies(known) for known in (term.history, term.history_at_tangent, term.trial))
+        tuple(
+            copies(term.label, known)
+            for known in (term.history, term.trial, term.history_at_tangent, term.history_before)
+        )
         for term, _ in system.model.terms
     ]
-
-
-def _copies(arrays: Arrays) -> dict[str, NDArray[Any]]:
-    return {name: value.copy() for name, value in arrays.items()}
 
 
 class Trial:
@@ -66,11 +116,11 @@ class Trial:
     What users' functions raise, or the keyboard, leaves the state accepted last like steps that fail.
     """
 
-    __slots__ = "histories", "system"
+    __slots__ = "known", "system"
 
     def __init__(self, system: System) -> None:
         self.system = system
-        self.histories = [_copies(t.history) for t, _ in system.model.terms] if system.model.terms else []
+        self.known = histories(system) if system.model.terms else []
 
     def __enter__(self) -> None:
         pass
@@ -80,19 +130,20 @@ class Trial:
             return
         self.system.core.discard()
         terms = [term for term, _ in self.system.model.terms]
-        of_tangents = [term.history_at_tangent for term in terms]  # which may be kept
-        _restore(self.system, [(h, t, {}) for h, t in zip(self.histories, of_tangents, strict=True)])
+        for (now, _trial, _tangent, before), term in zip(self.known, terms, strict=True):
+            _give(term, now, {}, term.history_at_tangent, before)  # the tangent may be kept
 
 
 @contextmanager
 def returning(system: System) -> Iterator[None]:
-    """Inside, a system may be moved about: afterwards its vectors and its clock are as they were."""
-    core, clock = system.core, system.clock
+    """Inside, a system may be moved about: afterwards its vectors and its stepper are as they were."""
+    core, stepper = system.core, system.stepper
     vectors = [(u, u.copy()) for u in (core.x, core.dx, core.v, core.a, core.w)]
+    system.stepper = stepper.copy()
     try:
         yield
     finally:
-        system.clock = clock
+        system.stepper = stepper
         for u, kept in vectors:
             u[:] = kept
 
@@ -109,25 +160,38 @@ def undisturbed(system: System) -> Iterator[None]:
         return
     core, known = system.core, histories(system)
     snapshot = core.snapshot()
-    flags = {name: getattr(system, name) for name in ("_last", "is_edited", "is_given", "has_acceleration")}
+    stepper, system.stepper = system.stepper, system.stepper.copy()
     system.is_undisturbed = True
     core.dx[:] = 0.0
     try:
         yield
     finally:
-        for name, flag in flags.items():
-            setattr(system, name, flag)
+        system.stepper = stepper
         system.is_undisturbed = False
         try:
-            _restore(system, [(at_tangent, at_tangent, {}) for _, at_tangent, _ in known])
+            for (term, _), (*_now, at_tangent, before) in zip(system.model.terms, known, strict=True):
+                _give(term, at_tangent, {}, at_tangent, before)
             core.restore_snapshot(snapshot)
         finally:
-            _restore(system, known)
+            for (term, _), kept in zip(system.model.terms, known, strict=True):
+                _give(term, *kept)
 
 
-def _restore(system: System, known: Histories) -> None:
-    for (term, _), (history, at_tangent, trial) in zip(system.model.terms, known, strict=True):
-        for own, kept in ((term.history, history), (term.trial, trial)):
-            own.clear()
-            own.update(_copies(kept))
-        term.history_at_tangent = at_tangent
+@contextmanager
+def before_last_step(system: System) -> Iterator[None]:
+    """Inside, terms in Python know what they knew when the step accepted last began, as the core's forces want it."""
+    known = histories(system)
+    try:
+        for (term, _), (*_now, at_tangent, before) in zip(system.model.terms, known, strict=True):
+            _give(term, before, {}, at_tangent, before)
+        yield
+    finally:
+        for (term, _), kept in zip(system.model.terms, known, strict=True):
+            _give(term, *kept)
+
+
+def _give(term: Term, history: Arrays, trial: Arrays, at_tangent: Arrays, before: Arrays) -> None:
+    for own, kept in ((term.history, history), (term.trial, trial)):
+        own.clear()
+        own.update({name: value.copy() for name, value in kept.items()})
+    term.history_at_tangent, term.history_before = dict(at_tangent), dict(before)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from visviva.base.arguments import Validated, bounded
-from visviva.base.errors import RunError
+from visviva.base.errors import RunError, VisvivaError
 from visviva.linear.choice import LinearOptions
 
 if TYPE_CHECKING:
@@ -72,7 +75,7 @@ class StepFailure(RunError):
         self.component, self.unknown = system.describe(report.worst_unknown)
         self.increments = list(report.increments)
         self.time, self.h, self.reason = time, h, report.reason
-        self.trouble = system.trouble()
+        self.trouble = trouble_of(system)
         history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
         worst = f"worst is {self.unknown} of {self.component}; " if report.worst_unknown >= 0 else ""
         super().__init__(
@@ -80,3 +83,13 @@ class StepFailure(RunError):
             f"increments ... {history}. {self.trouble}Try a smaller step, or look at this "
             f"component's data near t = {time:.4g}"
         )
+
+
+def trouble_of(system: System) -> str:
+    """Complaints of components about the trial state, in sentences; empty if there are none."""
+    trial = system.x + system.core.dx
+    if not np.isfinite(trial).all():
+        return ""
+    with suppress(VisvivaError, np.linalg.LinAlgError), np.errstate(all="ignore"):  # states may be wild
+        return "".join(f"{found}. " for c in system.components if (found := c.trouble(trial)))
+    return ""

@@ -1,4 +1,4 @@
-"""What the choice of a linear solver is told of a system."""
+"""What the choice of a linear solver is told of a system, and the solvers handed to its core."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.linear.choice import Problem, rigid_motions
+from visviva.base.errors import InputError
+from visviva.linear.choice import Automatic, Direct, Problem, rigid_motions
 from visviva.model.field import Role
 from visviva.system.build import blocks
 
@@ -30,7 +31,9 @@ def uses_null_space(system: System) -> bool:
     model = system.model
     if system.newton.null_space is not None:
         return system.newton.null_space
-    small = int(np.bincount(blocks(model)[0]).max()) <= LARGEST_BLOCK
+    free = np.concatenate([~f.fixed for f in model.fields])
+    sizes = np.bincount(blocks(model)[0], weights=free)
+    small = bool(np.all((sizes > 0) & (sizes <= LARGEST_BLOCK)))
     small = small and not any(f.is_local for f in model.fields)
     others = model.has_servo or any(c.touches for c in system.components)
     others = others or any(f.role in CARRIED for f in model.fields)
@@ -50,8 +53,10 @@ def problem_of(system: System) -> Problem:
         symmetric=symmetric,
         nearly=symmetric and system.has_discrete_gradient and not condensed,
         definite=all(f.role.has_least_energy or f.multiplier for f in fields),
-        n_multipliers=system.n_constraints - core.n_eliminated,
-        has_modes=any(f.node > 1 for f in fields) and all(f.order > 0 or f.multiplier for f in fields),
+        n_multipliers=system.n_constraints - core.n_eliminated - core.n_lengths,
+        has_modes=any(f.node > 1 for f in fields)
+        and not model.held_lengths
+        and all(f.order > 0 or f.multiplier for f in fields),
         n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
         n_condensed=condensed,
         has_inertia=system.has_inertia,
@@ -67,7 +72,7 @@ def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:
     fields = [f for f in model.fields if not f.is_local]
     free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
     pressures = sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE)
-    others = any(f.role in (Role.STATE, Role.SOLID_PRESSURE) for f in fields)
+    others = any(f.role in (Role.STATE, Role.SOLID_PRESSURE, Role.TEMPERATURE) for f in fields)
     return not others and (free, pressures) == (eliminated, condensed)
 
 
@@ -82,3 +87,41 @@ def rigid_modes(model: Model) -> Array:
         if part is not None:
             modes[f.start : f.start + f.size, : part.shape[1]] = part
     return modes
+
+
+def hand_solvers(system: System) -> str:
+    """Hand the linear solvers to the core of a system; returns what was chosen, and why."""
+    core, newton = system.core, system.newton
+    options = newton.linear
+    if options is not None and newton.null_space:
+        raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
+    problem, by_blocks = problem_of(system), uses_null_space(system)
+    if options is None and system.has_inertia and (by_blocks or problem.is_plain):
+        core.use_solver(by_blocks, newton.regularization)
+        project_in_core(system, by_blocks)
+        return f"{core.n_equations} equations: {core.solver}"
+    core.set_modes(rigid_modes(system.model))
+    choice = (options or Automatic()).choose(problem)
+    core.use_linear(list(choice.in_order))
+    project_in_core(system, False)
+    return choice.explanation
+
+
+def project_in_core(system: System, by_blocks: bool) -> None:
+    """Let the core project the rates of motion, the equations of which are symmetric: mass and constraints."""
+    if not system.has_lasting_constraints or np.any(system.order == 1) or system.model.has_servo:
+        return
+    constraint = system.is_lasting_constraint.astype(np.int32)
+    regularization = system.newton.regularization
+    row, col, _ = system.core.csr
+    rates = Problem(
+        n=len(row) - 1,
+        n_entries=len(col),
+        symmetric=True,
+        n_multipliers=int(constraint.sum()),
+        regularization=regularization,
+    )
+    if by_blocks or rates.is_small:
+        system.core.use_rate_solver(by_blocks, regularization, constraint)
+    else:
+        system.core.use_rate_linear(list(Direct().choose(rates).in_order), constraint)

@@ -58,14 +58,43 @@ def equilibration(K: sp.csr_array, scale: Array) -> Array:
 
 
 def by_units(K: sp.csr_array, scale: Array) -> Array:
-    """Factors that make all entries of a matrix without signs parts of one energy."""
+    """Factors that make all entries of a matrix without signs parts of one energy, each part of it that is coupled."""
 
     import scipy.sparse as sp
+    from scipy.sparse.csgraph import connected_components
 
+    n_parts, part = connected_components(K, directed=False)
     reach, own = (K @ sp.diags_array(scale)).max(axis=1).toarray().ravel(), K.diagonal()
     effect = reach * scale
-    unit = np.sqrt(typical(effect[effect > 1e-8 * effect.max(initial=0.0)]))
+    energy = [typical(own[own > 1e-8 * own.max()]) for own in split(effect, part, n_parts)]
+    unit = np.sqrt(energy)[part] if n_parts else np.ones(0)
     of_forces = np.where(
         reach > 0, unit / np.where(reach > 0, reach, 1.0), 1 / np.sqrt(np.where(own > 0, own, 1.0))
     )
     return np.where(scale > 0, scale / unit, of_forces)
+
+
+def split(values: Array, part: NDArray[np.int32], n_parts: int) -> list[Array]:
+    """The values of each part."""
+    order = np.argsort(part, kind="stable")
+    return np.split(values[order], np.searchsorted(part[order], np.arange(1, n_parts))) if n_parts else []
+
+
+def asymmetry(K: sp.csr_array) -> sp.coo_array:
+    """What entries of a scaled matrix differ by from those across the diagonal, as ``System::asymmetry`` of the core.
+
+    Rows and columns are scaled by their diagonal, so that units do not count and constraints do not either; those
+    without one by their largest entry. Where something is larger than one then, row and column share in taking it
+    down.
+    """
+    import scipy.sparse as sp
+
+    A, diagonal = abs(K).tocsr(), np.abs(K.diagonal())
+    s = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
+    for _ in range(5):
+        rows = np.where(s > 0, s, 1.0)
+        largest = (sp.diags_array(rows) @ A @ sp.diags_array(s)).max(axis=1).toarray().ravel()
+        first = np.where(largest > 0, 1 / np.where(largest > 0, largest, 1.0), 0.0)
+        s = np.where(s > 0, s / np.sqrt(np.maximum(largest, 1.0)), first)
+    S = sp.diags_array(s)
+    return abs(S @ (K - K.T) @ S).tocoo()

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.body.formulation import SUITED
-from visviva.system.scaling import equilibration
+from visviva.system.local import condensed
+from visviva.system.scaling import asymmetry, equilibration
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -25,8 +26,9 @@ Array = NDArray[np.float64]
 
 LARGEST, FULL = 6000, 600
 """Equations up to which a tangent is factored for its signs alone, and as a full matrix."""
-UNSYMMETRIC = 1e-6
-"""Relative difference from its transpose beyond which the signs of a tangent say nothing."""
+UNSYMMETRIC, BY_DIFFERENCES = 1e-11, 1e-7
+"""What entries of an equilibrated tangent may differ by across the diagonal; the latter where derivatives may be
+differences."""
 COMPLIANCE = 1e-6
 """Of scaled constraints, so that they have pivots too; it leaves the signs of all but the hardest directions."""
 NEUTRAL, ROUNDING = 1e-13, 1e-10
@@ -43,7 +45,7 @@ class Stability:
     first: float = 0.0  # load parameter of the first unstable one
 
     def record(self, falling: int | None, time: float) -> None:
-        """Enter an equilibrium with so many directions in which energy falls, None where that is not known."""
+        """Enter an equilibrium with its number of directions in which energy falls, None where that is not known."""
         self.equilibria += 1
         if falling is None:
             self.unchecked += 1
@@ -62,8 +64,10 @@ def falling_directions(system: System, step: Any) -> int | None:
     reported, exchanged = int(system.core.n_negative), bool(system.core.n_exchanged)
     if exchanged or reported < 0:
         return count_falling(system, step)
+    if system.core.asymmetry() > lack_of_rounding(system):  # of the tangent whose factors were counted
+        return None
     local = np.concatenate([f.element >= 0 for f in system.model.fields])
-    left = int(np.sum(bears(system) & ~local)) - system.core.n_eliminated
+    left = int(np.sum(bears(system) & ~local)) - system.core.n_eliminated - system.core.n_lengths
     return judged(system, reported - left)
 
 
@@ -80,14 +84,32 @@ def count_falling(system: System, step: Any) -> int | None:
     if not system.core.n_equations:
         return 0
     _, K = system.tangent(step)
-    if abs(K - K.T).max() > UNSYMMETRIC * abs(K).max():
+    if not is_symmetric(system, K):
         return None
-    pressed = bears(system)[system.free_unknowns]
-    pivots = pivots_of(K, pressed, system.scale[system.free_unknowns])
+    free = system.free_unknowns
+    element = system.local[free]  # these are as stiff or soft as their element makes them
+    left = np.flatnonzero(element < 0)
+    pressed = bears(system)[free][left]
+    pivots = pivots_of(condensed(K, element)[left][:, left], pressed, system.scale[free][left])
     if pivots is None:
         return None
     tiny = ROUNDING if pressed.any() else NEUTRAL
     return judged(system, int(np.sum(pivots < -tiny)) - int(pressed.sum()))
+
+
+def lack_of_rounding(system: System) -> float:
+    """Differences across the diagonal of an equilibrated tangent, up to which they may be rounding.
+
+    Loads that follow are far smaller than the stiffness of slender beams against stretching: nothing else is put down
+    to rounding, unless functions of Python take part, whose derivatives may be differences.
+    """
+    return BY_DIFFERENCES if system.model.terms or system.model.functions else UNSYMMETRIC
+
+
+def is_symmetric(system: System, K: sp.csr_array) -> bool:
+    """Whether every entry of a tangent is that across the diagonal, but for rounding."""
+    found = asymmetry(K)
+    return bool(found.data.max(initial=0.0) <= lack_of_rounding(system))
 
 
 def bears(system: System) -> NDArray[np.bool_]:
@@ -130,7 +152,7 @@ def sparse_pivots(A: sp.csr_array) -> Array | None:
 
 
 def instability(system: System, where: str, falling: int) -> str:
-    """What is wrong with an unstable equilibrium, and the first of its cures."""
+    """Message about an unstable equilibrium, with its first cure."""
     directions = "one direction" if falling == 1 else f"{falling} directions"
     return (
         f"the equilibrium {where} is unstable: energy falls in {directions}, so that the structure buckles or falls "

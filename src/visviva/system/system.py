@@ -2,48 +2,41 @@
 
 from __future__ import annotations
 
-import bisect
 import weakref
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import Named, finite, positive, refuse_other
-from visviva.base.errors import InputError, RunError, VisvivaError
+from visviva.base.arguments import Named, finite, refuse_other
+from visviva.base.errors import InputError, RunError
+from visviva.base.renamed import Renamed
 from visviva.component.component import Component, characteristic_length, name_components, refuse_loose
+from visviva.component.connected import lengths_of_parts
 from visviva.component.point import Attachable
-from visviva.linear.choice import Automatic, Direct, Problem
 from visviva.model.field import Field
 from visviva.model.form import Form, Strain, Vector
 from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
+from visviva.system import steps
 from visviva.system.build import build_core
-from visviva.system.memory import Trial, undisturbed
-from visviva.system.newton import Newton, StepFailure
-from visviva.system.problem import problem_of, rigid_modes, uses_null_space
-from visviva.system.stability import Stability
+from visviva.system.memory import before_last_step, undisturbed
+from visviva.system.newton import Newton
+from visviva.system.problem import hand_solvers
+from visviva.system.stepper import Stepper
+from visviva.system.steps import Attempt
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
     from visviva.system.check import CheckReport
+    from visviva.system.present import Present
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """A step whose equations are solved, with the prescribed functions it saw and the core's report."""
-
-    step: Any
-    signals: Array
-    report: Any
+Pattern = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
 
 
 class System(metaclass=Named):
@@ -71,23 +64,15 @@ class System(metaclass=Named):
         refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
         self.components = list(components)
         self._newton = newton or Newton()
-        self.clock = Clock()
-        self.rejected = 0
-        self._repeated: tuple[Scheme, float, Any] | None = None  # the last step; its tables are made once
-        self._last: tuple[Any, Array] | None = None  # step and signals that led to the present state
-        self.is_given = True  # whether the state was given, and is not that of a step
+        self.stepper = Stepper()
         self.is_undisturbed = False  # whether what is done now leaves no trace
-        self.is_edited = False  # whether the state was touched since the last step, or the last check
-        self.stability = Stability()  # of the equilibria that statics has found
-        self.pace: dict[str, Array] = {}  # what chooses the steps carries on, for restarts
-        self.has_acceleration = False
+        self._present: Present | None = None
         self.report: CheckReport | None = None  # of the check before the first step
-        self._pattern: tuple[int, tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]] | None = (
-            None
-        )
+        self._pattern: tuple[int, Pattern] | None = None
         name_components(self.components)
         refuse_loose(self.components)
-        self.model = Model(self.components, length=characteristic_length(self.components))
+        length = characteristic_length(self.components)
+        self.model = Model(self.components, length=length, lengths=lengths_of_parts(self.components, length))
         for c in self.components:
             owner = getattr(c, "_system", lambda: None)()
             if owner is not None and any(
@@ -117,7 +102,6 @@ class System(metaclass=Named):
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
         self._check_finite()
 
-    # --- construction --------------------------------------------------------------------------------------
     @property
     def newton(self) -> Newton:
         """Options of the solver; new ones hold from the next step on.
@@ -159,41 +143,7 @@ class System(metaclass=Named):
         are not quite symmetric.
         """
         self.has_inertia, self.has_discrete_gradient = inertia, discrete_gradient
-        core, options = self.core, self.newton.linear
-        if options is not None and self.newton.null_space:
-            raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
-        problem, by_blocks = problem_of(self), uses_null_space(self)
-        if options is None and inertia and (by_blocks or problem.is_plain):
-            core.use_solver(by_blocks, self.newton.regularization)
-            self._project_in_core(by_blocks)
-            self.linear_explanation = f"{core.n_equations} equations: {core.solver}"
-            return
-        core.set_modes(rigid_modes(self.model))
-        choice = (options or Automatic()).choose(problem)
-        core.use_linear(list(choice.in_order))
-        self._project_in_core(False)
-        self.linear_explanation = choice.explanation
-
-    def _project_in_core(self, by_blocks: bool) -> None:
-        """Let the core project the rates of motion, the equations of which are symmetric: mass and constraints."""
-        if not self.has_lasting_constraints or np.any(self.order == 1):
-            return
-        if self.model.has_servo:
-            return
-        constraint = self.is_lasting_constraint.astype(np.int32)
-        regularization = self.newton.regularization
-        row, col, _ = self.core.csr
-        rates = Problem(
-            n=len(row) - 1,
-            n_entries=len(col),
-            symmetric=True,
-            n_multipliers=int(constraint.sum()),
-            regularization=regularization,
-        )
-        if by_blocks or rates.is_small:
-            self.core.use_rate_solver(by_blocks, regularization, constraint)
-        else:
-            self.core.use_rate_linear(list(Direct().choose(rates).in_order), constraint)
+        self.linear_explanation = hand_solvers(self)
 
     def _check_finite(self) -> None:
         if np.isfinite(self.x).all() and np.isfinite(self.v).all():
@@ -205,6 +155,26 @@ class System(metaclass=Named):
                 )
 
     @property
+    def clock(self) -> Clock:
+        """The clock that counts its steps."""
+        return self.stepper.clock
+
+    @property
+    def rejected(self) -> int:
+        """Steps that failed, or were too inaccurate, and were tried again."""
+        return self.stepper.rejected
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the state was given, and is not that of a step."""
+        return self.stepper.is_given
+
+    @property
+    def solves_means(self) -> bool:
+        """Whether multipliers are means over the last step, or not known yet."""
+        return self.stepper.solves_means
+
+    @property
     def time(self) -> float:
         """Present time; setting it begins a new count of steps."""
         return self.clock.time
@@ -213,7 +183,6 @@ class System(metaclass=Named):
     def time(self, time: float) -> None:
         self.clock.restart(finite("System", "time", time))
 
-    # --- what is in it -------------------------------------------------------------------------------------
     @property
     def n_coordinates(self) -> int:
         """Unknown coordinates n, augmented ones included, multipliers not."""
@@ -243,25 +212,25 @@ class System(metaclass=Named):
     @property
     def n_constraints(self) -> int:
         """Constraints m."""
-        return sum(f.size for f in self.model.fields if f.multiplier)
+        return sum(int(np.sum(~f.fixed)) for f in self.model.fields if f.multiplier)
 
     @property
     def x(self) -> Array:
-        """Present unknowns, a view; after changing it call `touch`."""
+        """Present unknowns, a view; after changing it call `invalidate`."""
         return self.core.x
 
     @property
     def v(self) -> Array:
-        """Present rates, a view; after changing it call `touch`."""
+        """Present rates, a view; after changing it call `invalidate`."""
         return self.core.v
 
-    def touch(self) -> None:
+    touch, take_stock = Renamed("invalidate"), Renamed("evaluate_ledger")
+
+    def invalidate(self) -> None:
         """Tell the core that the state was changed from outside; if it was not, nothing happens."""
         if self.core.is_unchanged:
             return
-        self._last = None
-        self.is_edited = self.is_given = True
-        self.has_acceleration = False
+        self.stepper.edited()
         self.core.invalidate()
 
     def describe(self, unknown: int) -> tuple[str, str]:
@@ -286,23 +255,18 @@ class System(metaclass=Named):
         refuse_other("System.value", "what", what, Form | Vector | Strain, wanted)
         return what.value(self.x)
 
-    # --- stepping ------------------------------------------------------------------------------------------
     @cached_property
-    def _kinks(self) -> list[float]:
+    def kinks(self) -> list[float]:
         """All known kinks of prescribed functions, of loads too, in order."""
         return sorted({t for f in self.model.signals for t in f.kinks} | set(self.model.kinks))
-
-    def next_kink(self, until: float) -> float:
-        """The next time at which a prescribed function has a kink, `until` at most."""
-        k = bisect.bisect_right(self._kinks, self.time + self.clock.rounding(self.time))
-        return min(self._kinks[k], until) if k < len(self._kinks) else until
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
         s, length = self._signals, step.h if step.has_length else self.clock.step
         for k, f in enumerate(self.model.signals):
-            rate = f.rate_after if f.kinks and not step.has_length else f.rate
-            s[:, k] = f(step.t0), f(step.te), f(step.t1), rate(step.t1, length)
+            s[:, k] = f(step.t0), f(step.te), f(step.t1), 0.0
+            if k in self.model.rated:
+                s[3, k] = (f.rate_after if f.kinks and not step.has_length else f.rate)(step.t1, length)
         if self.model.signals and not np.all(np.isfinite(s)):
             k = int(np.argmin(np.isfinite(s).all(axis=0)))
             raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
@@ -310,43 +274,20 @@ class System(metaclass=Named):
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
-        scheme = EnergyMomentum() if scheme is None else scheme
-        repeated = self._repeated
-        if repeated is None or repeated[1] != h or (repeated[0] is not scheme and repeated[0] != scheme):
-            h = positive("System.step", "h", h)
-            refuse_other("System.step", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
-            repeated = self._repeated = scheme, h, scheme.step(self.time, h)
-        step = repeated[2].moved_to(self.time)
-        if self.projects(scheme):
-            attempt = self.attempt(step)
-            self.accept(attempt, scheme)
-            return attempt.report
-        signals = self.signals(step).copy() if self.model.signals else None
-        report = self._solved(self.core.advance, step, signals)
-        self._arrive(step, self._signals if signals is None else signals, scheme)
-        return report
+        return steps.take(self, h, EnergyMomentum() if scheme is None else scheme)
 
-    def _arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
-        self._last, self.is_edited, self.is_given = (step, signals), False, False
-        self.clock.advance(step.h)
-        self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
-        if self.model.kinks and scheme.keeps_swinging:
-            near = self.clock.rounding(self.time)
-            passed = [t for t in self.model.kinks if self.time - step.h + near < t <= self.time + near]
-            if passed:
-                self._follow_kinks(set().union(*(self.model.kinks[t] for t in passed)))
+    def attempt(self, step: Any) -> Attempt:
+        """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
+        return steps.solved(self, step)
 
-    def _follow_kinks(self, accounts: set[int]) -> None:
-        """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share."""
-        from visviva.system.consistency import project_velocities
+    def accept(self, attempt: Attempt, scheme: Scheme) -> None:
+        """Make the increment of an attempt the new state."""
+        steps.accept(self, attempt, scheme)
 
-        last, before = self._last, self.core.energy.sum()
-        self.follow_prescribed()
-        if self.n_constraints:
-            project_velocities(self)
-        self._take_stock_again()
-        self.core.work[list(accounts)] += (self.core.energy.sum() - before) / len(accounts)
-        self._last, self.is_edited, self.is_given = last, False, False
+    @cached_property
+    def asked_tangents(self) -> int:
+        """So many iterations of a step make tangents of their own, as the components ask for."""
+        return max(c.least_tangents for c in self.components)
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
@@ -356,62 +297,11 @@ class System(metaclass=Named):
                 raise RunError(f"{p.component.label}: its motion is not finite at t = {step.t1:g}")
             self.core.dx[p.unknowns] = values - self.x[p.unknowns]
 
-    def attempt(self, step: Any) -> Attempt:
-        """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
-        signals = self.signals(step).copy()
-        return Attempt(step, signals, self._solved(self.core.solve, step, signals))
-
-    def _solved(self, solve: Callable[..., Any], step: Any, signals: Array | None) -> Any:
-        """Report of the core's function that solves a step; if it fails, the increment is discarded."""
-        newton = self.newton
-        with Trial(self):
-            self.prescribe(step)
-            options = newton.tolerance, newton.max_iterations, self._keep_factor, self._tangents
-            report = solve(step, signals, *options)
-            if not report.converged:
-                raise StepFailure(self, self.time, step.h, report)
-        return report
-
-    def trouble(self) -> str:
-        """What components find wrong with the trial state, in sentences; empty if nothing."""
-        trial = self.x + self.core.dx
-        if not np.isfinite(trial).all():
-            return ""
-        with suppress(VisvivaError), np.errstate(all="ignore"):  # of a user's function; states may be wild
-            return "".join(f"{found}. " for c in self.components if (found := c.trouble(trial)))
-        return ""
-
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
         for p in self.model.prescribed:
             self.v[p.unknowns] = p.rates(self.time, self.clock.step)
-        self.touch()
-
-    @property
-    def _tangents(self) -> int:
-        """So many iterations of a step make tangents of their own; unless given what the components ask for."""
-        given = self.newton.tangents
-        return self._asked_tangents if given is None else given
-
-    @cached_property
-    def _asked_tangents(self) -> int:
-        return max(c.least_tangents for c in self.components)
-
-    @property
-    def _keep_factor(self) -> float:
-        """A kept tangent and redundant constraints do not go together: their multipliers wander off."""
-        redundant = self.report is not None and self.report.redundant
-        return 0.0 if redundant else self.newton.keep_factor
-
-    def accept(self, attempt: Attempt, scheme: Scheme) -> None:
-        """Make the increment of an attempt the new state."""
-        project = self.projects(scheme)
-        x0, dx = (self.x.copy(), self.core.dx.copy()) if project else (self.x, self.x)
-        with Trial(self):
-            self.core.accept(attempt.step, attempt.signals, True)
-        self._arrive(attempt.step, attempt.signals, scheme)
-        if project:
-            self._project_step(scheme, x0, dx)
+        self.invalidate()
 
     def projects(self, scheme: Scheme) -> bool:
         """Whether rates are projected here, as the core does not."""
@@ -431,31 +321,13 @@ class System(metaclass=Named):
         touched = abs(at.G).sum(axis=0) > 0
         return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
 
-    def _project_step(self, scheme: Scheme, x0: Array, dx: Array) -> None:
-        """Project the rates of the accepted step and book it again with them."""
-        from visviva.system.consistency import project_step
-
-        assert self._last is not None
-        step = self._last[0]
-        work = project_step(self, step, scheme.motion(step.h), x0, x0 + dx)
-        self._take_stock_again()
-        for (_, account), part in zip(self.model.drives, work, strict=True):
-            self.core.work[account] += part
-
-    def _take_stock_again(self) -> None:
-        """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
-        self.core.mark_state()
-        work = self.core.work.copy()
-        self.take_stock()
-        self.core.work[:] = work
-
-    def take_stock(self) -> None:
+    def evaluate_ledger(self) -> None:
         """Fill the core's sums with the present state."""
         step = load_step(self.time, 0.0)
         self.core.evaluate_ledger(step, self.signals(step), self.has_inertia)
 
     @property
-    def pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:
+    def pattern(self) -> Pattern:
         """Rows and columns of the tangent's compressed rows, and the unknown of every row.
 
         Contact brings new neighbours together, and then it changes.
@@ -490,11 +362,36 @@ class System(metaclass=Named):
         The midpoint schemes balance forces in the middle of the step. Without a step (at the start, or after
         the state was changed by hand) these are the forces of the present configuration, without inertia.
         """
-        if self._last is None:
-            return self.residual(load_step(self.time, 0.0))
+        forces = self.forces_of_step()
+        return self.residual(load_step(self.time, 0.0)) if forces is None else forces
+
+    def forces_of_step(self) -> Array | None:
+        """The same of the last step alone, none without one; restarts keep them."""
+        last, told = self.stepper.last, self.stepper.told_forces
+        if last is None:
+            return None if told is None else told.copy()
         residual = np.zeros(len(self.x))
-        self.core.forces(*self._last, residual)
+        with before_last_step(self):
+            self.core.forces(*last, residual)
         return residual
+
+    @property
+    def present(self) -> Present:
+        """Forces of constraints at this instant."""
+        from visviva.system.present import Present
+
+        if self._present is None or not self._present.is_of(self):
+            self._present = Present(self)
+        return self._present
+
+    @property
+    def x_with_reactions(self) -> Array:
+        """The unknowns (n,), with those multipliers of lasting constraints that belong to this instant.
+
+        Statics and schemes that balance forces at the end of a step have them in their unknowns.
+        """
+        in_unknowns = not self.solves_means or not self.has_inertia or self.model.has_servo
+        return self.x if in_unknowns or not self.has_lasting_constraints else self.present.x
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""
@@ -514,7 +411,8 @@ class System(metaclass=Named):
     @property
     def last_step(self) -> float:
         """Length of the step that led to the present state; 0 without one."""
-        return 0.0 if self._last is None else float(self._last[0].h)
+        last = self.stepper.last
+        return 0.0 if last is None else float(last[0].h)
 
     def gauges(self) -> dict[str, float]:
         """Numbers of the components about the last step, such as a flow's CFL number; the largest of each name."""

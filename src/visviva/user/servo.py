@@ -94,7 +94,9 @@ class Servo(Component):
                 f"{self.label}: its actuators do not accelerate its outputs directly, and the inputs of "
                 f"{scheme} oscillate without converging; use GeneralizedAlpha(rho=0) or BackwardEuler()"
             )
-        if not np.any(self.inputs(system)) or (scheme.needs_acceleration and not system.has_acceleration):
+        if not np.any(self.inputs(system)) or (
+            scheme.needs_acceleration and not system.stepper.has_acceleration
+        ):
             initial_state(system)
 
     def _is_indirect(self, system: System) -> bool:
@@ -149,5 +151,5 @@ def initial_state(system: System) -> None:
     z = scale * np.linalg.lstsq(K, scale * right, rcond=RANK)[0]
     system.x[at.multipliers] = z[n:]
     system.core.a[at.coordinates] = system.core.w[at.coordinates] = z[:n]
-    system.touch()
-    system.has_acceleration = True
+    system.invalidate()
+    system.stepper.has_acceleration = True

@@ -84,7 +84,7 @@ class Potential(_OnMeasures):
     def contribute(self, model: Model) -> None:
         strains = strains_of(self._measures)
         W = guarded(self.label, "energy", self.energy)
-        call = energy_callback(W, len(strains), f"{self.label}, its energy")
+        call = energy_callback(W, len(strains), f"{self.label}, its energy", model.sizes_of(strains))
         model.potential(self, self.kind, strains, Law(LawKind.ENERGY_CALLBACK, callback=call))
 
 
@@ -117,7 +117,8 @@ class Constraint(_OnMeasures):
     def contribute(self, model: Model) -> None:
         strains = strains_of(self._measures)
         Phi = guarded(self.label, "function", self.function)
-        call = constraint_callback(Phi, len(strains), self.n, f"{self.label}, its function")
+        label, sizes = f"{self.label}, its function", model.sizes_of(strains)
+        call = constraint_callback(Phi, len(strains), self.n, label, sizes)
         law = Law(LawKind.FUNCTION_CALLBACK, callback=call)
         self._multipliers = model.multipliers(self, "reaction", self.n, block=self)
         model.constrain(self, self._multipliers, strains, law=law, n=self.n)

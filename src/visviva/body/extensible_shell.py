@@ -1,0 +1,295 @@
+"""Shells whose directors stretch, with the energy of any material in space across their thickness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.body.formulation import STIFFEST
+from visviva.body.shell import Shell
+from visviva.body.shell_layers import (
+    EDGES,
+    N_RAW,
+    Layers,
+    layers,
+    of_components,
+    raw_strains,
+    turned,
+)
+from visviva.body.shell_stress import second_piola
+from visviva.body.shell_surface import ShellSurface
+from visviva.body.solid_section import SolidLaminate, SolidSection, Through
+from visviva.component.component import settings
+from visviva.material.material import OF_BLATZ_KO, Material
+from visviva.mesh.cells import CELLS
+from visviva.model.callback import Function
+from visviva.model.field import Role
+from visviva.model.points import Group, PhysicsKind, add_points
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+REST = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+
+
+class Stack(NamedTuple):
+    """Cells (m,) of one section, and their points."""
+
+    section: SolidSection | SolidLaminate
+    cells: Ints
+    through: Through
+    angles: Array
+    layers: Layers
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ExtensibleShell(Shell):
+    """A surface with a director of free length at each node: thick or thin, of any material in space.
+
+    Parameters
+    ----------
+    mesh, first, velocity, angular_velocity
+        As for `Shell`.
+    section : SolidSection or SolidLaminate, or one for each cell
+    formulation : {'displacement', 'mixed'}
+        'mixed' has a pressure in each cell, even or linear across the thickness, for rubber and other nearly or
+        exactly incompressible materials.
+
+    Notes
+    -----
+    Places are ``phi + z d``, and the strain is ``C - I`` of all of them, through the height z, with that across the
+    thickness enhanced by a part linear in z (Buechter, Ramm & Roehl 1994). Transverse shear strains are taken from the
+    middles of the edges (Dvorkin & Bathe 1984), strains across from the nodes (Betsch & Stein 1995). The stress is that
+    of the material in space: nothing is assumed of it.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> rubber = vv.MooneyRivlin(c10=0.4, c01=0.1, bulk=1e4)
+    >>> sheet = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+    >>> section = vv.SolidSection(material=rubber, thickness=0.01)
+    >>> shell = vv.ExtensibleShell(mesh=sheet, section=section, formulation="mixed")
+    >>> vv.System([shell]).n_coordinates
+    54
+    """
+
+    section: SolidSection | SolidLaminate | tuple[SolidSection | SolidLaminate, ...]  # type: ignore[assignment]
+    formulation: Literal["displacement", "mixed"] = "displacement"
+
+    n_held = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if [part.kind for part in self.parts] != ["quad4"] or self.kinks != "refused":
+            raise InputError(
+                f"{self.label}: directors stretch in smooth surfaces of quad4 alone; take vv.Shell for others"
+            )
+        for stack in self._stacks:
+            for layer in stack.section.layers:
+                self._refuse_material(layer.material)
+
+    def _refuse_material(self, material: Material) -> None:
+        bulk = material.split().bulk if self.formulation == "mixed" else material.lame[0]
+        if self.formulation == "mixed" and (material.energy is not None or bulk <= 0):
+            raise InputError(
+                f"{self.label}: formulation='mixed' needs a material of the package with a volumetric energy, not "
+                f"{type(material).__name__}; take 'displacement'"
+            )
+        if self.formulation == "displacement" and not np.isfinite(bulk):
+            raise InputError(
+                f"{self.label}: its material {type(material).__name__} is incompressible, which displacements alone "
+                "cannot carry; use formulation='mixed'"
+            )
+        materials = {id(layer.material) for stack in self._stacks for layer in stack.section.layers}
+        if material.energy is not None and len(materials) > 1:
+            raise InputError(
+                f"{self.label}: a material given in Python stands alone in a shell; make every layer of it, or take "
+                "materials of the package"
+            )
+
+    @property
+    def _surface(self) -> ShellSurface:
+        return self.parts[0]
+
+    # --- sections ------------------------------------------------------------------------------------------
+    @cached_property
+    def _stacks(self) -> tuple[Stack, ...]:
+        """Cells by their section."""
+        of = np.array([id(section) for section in self.sections])
+        found = []
+        for number in dict.fromkeys(of.tolist()):
+            cells = np.flatnonzero(of == number)
+            section = self.sections[int(cells[0])]
+            through = section.through()
+            angles = np.array([layer.angle for layer in through.layers])
+            points = layers(self._surface, cells, through.heights, through.weights, angles)
+            found.append(Stack(section, cells, through, angles, points))
+        return tuple(found)
+
+    @property
+    def modulus(self) -> float:
+        """Largest modulus of an even plane stress."""
+        found = []
+        for stack in self._stacks:
+            for layer in stack.section.layers:
+                lam, mu = layer.material.lame
+                found.append(4 * mu * (1 - mu / (lam + 2 * mu)))
+        return max(found)
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        m = len(self._surface.cells)
+        n_own = 6 if self._condenses else 4
+        scale = np.tile([1.0] * 4 + [0.0] * (n_own - 4), m)
+        own: Any = {"stage": 1, "scale": scale, "element": np.repeat(np.arange(m), n_own)}
+        inner = model.field(self, "enhanced", np.zeros((m, n_own)), role=Role.STATE, **own)
+        numbers = inner.start + np.arange(n_own * m).reshape(m, n_own)
+        self._enhanced, self._pressures = numbers[:, :4], numbers[:, 4:]
+        if self.formulation == "mixed" and not self._condenses:
+            pressure = model.field(self, "pressure", np.zeros((m, 2)), role=Role.MULTIPLIER, stage=1)
+            self._pressures = pressure.start + np.arange(2 * m).reshape(m, 2)
+
+    @property
+    def _condenses(self) -> bool:
+        """Whether pressures leave the equations with the enhanced strains: if something is compressible."""
+        materials = [layer.material for stack in self._stacks for layer in stack.section.layers]
+        soft = all(m.split().bulk <= STIFFEST * m.lame[1] for m in materials)
+        return self.formulation == "mixed" and soft
+
+    stretches_across = True
+    """Whether what acts on its sides changes its thickness."""
+
+    def hold_lengths(self, model: Model, nodes: Ints) -> None:
+        """Directors have no lengths to hold."""
+
+    def contribute(self, model: Model) -> None:
+        self._terms = [self._added(model, stack) for stack in self._stacks]
+        self.add_inertia(model)
+
+    def _added(self, model: Model, stack: Stack) -> Any:
+        cells, z = stack.cells, stack.through.heights
+        n_s, n_k = stack.layers.volume.shape[1:]
+        first = self.node_unknowns(self._surface.cells[cells])
+        places = np.zeros((n_k, 8, 8))
+        for k, (start, end) in enumerate(EDGES[:4]):
+            places[:, start, k], places[:, end, k] = -1.0, 1.0
+            places[:, 4 + start, k], places[:, 4 + end, k] = -z, z
+        places[:, range(4, 8), range(4, 8)] = 1.0
+        share = (z - stack.section.offset) / stack.section.thickness_of_all
+        enhanced = np.zeros((n_s, n_k, 4, 1))
+        enhanced[range(4), :, range(4), 0] = 2 * share  # each point of the surface has its own
+        groups = [
+            Group(np.hstack([first, first + 3]), np.tile(places, (n_s, 1, 1)), None, True),
+            Group(self._enhanced[cells], enhanced.reshape(n_s * n_k, 4, 1)),
+        ]
+        kind, reference = PhysicsKind.LAYER, stack.layers.reference
+        if self.formulation == "mixed":
+            kind = PhysicsKind.PRESSED_LAYER
+            weights = np.tile(np.stack([np.ones(n_k), share], axis=1), (n_s, 1))[:, :, None]
+            groups.append(Group(self._pressures[cells], weights))
+            reference = np.concatenate([reference, np.zeros((*reference.shape[:3], 1))], axis=3)
+        m, q = len(cells), n_s * n_k
+        return add_points(
+            model,
+            self,
+            kind,
+            groups,
+            stack.layers.volume.reshape(m, q),
+            self._parameters(stack).reshape(m, q, -1),
+            reference.reshape(m, q, -1),
+            energy=self._own_energy(stack),
+        )
+
+    def _parameters(self, stack: Stack) -> Array:
+        """Of the energy at the points (m, s, k, p), see cpp/visviva/point/layer.hpp."""
+        m, s, k = stack.layers.volume.shape
+        turn = stack.layers.turn
+        constants = np.zeros((k, _core.MATERIAL_PARAMETERS))
+        kinds, volume = np.zeros((k, 1)), np.zeros((k, 0))
+        if self.formulation == "mixed":
+            wide = np.zeros((m, s, k, 7, N_RAW + 1))
+            wide[..., :6, :N_RAW], wide[..., 6, N_RAW] = turn, 1.0
+            turn, volume = wide, np.zeros((k, 3))
+        for j, layer in enumerate(stack.through.layers):
+            material = layer.material
+            if self.formulation == "mixed":
+                kind, values, _, bulk, measure = material.split()
+                volume[j] = measure, values[3] if measure == OF_BLATZ_KO else 0.0, 1 / bulk
+            else:
+                kind, values = material.kind, material.constants()
+            kinds[j], constants[j, : len(values)] = int(kind), values
+        parts = [kinds, turn.reshape(m, s, k, -1), volume, constants]
+        return np.concatenate([np.broadcast_to(p, (m, s, k, p.shape[-1])) for p in parts], axis=3)
+
+    def _own_energy(self, stack: Stack) -> Function | None:
+        energy = stack.through.layers[0].material.energy
+        if energy is None:
+            return None
+        return Function(lambda c: energy(c + REST[:, None]), 6, 1, f"{self.label}: energy of its material")
+
+    # --- strains and stresses ------------------------------------------------------------------------------
+    def green(self, x: Array) -> list[Array]:
+        """Right Cauchy-Green tensors (m, s, k, 6) of each stack, in the directions of the material."""
+        phi, d = self.positions(x), self.directors(x)
+        found = []
+        for stack in self._stacks:
+            nodes = self._surface.cells[stack.cells]
+            at = phi[nodes][:, None] + stack.through.heights[:, None, None] * d[nodes][:, None]
+            raw = raw_strains(at, np.broadcast_to(d[nodes][:, None], at.shape))
+            change = raw[:, None] - stack.layers.reference
+            share = (stack.through.heights - stack.section.offset) / stack.section.thickness_of_all
+            change[..., -1] = 2 * share * x[self._enhanced[stack.cells]][:, :, None]
+            found.append(np.einsum("mskij,mskj->mski", stack.layers.turn, change) + REST)
+        return found
+
+    def stresses(self, x: Array) -> list[Array]:
+        """Second Piola-Kirchhoff stresses (m, s, k, 6) of each stack, in the directions of the material."""
+        found = []
+        for stack, C in zip(self._stacks, self.green(x), strict=True):
+            S = np.empty_like(C)
+            for k, layer in enumerate(stack.through.layers):
+                pressure = self._pressure(stack, k, x)
+                S[:, :, k] = second_piola(layer.material, C[:, :, k], pressure)
+            found.append(S)
+        return found
+
+    def _pressure(self, stack: Stack, k: int, x: Array) -> Array | None:
+        """Of the cells (m, 1) at the height k."""
+        if self.formulation != "mixed":
+            return None
+        share = (stack.through.heights[k] - stack.section.offset) / stack.section.thickness_of_all
+        return np.asarray(x[self._pressures[stack.cells]] @ np.array([[1.0], [share]]))
+
+    def resultants_of_parts(self, x: Array) -> list[Array]:
+        """Membrane forces, moments and shear forces (m, s, 8) per length of the reference, of its stresses."""
+        total = np.zeros((len(self._surface.cells), 4, 8))
+        for stack, S in zip(self._stacks, self.stresses(x), strict=True):
+            weight = stack.layers.volume / self._surface.areas[stack.cells][:, :, None]
+            back = of_components(turned(-stack.angles))
+            forces = np.einsum("kij,mskj,msk->mski", back, S, weight)
+            z = stack.through.heights[:, None]
+            total[stack.cells, :, :3] = forces[..., [0, 1, 3]].sum(axis=2)
+            total[stack.cells, :, 3:6] = (z * forces[..., [0, 1, 3]]).sum(axis=2)
+            total[stack.cells, :, 6:] = forces[..., [5, 4]].sum(axis=2)
+        return [total]
+
+    def widths(self) -> Mapping[str, int]:
+        return {**super().widths(), "thickness": 1}
+
+    def at_points(self, name: str, x: Array) -> Array:
+        if name != "thickness":
+            return super().at_points(name, x)
+        N = CELLS["quad4"].N(self._surface.rule[0])
+        stretch = np.linalg.norm(self.directors(x), axis=1)[self._surface.cells] @ N.T
+        found: Array = self.by_cell(lambda s: s.thickness_of_all)[:, None] * stretch
+        return found.reshape(-1, 1)

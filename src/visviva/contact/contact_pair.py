@@ -1,0 +1,186 @@
+"""Two sides of a contact: which surfaces they are, and the gap functions between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.body.rigid import RigidBody
+from visviva.component.point import Attachable
+from visviva.contact.bars import bar_gaps, bars_of, is_bar, turning_of
+from visviva.contact.contact_surface import Surface, joined, mesh_bodies, points_of, skin, surface_of
+from visviva.contact.creases import SMOOTH_RIGID, SMOOTH_SOLID, creased
+from visviva.contact.obstacle import frame_surface
+from visviva.mesh.faces import Faces
+
+if TYPE_CHECKING:
+    from visviva.body.shape import Outline
+    from visviva.component.component import Component
+
+FRAME = 4
+"""Vertices of a frame."""
+NOTHING_TURNS = np.zeros(0, dtype=np.int32)
+
+
+@dataclass(frozen=True)
+class GapFunctions:
+    """The core's gap functions of a pair.
+
+    Attributes
+    ----------
+    core : _core.Gaps
+    size : float
+        Largest diameter of a facet; 0 for points without facets.
+    reach : float
+        Facets farther apart than this are no candidates.
+    opposite : Surface or None
+        What the first surface faces: facets, or the frame of an exact shape; None where it touches itself.
+    turns : array of int, (n,)
+        Where balls and round bars rub: the first of four vertices that are the frame each point turns with.
+    """
+
+    core: _core.Gaps
+    size: float
+    reach: float
+    opposite: Surface | None
+    turns: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies that may touch, and how their gaps are measured.
+
+    Attributes
+    ----------
+    label : str
+        The contact, for messages.
+    first : Attachable
+        Gaps belong to the vertices of its surface.
+    second : Component or None
+        None if the first surface touches itself.
+    second_faces : str or Faces
+    mortar, dual, rubs : bool
+        Whether gaps are averaged over segments, multipliers dual, and friction acts.
+    reach : float or None
+        As the user gave it.
+    fine : bool
+        Whether round bars have points between their nodes: multipliers at more points than nodes would be redundant.
+    """
+
+    label: str
+    first: Attachable
+    second: Component | None
+    second_faces: str | Faces
+    mortar: bool
+    dual: bool
+    rubs: bool
+    reach: float | None
+    fine: bool
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the first surface is that of a rigid body, or a point."""
+        return not mesh_bodies(self.first)
+
+    @property
+    def outline(self) -> Outline | None:
+        """The second one's exact shape, if that is what counts."""
+        by_facets = self.mortar or self.second_faces != "all"
+        if self.second is None or (by_facets and self.second.surface() is not None):
+            return None
+        outline: Outline | None = self.second.outline()
+        return outline
+
+    def first_surface(self, faces: str | Faces, splits: bool) -> tuple[Surface, float]:
+        """The first surface, and the radius of balls about its points.
+
+        Where it `splits`, it does so at sharp edges if that matters: forces without friction are the same.
+        """
+        if not self.mortar or self.outline is not None:
+            return points_of(self.first, faces, self.label, self.fine)
+        surface = surface_of(self.first, faces, self.label)
+        if not splits or not (self.is_rigid or self.rubs):
+            return surface, 0.0
+        return creased(surface, SMOOTH_RIGID if self.is_rigid else SMOOTH_SOLID), 0.0
+
+    def _turning(
+        self, surface: Surface, radius: float, length: float, begin: int
+    ) -> tuple[list[Surface], NDArray[np.int32]]:
+        """Frames of balls that rub, which their points turn with, as vertices from number `begin` on.
+
+        And the first vertex of the frame of each point.
+        """
+        n = len(surface.forms)
+        if radius > 0 and self.rubs and isinstance(self.first, RigidBody):
+            return [frame_surface([self.first.frame()], length)], np.full(n, begin, dtype=np.int32)
+        if radius > 0 and self.rubs and is_bar(self.first):
+            frames = turning_of(self.first, self.fine, length)
+            return [frames], begin + FRAME * np.arange(n, dtype=np.int32)
+        return [], NOTHING_TURNS
+
+    def gap_functions(self, surface: Surface, radius: float, length: float) -> GapFunctions:
+        """Gaps of the vertices of the first surface, balls of this radius about them, in a model of this length."""
+        if self.outline is not None:
+            return self._to_shape(self.outline, surface, radius, length)
+        for bar in (self.second or self.first,):
+            if is_bar(bar):
+                return self._to_bar(bar, surface, radius)
+        if self.second is None:
+            reach, whole = self.reach or surface.size, skin(surface, None)
+            gaps = _core.self_contact(whole, surface.areas, surface.behind, reach, self.rubs, surface.places)
+            return GapFunctions(gaps, surface.size, reach, None, NOTHING_TURNS)
+        return self._to_facets(surface, radius, length)
+
+    def _to_shape(self, outline: Outline, surface: Surface, radius: float, length: float) -> GapFunctions:
+        core, frame = outline
+        frames, turns = self._turning(surface, radius, length, len(surface.forms))
+        opposite = joined(*frames, frame_surface([frame], length))
+        pair, half = self._paired(surface, opposite), np.array(core.half)
+        gaps = _core.obstacle(pair, surface.areas, radius, turns, core.kind, half, core.radius, length)
+        return GapFunctions(gaps, surface.size, length, opposite, turns)
+
+    def _to_bar(self, other: Component, surface: Surface, radius: float) -> GapFunctions:
+        """Gaps of points beside round bars."""
+        opposite, thick = bars_of(other)
+        apart = radius + thick
+        reach = self.reach or 2 * apart
+        gaps = bar_gaps(
+            self._paired(surface, opposite), surface, apart, reach, None if self.second else other
+        )
+        return GapFunctions(gaps, min(surface.size or apart, apart), reach, opposite, NOTHING_TURNS)
+
+    def _to_facets(self, surface: Surface, radius: float, length: float) -> GapFunctions:
+        if not isinstance(self.second, Attachable):
+            raise InputError(f"{self.label}: {self._opponent} has no surface")
+        opposite = surface_of(self.second, self.second_faces, self.label)
+        frames, turns = self._turning(surface, radius, length, len(surface.forms) + len(opposite.forms))
+        size = max(surface.size, opposite.size)
+        reach = self.reach or size
+        pair = self._paired(surface, opposite, *frames)
+        if self.mortar:
+            gaps = _core.mortar(pair, reach, surface.axisymmetric, self.dual)
+        else:
+            areas, behind, rubs = surface.areas, surface.behind, self.rubs
+            gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length)
+        return GapFunctions(gaps, size, reach, opposite, turns)
+
+    @property
+    def _opponent(self) -> str:
+        return self.second.label if self.second else ""
+
+    def _paired(self, surface: Surface, opposite: Surface, *frames: Surface) -> _core.Skin:
+        if surface.dimension != opposite.dimension and any(opposite.forms):
+            raise InputError(
+                f"{self.label}: {self.first.label} and {self._opponent} differ in dimension: what is plane touches "
+                "what is plane, or shapes that are fixed in space (leave out their on, and move the plane body by "
+                "Prescribed)"
+            )
+        if not any(form for part in (surface, opposite) for form in part.forms):
+            raise InputError(f"{self.label}: neither {self.first.label} nor {self._opponent} can move")
+        pair: _core.Skin = skin(surface, opposite, *frames)
+        return pair

@@ -1,0 +1,51 @@
+"""What a contact cannot do exactly, said by the check before the first step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from visviva.contact.contact_surface import mesh_bodies
+from visviva.contact.creases import bluntest
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+    from visviva.contact.contact_surface import Surface
+
+FELT = 5.0
+"""Degrees of an edge below which half of it, by which friction acts askew, does not matter."""
+DETERMINED = 3
+"""So many pressures of a rigid body on a plane follow from its equilibrium."""
+
+
+def remarks_of(contact: Contact, surface: Surface) -> list[str]:
+    """Sentences about a contact whose first surface is this one."""
+    label, first = contact.label, contact.first.label
+    rigid = contact.enforcement == "multipliers" and not mesh_bodies(contact.first, contact.second)
+    found = insulated(label, contact.first, contact.second)
+    if contact.friction > 0 and (edge := bluntest(surface)) > FELT:
+        found.append(
+            f"{label}: edges of {first} of up to {edge:.0f} degrees count as round, so that friction beside them acts "
+            f"up to {edge / 2:.0f} degrees askew; finer facets of what is round cure that, and for what is angular a "
+            "contact of its own for each face, by its name"
+        )
+    if rigid and len(surface.forms) > DETERMINED:
+        found.append(
+            f"{label}: where more than three vertices of {first} press, pressures, tractions and forces at single ones "
+            "are not determined, and depend on the motion before; their sum and its torque are"
+        )
+    if contact.friction > 0 and contact.collides and contact.tangential == "penalty":
+        found.append(
+            f"{label}: elastic slip has no time to rub in an impact by multipliers; steps in which that would be felt "
+            "are refused. Take tangential='multipliers', or enforcement='penalty'"
+        )
+    return found
+
+
+def insulated(label: str, *bodies: Any) -> list[str]:
+    """That no heat passes, if more than one of the bodies carries it."""
+    carriers = [body.label for body in bodies if body is not None and body.carries_heat]
+    if len(carriers) < 2:
+        return []
+    return [
+        f"{label}: no heat passes between {' and '.join(carriers)}, which are insulated from each other there"
+    ]

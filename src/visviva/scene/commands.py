@@ -1,0 +1,136 @@
+"""What the commands of the command line share: composing, resuming, introducing and checking a study."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from visviva.base.errors import InputError
+from visviva.base.interrupt import exit_code
+
+if TYPE_CHECKING:
+    from visviva.results.result import Result
+    from visviva.scene.gallery import Source
+
+FAILED = 1
+SCENES = (".yaml", ".yml", ".toml")
+
+
+def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **allowed: bool) -> Source:
+    """The study that was asked for, with end time, step and scheme as given, and what its scene may do."""
+    from visviva.scene.gallery import compose_example
+
+    if Path(model).suffix in SCENES or os.sep in model:
+        from visviva.scene.reading import compose_scene
+
+        source = compose_scene(model, parameters, **allowed)
+    else:
+        source = compose_example(model, parameters)
+    if "until" in given:
+        source.study.until = given["until"]
+    if "step" in given:
+        source.study.step = given["step"]
+    if "scheme" in given:
+        from visviva.scene.reading import scheme_of_text
+
+        source.study.scheme = scheme_of_text(given["scheme"])
+    if "adaptive" in given:
+        from visviva.analysis.adaptive import Adaptive
+
+        source.study.adaptive = Adaptive(tolerance=given["adaptive"])
+    return source
+
+
+def as_before(
+    directory: Path, given: dict[str, Any], parameters: dict[str, Any], force: bool
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What an earlier run was given, but for its end time; with `force` all that is given now."""
+    from visviva.output.directory import RunDirectory
+    from visviva.study.restart import notes_of
+
+    earlier = notes_of(RunDirectory.open(directory).state)["study"]
+    for key, value in parameters.items():
+        if earlier["parameters"].get(key) != value and not force:
+            raise InputError(
+                f"{directory}: was run without --set {key}={value}; resume with what it was run with, or go on with "
+                "--force if the change is meant"
+            )
+    kept = {key: value for key, value in earlier["given"].items() if key != "until"}
+    return kept | given, earlier["parameters"] | parameters
+
+
+def refuse_earlier_run(directory: Path) -> None:
+    """A new run must not mix with an older one."""
+    from visviva.output.directory import RunDirectory
+
+    earlier = RunDirectory(directory).earlier
+    if earlier:
+        raise InputError(
+            f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
+            "choose another directory with --out DIR, or delete it with --overwrite"
+        )
+
+
+def introduce(source: Source, project: bool) -> None:
+    """Title and size of a system."""
+    from visviva.analysis.march import prepare
+
+    system = source.study.system
+    prepare(system, source.study.scheme, project=project)
+    report = system.report
+    assert report is not None
+    n, m, f = report.n_coordinates, report.n_constraints, report.degrees_of_freedom
+    redundant = f", {len(report.redundant)} constraints are redundant" if report.redundant else ""
+    print(source.study.title or source.name)
+    print(f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}", flush=True)
+
+
+def shown(trajectory: Path, field: str | None) -> str:
+    """The field that was asked for, or the velocity where something flows, or von Mises' stress of solids."""
+    from visviva.output.coloring import Coloring
+    from visviva.output.trajectory import Trajectory
+
+    if field is not None:
+        return field
+    with Trajectory(trajectory) as motion:
+        if "velocity" in motion.fields and Coloring("velocity", 0, 1).streams(
+            motion, float(motion.times[-1])
+        ):
+            return "velocity"
+        return "von_mises" if "von_mises" in motion.fields else ""
+
+
+def execute(source: Source, directory: Path, **options: Any) -> int:
+    """Run a study with these options of `visviva.study.run`, and tell of it; returns the exit code."""
+    from visviva.study.run import run
+
+    try:
+        result = run(source.study, directory, **options)
+    except KeyboardInterrupt as interrupt:
+        where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
+        say(f"{where} (state and files are in {directory})")
+        return exit_code(interrupt)
+    result.audit()
+    passed = report_check(source, result)
+    print(f"files are in {directory}")
+    return 0 if passed else FAILED
+
+
+def report_check(source: Source, result: Result) -> bool:
+    """Execute an example's check and say how it went."""
+    if source.check is None:
+        return True
+    try:
+        source.check(result)
+    except AssertionError as error:
+        say(f"check of {source.name} failed: {error}")
+        return False
+    print(f"check of {source.name} passed")
+    return True
+
+
+def say(message: str) -> None:
+    """A line to standard error."""
+    print(f"visviva: {message}", file=sys.stderr)

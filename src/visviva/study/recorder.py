@@ -1,0 +1,345 @@
+"""The files of a run and what goes into them while it marches."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.analysis.march import advance, begin, keep
+from visviva.base.arguments import whole
+from visviva.base.errors import InputError, RunError, VisvivaError
+from visviva.output.directory import RunDirectory
+from visviva.output.states import StateFile
+from visviva.output.tables import Table
+from visviva.output.vtkhdf import TrajectoryWriter
+from visviva.results.ledger import Bookkeeper
+from visviva.results.result import Result, figures
+from visviva.study import restart
+from visviva.study.origin import Origin
+from visviva.study.progress import progress_bar
+from visviva.study.shown import draw, shown_field, trail_names
+from visviva.study.study import Study, measure, probe_columns
+
+Array = NDArray[np.float64]
+
+MOST_ROWS = 20_000
+MOST_KEPT = 64e6  # bytes of states kept in their file
+
+
+@dataclass(frozen=True)
+class Cadence:
+    """Every how many steps something is written or kept."""
+
+    frames: int
+    rows: int
+    states: int
+
+    @staticmethod
+    def of(study: Study, frames_per_second: float) -> Cadence:
+        """Not more frames than asked for, at least a hundred of them, at most a thousand."""
+        duration = study.until - study.system.time
+        n_steps = max(duration / study.step, 1.0)
+        apart = max(duration / 1000, min(1 / frames_per_second, duration / 100))
+        kept = 16.0 * len(study.system.x) * n_steps
+        return Cadence(
+            frames=max(1, round(apart / study.step)),
+            rows=math.ceil(n_steps / MOST_ROWS),
+            states=math.ceil(kept / MOST_KEPT),
+        )
+
+    @staticmethod
+    def all(every: int) -> Cadence:
+        """Everything every so many steps."""
+        every = whole("run", "every", every)
+        return Cadence(every, every, every)
+
+
+def steps_of(study: Study) -> dict[str, Any]:
+    """How a study steps through time."""
+    return {
+        "step": study.step,
+        "scheme": str(study.scheme),
+        "adaptive": study.adaptive and str(study.adaptive),
+    }
+
+
+class Recorder:
+    """The files of a run and what goes into them while it marches."""
+
+    def __init__(
+        self, study: Study, files: RunDirectory, result: Result, books: Bookkeeper, origin: Origin
+    ) -> None:
+        self.study, self.files, self.result, self.books, self.origin = study, files, result, books, origin
+        self.drawing = draw(study)
+        self.cadence = Cadence(1, 1, 1)
+        self.notes: dict[str, Any] = {}
+        self.ledger: Table | None = None
+        self.probes: Table | None = None
+        self.states: StateFile | None = None
+        self.rows = 0  # written to both tables; times need not grow
+        self.is_written = True  # whether all files hold all that is due up to the present state
+        self.saved_time: float | None = None  # of the state from which the run can be resumed
+        self._saved = 0.0
+        self._cost = 0.0
+        self.trajectory: TrajectoryWriter | None = None
+
+    # --- opening --------------------------------------------------------------------------------------------
+    @classmethod
+    def start(
+        cls,
+        study: Study,
+        files: RunDirectory,
+        cadence: Cadence,
+        notes: dict[str, Any],
+        project: bool = False,
+        overwrite: bool = False,
+    ) -> Recorder:
+        """Open the files of a new run and write the initial state into them."""
+        origin = Origin.of(study)
+        result, books = begin(study.system, study.scheme, project=project, step=study.step)
+        columns = probe_columns(study)
+        recorder = cls(study, RunDirectory.create(files.path, overwrite), result, books, origin)
+        recorder.cadence, recorder.notes = cadence, notes
+        with files.beginning(), recorder.closed_on_failure():
+            origin.write(files)
+            recorder.ledger = Table(files.ledger, books.ledger.names)
+            recorder.probes = Table(files.probes, columns)
+            if recorder.drawing.surfaces:
+                n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
+                recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
+            first = result.records[0]
+            recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
+            result.kept = recorder.states
+            keep(result)
+            recorder.write_row(books.ledger.rows.pop())
+            books.ledger.file = recorder.ledger
+            recorder.write_frame()
+            recorder.save()
+        return recorder
+
+    @classmethod
+    def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
+        """Open the files of an earlier run at its last saved state."""
+        kept = restart.notes_of(files.state)
+        origin, changed = Origin.read(files).resumed(files, study, force)
+        result, books = begin(
+            study.system, study.scheme, project=True, step=study.step
+        )  # as in the run, which settles the solver
+        restart.load(files.state, result, books, bool(changed))
+        now = study.system.time
+        if study.scheme.has_growing_time and study.until < now - 1e-6 * study.step:
+            raise InputError(
+                f"end time until = {study.until} is before t = {now:g}, which the run in {files.path} has reached"
+            )
+        recorder = cls(study, files, result, books, origin)
+        recorder.cadence, recorder.notes = Cadence(**kept["cadence"]), kept["study"]
+        if changed:
+            recorder.notes |= notes
+            origin.forced.append({"time": now, "changes": changed})
+        recorder.rows, recorder.saved_time = kept["rows"], now
+        with recorder.closed_on_failure():
+            rows, sums = recorder.rows, kept["checksums"]
+            recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
+            recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
+            books.ledger.file, shapes = recorder.ledger, [r.shape for r in result.records[0]]
+            recorder.states = StateFile.reopen(
+                files.states, len(study.system.x), shapes, kept["states"], sums["states"]
+            )
+            result.kept = recorder.states
+            books.ledger.rows.clear()
+            if recorder.drawing.surfaces:
+                recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
+                if recorder.trajectory.n_steps != kept["frames"]:
+                    raise InputError(
+                        f"{files.trajectory}: is damaged ({recorder.trajectory.n_steps} frames up to t = {now:g}, "
+                        f"{kept['frames']} were written); put back a copy, or start anew"
+                    )
+            if changed:  # last of all: what is refused leaves no trace
+                origin.write(files)
+        return recorder
+
+    @contextmanager
+    def closed_on_failure(self) -> Iterator[None]:
+        """Close the files if what is done inside fails."""
+        try:
+            yield
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for file in (self.ledger, self.probes, self.trajectory, self.states):
+            if file is not None:
+                file.close()
+
+    # --- marching -------------------------------------------------------------------------------------------
+    def march(self, interrupted: Any, progress: bool, save_every: float) -> None:
+        """March to the end, writing as the cadence says; whatever happens, the last state is saved."""
+        study, steps = self.study, self.result.statistics
+        if self.is_complete():
+            return
+        try:
+            with progress_bar(study, self.books.ledger, progress) as show:
+                for row in advance(
+                    self.result, self.books, until=study.until, step=study.step, adaptive=study.adaptive
+                ):
+                    self.write(steps.steps, row)
+                    self.save_now_and_then(save_every)
+                    show(row)
+                    if number := interrupted():
+                        self.save()
+                        raise KeyboardInterrupt(number)
+            self.save()
+        except Exception as error:  # a second Ctrl-C interrupts anywhere, and what stands then is not saved
+            with suppress(VisvivaError):  # the first error counts; an older state is still there
+                if self.is_written:
+                    self.save()
+            if isinstance(error, RunError):
+                error.args = (
+                    f"{error}; the run can be resumed from t = {self.saved_time!r}",
+                    *error.args[1:],
+                )
+            raise
+
+    def is_complete(self) -> bool:
+        """Whether there is nothing left to march."""
+        return self.study.system.clock.has_reached(self.study.until)
+
+    def write(self, step: int, row: Array) -> None:
+        """Write and keep what is due after a step."""
+        self.is_written, last = False, self.is_complete()
+        if last or step % self.cadence.states == 0:
+            keep(self.result)
+        if last or step % self.cadence.rows == 0:
+            self.write_row(row)
+        if last or step % self.cadence.frames == 0:
+            self.write_frame()
+        self.is_written = True
+
+    def write_row(self, row: Array) -> None:
+        """Books and probes of the present state."""
+        assert self.ledger is not None
+        assert self.probes is not None
+        self.ledger.append(row)
+        self.rows += 1
+        system = self.study.system
+        values = [np.ravel(measure(system, probe)) for probe in self.study.probes.values()]
+        self.probes.append(np.concatenate([[system.time], *values]))
+
+    def write_frame(self) -> None:
+        """The shapes at the present state."""
+        if self.trajectory is not None:
+            system = self.study.system
+            points, values = self.drawing.points(system.x), self.drawing.values(system.x, system.v)
+            self.trajectory.append(self.clock, points, values)
+
+    @property
+    def clock(self) -> float:
+        """Time of the frames: that of the system, or the number of steps where it need not grow."""
+        growing = self.study.scheme.has_growing_time
+        return self.study.system.time if growing else float(self.result.statistics.steps)
+
+    def save_now_and_then(self, seconds: float) -> None:
+        """Save the state if it is due; seldom enough that saving costs little."""
+        if time.perf_counter() - self._saved >= max(seconds, 20 * self._cost):
+            self.save()
+
+    def save(self) -> None:
+        """Save the state."""
+        start = time.perf_counter()
+        study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
+        kept = self.states
+        assert ledger is not None
+        assert probes is not None
+        assert kept is not None
+        ledger.sync()  # the state must not outlive what it goes with
+        probes.sync()
+        kept.sync()
+        if trajectory is not None:
+            trajectory.sync()
+        notes = {
+            **steps_of(study),
+            "until": study.until,
+            "cadence": asdict(self.cadence),
+            "study": self.notes,
+        }
+        notes |= {"rows": self.rows, "frames": trajectory.n_steps if trajectory else 0}
+        notes["states"] = kept.count
+        notes["checksums"] = {"ledger": ledger.checksum, "probes": probes.checksum, "states": kept.checksum}
+        restart.save(self.files.state, self.result, self.books, notes)
+        self.saved_time = study.system.time
+        self._saved = time.perf_counter()
+        self._cost = self._saved - start
+
+    # --- the end --------------------------------------------------------------------------------------------
+    def finish(self, pictures: bool) -> None:
+        """Write summary and pictures of a complete run."""
+        files, study = self.files, self.study
+        origin = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
+        files.write_summary(summary(study, self.result, self.notes | origin))
+        if pictures:
+            self.draw()
+
+    def draw(self) -> None:
+        """Draw plot and picture of the run."""
+        from visviva.output.movie import movie
+        from visviva.output.picture import snapshot
+        from visviva.output.plot import energy_plot
+
+        files, study = self.files, self.study
+        energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
+        if self.drawing.surfaces:
+            field = shown_field(study, self.drawing)
+            trails = trail_names(study, self.drawing)
+            snapshot(files.trajectory, files.picture, field=field, trails=trails)
+            for moment in study.moments:
+                if moment <= self.clock + 1e-6 * study.step:  # times add up with rounding
+                    png = files.picture_at(moment)
+                    snapshot(files.trajectory, png, time=moment, field=field, trails=trails)
+            if study.movie:
+                file = files.movie if find_spec("imageio_ffmpeg") else files.movie.with_suffix(".gif")
+                movie(files.trajectory, file, field=field, trails=trails)
+
+
+def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str, Any]:
+    """Figures of a run, for its summary."""
+    import platform
+
+    import scipy
+
+    from visviva import __version__, _core
+
+    system, numbers = study.system, figures(result)
+    return {
+        "title": study.title,
+        **notes,
+        "until": study.until,
+        **steps_of(study),
+        "unknowns": len(system.x),
+        **numbers,
+        "degrees_of_freedom": system.report and system.report.degrees_of_freedom,
+        "initial_state_moved": system.report and system.report.moves,
+        "redundant_constraints": system.report and len(system.report.redundant),
+        "end_time": system.time,
+        "last_step": system.gauges(),
+        "solver": system.core.solver,
+        "newton": asdict(system.newton),
+        "versions": {
+            "visviva": __version__,
+            "instruction_set": _core.instruction_set(),
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+        },
+    }

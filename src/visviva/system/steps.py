@@ -1,0 +1,123 @@
+"""Steps of a system: solved, accepted, their rates projected, and what follows kinks of prescribed motion."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.system.memory import Trial
+from visviva.system.newton import StepFailure
+
+if TYPE_CHECKING:
+    from visviva.scheme.schemes import Scheme
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A step whose equations are solved, with the prescribed functions it saw and the core's report."""
+
+    step: Any
+    signals: Array
+    report: Any
+
+
+def next_kink(system: System, until: float) -> float:
+    """The next time at which a prescribed function has a kink, `until` at most."""
+    k = bisect.bisect_right(system.kinks, system.time + system.clock.rounding(system.time))
+    return min(system.kinks[k], until) if k < len(system.kinks) else until
+
+
+def take(system: System, h: float, scheme: Scheme) -> Any:
+    """Advance by one step of length `h`; returns the core's report."""
+    step = system.stepper.step_of(scheme, h)
+    if system.projects(scheme):
+        attempt = solved(system, step)
+        accept(system, attempt, scheme)
+        return attempt.report
+    signals = system.signals(step).copy() if system.model.signals else None
+    report = _solve(system, system.core.advance, step, signals)
+    _arrive(system, step, system.signals(step) if signals is None else signals, scheme)
+    return report
+
+
+def solved(system: System, step: Any) -> Attempt:
+    """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
+    signals = system.signals(step).copy()
+    return Attempt(step, signals, _solve(system, system.core.solve, step, signals))
+
+
+def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
+    """Make the increment of an attempt the new state."""
+    project = system.projects(scheme)
+    x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
+    with Trial(system):
+        system.core.accept(attempt.step, attempt.signals, True)
+    _arrive(system, attempt.step, attempt.signals, scheme)
+    if project:
+        _project(system, attempt.step, scheme, x0, dx)
+
+
+def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array | None) -> Any:
+    """Report of the core's function that solves a step; if it fails, the increment is discarded."""
+    newton = system.newton
+    tangents = system.asked_tangents if newton.tangents is None else newton.tangents
+    with Trial(system):
+        system.prescribe(step)
+        report = solve(step, signals, newton.tolerance, newton.max_iterations, _keep_factor(system), tangents)
+        if not report.converged:
+            raise StepFailure(system, system.time, step.h, report)
+    return report
+
+
+def _keep_factor(system: System) -> float:
+    """A kept tangent and redundant constraints do not go together: their multipliers wander off."""
+    redundant = system.report is not None and system.report.redundant
+    return 0.0 if redundant else system.newton.keep_factor
+
+
+def _arrive(system: System, step: Any, signals: Array, scheme: Scheme) -> None:
+    system.stepper.arrive(step, signals, scheme)
+    if system.model.kinks and scheme.keeps_swinging:
+        near = system.clock.rounding(system.time)
+        passed = [t for t in system.model.kinks if system.time - step.h + near < t <= system.time + near]
+        if passed:
+            _follow_kinks(system, set().union(*(system.model.kinks[t] for t in passed)))
+
+
+def _follow_kinks(system: System, accounts: set[int]) -> None:
+    """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share."""
+    from visviva.system.consistency import project_velocities
+
+    last, before = system.stepper.last, system.core.energy.sum()
+    system.follow_prescribed()
+    if system.n_constraints:
+        project_velocities(system)
+    _evaluate_ledger_again(system)
+    system.core.work[list(accounts)] += (system.core.energy.sum() - before) / len(accounts)
+    system.stepper.led_by(last)
+
+
+def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) -> None:
+    """Project the rates of the accepted step and book it again with them."""
+    from visviva.system.consistency import project_step
+
+    work = project_step(system, step, scheme.motion(step.h), x0, x0 + dx)
+    _evaluate_ledger_again(system)
+    for (_, account), part in zip(system.model.drives, work, strict=True):
+        system.core.work[account] += part
+
+
+def _evaluate_ledger_again(system: System) -> None:
+    """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
+    system.core.mark_state()
+    work = system.core.work.copy()
+    system.evaluate_ledger()
+    system.core.work[:] = work

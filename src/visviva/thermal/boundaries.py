@@ -1,0 +1,284 @@
+"""How heat gets into bodies: temperatures that are given, fluxes, convection, radiation, sources in the volume."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.differences import forward_rate
+from visviva.base.errors import InputError, RunError
+from visviva.base.timefunction import TimeFunction
+from visviva.body.mesh_points import Points
+from visviva.component.component import Component, settings
+from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+STEFAN_BOLTZMANN = 5.670374419e-8
+"""W / (m^2 K^4), CODATA 2018."""
+
+
+class Values:
+    """A number that may depend on time, or on time and place, as the user gave it."""
+
+    def __init__(self, label: str, what: str, given: Any) -> None:
+        self.label, self.what = label, what
+        self.by_place = not isinstance(given, TimeFunction)
+        self.given = given
+
+    def at(self, time: float, X: Array) -> Array:
+        """Values (...) at a time and places (..., 3).
+
+        Raises
+        ------
+        RunError
+            If the user's function gives something else.
+        """
+        if not self.by_place:
+            return np.full(X.shape[:-1], self.given(time))
+        places = X.reshape(-1, 3)
+        found = np.asarray(self.given(time, places), dtype=float)
+        if found.shape not in ((), (len(places),)) or not np.all(np.isfinite(found)):
+            raise RunError(
+                f"{self.label}: its {self.what} has shape {found.shape}, or is not finite, at t = {time:g} for "
+                f"{len(places)} places (n, 3); it must give n finite numbers"
+            )
+        return np.asarray(np.broadcast_to(found, (len(places),)).reshape(X.shape[:-1]))
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Times at which its rate may jump."""
+        return () if self.by_place else self.given.kinks
+
+    def checked(self, X: Array) -> Array:
+        """Values (n,) at the beginning, at places (n, 3).
+
+        Raises
+        ------
+        InputError
+        """
+        try:
+            return self.at(0.0, X)
+        except RunError as error:
+            raise InputError(str(error)) from error
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class PrescribedTemperature(Component):
+    """Nodes whose temperature is given.
+
+    Parameters
+    ----------
+    body : ThermalBody or ThermoelasticSolid
+    nodes : str or int array
+        Name of a set of nodes or faces, 'all', or numbers.
+    value : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+
+    Notes
+    -----
+    The ledger books the heat that flows in there as "supply".
+    """
+
+    body: HeatCarrier
+    nodes: Nodes
+    value: OfTimeAndPlace
+
+    def __post_init__(self) -> None:
+        try:
+            self._chosen = self.body.nodes(self.nodes)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        self._values = Values(self.label, "value", self.value)
+        self._values.checked(self._places)
+
+    @property
+    def _places(self) -> Array:
+        return self.body.points[self._chosen]
+
+    def _temperatures(self, time: float) -> Array:
+        return self._values.at(time, self._places)
+
+    def _rates(self, time: float, step: float) -> Array:
+        if self._values.by_place:
+            rates: Array = forward_rate(self._temperatures, time, step)
+            return rates
+        return np.full(len(self._chosen), self._values.given.rate_after(time, step))
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.body)
+        given = GivenTemperatures(self._chosen, self._temperatures, self._rates, self._values.kinks)
+        self.body.hold_temperatures(model, self, given)
+
+
+class ThroughPoints(Component):
+    """Base of heat that comes in by a law at quadrature points."""
+
+    body: HeatCarrier
+    kind = "heat"
+
+    def points(self) -> Sequence[Points]:
+        """Where it comes in."""
+        raise NotImplementedError
+
+    def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
+        """Heat (m, q) per time and area or volume, and its derivative by the temperature (m, q)."""
+        raise NotImplementedError
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.body)
+        for p in self.points():
+            self.body.take_heat(model, self, self.kind, p, self.law)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class HeatSource(ThroughPoints):
+    """Heat that arises in the volume of a body.
+
+    Parameters
+    ----------
+    body : ThermalBody or ThermoelasticSolid
+    power : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+        Per volume.
+    """
+
+    body: HeatCarrier
+    power: OfTimeAndPlace
+    kind = "source"
+
+    def __post_init__(self) -> None:
+        self._values = Values(self.label, "power", self.power)
+        self._values.checked(self.body.points)
+
+    def points(self) -> Sequence[Points]:
+        return list(self.body.cell_points())
+
+    def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
+        return self._values.at(time, X), np.zeros_like(T)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ThroughFaces(ThroughPoints):
+    """Base of heat that comes in through `faces` of a `body`."""
+
+    body: HeatCarrier
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        try:
+            self._faces = self.body.faces(self.faces)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+
+    def points(self) -> Sequence[Points]:
+        return list(self.body.face_points(self._faces))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class HeatFlux(ThroughFaces):
+    """Heat that flows in through faces, whatever their temperature.
+
+    Parameters
+    ----------
+    body : ThermalBody or ThermoelasticSolid
+    faces : str or Faces
+        Faces without any condition let no heat through.
+    flux : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+        Per area, positive into the body.
+    """
+
+    flux: OfTimeAndPlace
+    kind = "flux"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._values = Values(self.label, "flux", self.flux)
+        self._values.checked(self.body.points)
+
+    def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
+        return self._values.at(time, X), np.zeros_like(T)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Convection(ThroughFaces):
+    """Heat exchange with a surrounding fluid: ``coefficient (ambient - T)`` per area flows in.
+
+    Parameters
+    ----------
+    body : ThermalBody or ThermoelasticSolid
+    faces : str or Faces
+    coefficient : float
+        Heat per time, area and difference of temperatures.
+    ambient : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+        Temperature of the fluid.
+    """
+
+    coefficient: Number
+    ambient: OfTimeAndPlace
+    kind = "convection"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.coefficient >= 0:
+            raise InputError(f"{self.label}: coefficient = {self.coefficient:g} is negative")
+        self._values = Values(self.label, "ambient", self.ambient)
+        self._values.checked(self.body.points)
+
+    def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
+        return self.coefficient * (self._values.at(time, X) - T), np.full_like(T, -self.coefficient)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Radiation(ThroughFaces):
+    """Heat radiation of faces that see surroundings of one temperature (Stefan-Boltzmann).
+
+    Parameters
+    ----------
+    body : ThermalBody or ThermoelasticSolid
+    faces : str or Faces
+    emissivity : float
+        From 0 to 1.
+    ambient : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+    zero : float
+        Absolute zero on the scale of all temperatures: 0 for kelvin, -273.15 for degrees Celsius.
+    constant : float
+        Of Stefan and Boltzmann, in the units of the model.
+    """
+
+    emissivity: Number
+    ambient: OfTimeAndPlace
+    zero: Number = 0.0
+    constant: Number = STEFAN_BOLTZMANN
+    kind = "radiation"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0 <= self.emissivity <= 1:
+            raise InputError(f"{self.label}: emissivity = {self.emissivity:g} is not between 0 and 1")
+        if not self.constant > 0:
+            raise InputError(f"{self.label}: constant = {self.constant:g} is not positive")
+        self._values = Values(self.label, "ambient", self.ambient)
+        start = np.append(self._values.checked(self.body.points), self.body.start_temperatures)
+        self._refuse_below_zero(start, InputError)
+
+    def _refuse_below_zero(self, temperatures: Array, kind: type[Exception]) -> None:
+        least = float(temperatures.min())
+        if not least > self.zero:
+            raise kind(
+                f"{self.label}: a temperature of {least:g} is not above absolute zero, which is {self.zero:g} here; "
+                "zero = -273.15 is right for degrees Celsius"
+            )
+
+    def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
+        ambient = self._values.at(time, X)
+        self._refuse_below_zero(ambient, RunError)
+        factor = self.emissivity * self.constant
+        return factor * ((ambient - self.zero) ** 4 - (T - self.zero) ** 4), -4 * factor * (
+            T - self.zero
+        ) ** 3

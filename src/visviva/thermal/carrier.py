@@ -1,0 +1,183 @@
+"""What conditions of heat ask of bodies that carry it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visviva.body.mesh_points import FacePoints, Points
+from visviva.component.component import Component
+from visviva.mesh.faces import Faces
+from visviva.mesh.mesh import Mesh
+from visviva.model.term import Stencils, Term
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Law = Callable[[float, Array, Array], tuple[Array, Array]]
+"""Heat (m, q) per time and size that flows in and its derivative by the temperature, of time, place and temperature."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenTemperatures:
+    """Temperatures of nodes as functions of time.
+
+    Attributes
+    ----------
+    nodes : array of int (k,)
+    values : callable
+        Temperatures (k,) at a time.
+    rates : callable
+        Their rates (k,) just after a time, given the length of steps, 0 if that is not known.
+    kinks : sequence of float
+        Times at which the rates may jump.
+    """
+
+    nodes: Ints
+    values: Callable[[float], Array]
+    rates: Callable[[float, float], Array]
+    kinks: Sequence[float]
+
+
+class HeatCarrier(Component):
+    """Base of bodies with temperatures at the nodes of a mesh.
+
+    Attributes
+    ----------
+    start_temperatures : array (n,)
+        Of the nodes.
+    """
+
+    grid: Mesh
+    start_temperatures: Array
+    carries_heat = True
+
+    @property
+    @abstractmethod
+    def points(self) -> Array:
+        """Reference positions (n, 3) of the nodes."""
+
+    @property
+    @abstractmethod
+    def dimension(self) -> int:
+        """Of space: 2 or 3."""
+
+    @abstractmethod
+    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers."""
+
+    @abstractmethod
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces by the name of their set, 'all' for the whole boundary, or as given."""
+
+    @abstractmethod
+    def cell_points(self) -> Iterator[Points]:
+        """Quadrature points of the cells, type by type."""
+
+    @abstractmethod
+    def face_points(self, faces: Faces) -> Iterator[FacePoints]:
+        """Quadrature points of faces, type by type."""
+
+    @abstractmethod
+    def temperatures(self, x: Array) -> Array:
+        """Temperatures (n,) of the nodes at the unknowns `x` of the system."""
+
+    @abstractmethod
+    def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
+        """Let nodes have temperatures as functions of time say, and book the heat that this takes."""
+
+    @abstractmethod
+    def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
+        """Let heat flow in at quadrature points, booked as `kind`."""
+
+
+class HeatInput(Term):
+    """Heat that flows in at quadrature points of cells or faces by a law of time, place and temperature."""
+
+    def __init__(self, kind: str, unknowns: NDArray[np.int32], points: Points, law: Law) -> None:
+        super().__init__()
+        self.kind, self.unknowns, self.order = kind, unknowns, np.ones(unknowns.shape[1], dtype=np.int32)
+        self.points, self.law = points, law
+
+    def taken(self, s: Stencils) -> tuple[Array, Array]:
+        """Heat (m, q) per time and size, and its derivative by the temperature."""
+        return self.law(s.step.te, self.points.X, self.at_points(s))
+
+    def at_points(self, s: Stencils) -> Array:
+        """Temperatures (m, q)."""
+        return np.asarray(s.x @ self.points.N.T)
+
+    def residual(self, s: Stencils) -> Array:
+        p = self.points
+        return np.asarray(-np.einsum("mq,mq,qk->mk", p.size, self.taken(s)[0], p.N))
+
+    def tangent(self, s: Stencils) -> Array:
+        p = self.points
+        slope = -s.step.theta * p.size * self.taken(s)[1]
+        return np.asarray(np.einsum("mq,qk,ql->mkl", slope, p.N, p.N))
+
+    def work(self, s: Stencils) -> Array:
+        """Heat (n,) that came in over the step."""
+        return np.asarray(s.step.h * (self.points.size * self.taken(s)[0]).sum(axis=1))
+
+
+class EntropyInput(HeatInput):
+    """The same where the entropy is what is balanced: heat by the temperature at which it comes in.
+
+    The unknowns are the entropies of the nodes and then their temperatures, which act as they are at the end of a step.
+    """
+
+    def __init__(self, kind: str, unknowns: NDArray[np.int32], points: Points, law: Law) -> None:
+        super().__init__(kind, unknowns, points, law)
+        self.half = unknowns.shape[1] // 2
+        self.order[self.half :] = 0
+
+    def at_points(self, s: Stencils) -> Array:
+        return np.asarray(s.x1[:, self.half :] @ self.points.N.T)
+
+    def residual(self, s: Stencils) -> Array:
+        p, found = self.points, np.zeros_like(s.x1)
+        found[:, : self.half] = -np.einsum("mq,mq,qk->mk", p.size, self.taken(s)[0] / self.at_points(s), p.N)
+        return found
+
+    def tangent(self, s: Stencils) -> Array:
+        p, T = self.points, self.at_points(s)
+        heat, slope = self.taken(s)
+        found = np.zeros((*s.x1.shape, s.x1.shape[1]))
+        by_temperature = -p.size * (slope / T - heat / T**2)
+        found[:, : self.half, self.half :] = np.einsum("mq,qk,ql->mkl", by_temperature, p.N, p.N)
+        return found
+
+
+class EntropySupply(Term):
+    """Entropy that is supplied to nodes at their temperature, per time; something else says how much.
+
+    The unknowns of a node are its entropy, its temperature, and its supply of entropy per time.
+    """
+
+    kind = "supply"
+
+    def __init__(self, unknowns: NDArray[np.int32]) -> None:
+        super().__init__()
+        self.unknowns, self.order = unknowns, np.array([1, 0, 0], dtype=np.int32)
+
+    def residual(self, s: Stencils) -> Array:
+        found = np.zeros_like(s.x1)
+        found[:, 0] = -s.x1[:, 2]
+        return found
+
+    def tangent(self, s: Stencils) -> Array:
+        K = np.zeros((3, 3))
+        K[0, 2] = -1.0
+        return np.broadcast_to(K, (len(s.x1), 3, 3))
+
+    def work(self, s: Stencils) -> Array:
+        """Heat (n,) that was supplied over the step."""
+        return np.asarray(s.step.h * s.x1[:, 1] * s.x1[:, 2])

@@ -1,0 +1,76 @@
+"""Temperatures of solids that are held at the ends of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.body.solid_fields import components
+from visviva.model.term import Stencils, Term
+from visviva.thermal.heat import Heat
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class HeldTemperature(Term):
+    """That the temperature of strain and entropy at a node, in the mean of its cells, is what it should be.
+
+    An element is a cell with one of its nodes; its unknowns are the positions of the cell's nodes, the node's entropy,
+    and its supply of entropy, whose equation this is. It speaks of the end of a step: a temperature held within
+    the step would leave those of its ends to swing about it.
+
+    Parameters
+    ----------
+    unknowns : int array (m, 3 k + 2)
+    gradients : array (m, k, 3)
+        Of the cell's shape functions at the node.
+    share : array (m,)
+        Of the cell in the mean.
+    number : int array (m,)
+        Which of the `values` is the node's.
+    """
+
+    kind = "held"
+
+    def __init__(
+        self,
+        heat: Heat,
+        material: Any,
+        unknowns: NDArray[np.int32],
+        gradients: Array,
+        share: Array,
+        number: Ints,
+        values: Callable[[float], Array],
+    ) -> None:
+        super().__init__()
+        self.heat, self.material, self.unknowns = heat, material, unknowns
+        self.gradients, self.share, self.number, self.values = gradients, share, number, values
+        self.order = np.array([2] * (unknowns.shape[1] - 2) + [1, 0], dtype=np.int32)
+
+    def _state(self, s: Stencils) -> tuple[Array, Array, Array]:
+        """Deformation gradients (m, 3, 3), C (m, 6) and temperatures (m,) at the end."""
+        places = s.x1[:, :-2].reshape(len(s.x1), -1, 3)
+        F = np.einsum("mkj,mki->mij", self.gradients, places)
+        C = components(np.swapaxes(F, -1, -2) @ F)
+        return F, C, self.heat.temperature(self.material, C, s.x1[:, -2])
+
+    def residual(self, s: Stencils) -> Array:
+        found = np.zeros_like(s.x1)
+        found[:, -1] = self.share * (self._state(s)[2] - self.values(s.step.t1)[self.number])
+        return found
+
+    def tangent(self, s: Stencils) -> Array:
+        F, C, T = self._state(s)
+        M = self.heat.entropy_gradient(self.material, C)
+        slope = self.share * T / self.heat.capacity
+        found = np.zeros((*s.x1.shape, s.x1.shape[1]))
+        by_place = -2 * np.einsum("m,mij,mjl,mkl->mki", slope, F, M, self.gradients)
+        found[:, -1, :-2], found[:, -1, -2] = by_place.reshape(len(T), -1), slope
+        return found
+
+    def work(self, s: Stencils) -> Array:
+        return np.zeros(len(s.x1))

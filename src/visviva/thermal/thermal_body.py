@@ -1,0 +1,276 @@
+"""Bodies that conduct heat and do not move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError, RunError, nearest
+from visviva.body.element import Geometry, geometry
+from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
+from visviva.component.component import Component, settings
+from visviva.component.meshed import Meshed
+from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.mesh.cells import CELLS
+from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
+from visviva.mesh.generate import MeshSource
+from visviva.mesh.mesh import Mesh
+from visviva.mesh.quadrature import mass_rule
+from visviva.model.field import Role
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.model.term import Stencils, Term
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+FIELDS = {"temperature": 1, "heat_flux": 3}
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ThermalBody(Meshed, HeatCarrier):
+    """A body that stores and conducts heat on a mesh that stands still: ``c T' = div(k grad T)``.
+
+    Parameters
+    ----------
+    mesh : Mesh, or a generator or file that gives one
+        Three-dimensional, or plane.
+    conductivity : float, or array (3,) or (3, 3)
+        Isotropic, along the axes, or a symmetric tensor; heat flows with ``-k grad T`` per area (Fourier).
+    capacity : float
+        Heat per mass and temperature; per volume where `density` is 1.
+    density : float
+    temperature : float, or a function of positions (n, 3) with values (n,)
+        At the start.
+    reference : float
+        The temperature at which conductivity and capacity are as given, and the heat content is zero.
+    conductivity_slope, capacity_slope : float
+        Their change per temperature, as a share of what they are at the reference: ``k (1 + slope (T - reference))``.
+    thickness : float
+        Of a plane body.
+    axisymmetric : bool
+        A plane mesh stands for a revolution; its coordinates are (radius, axis).
+
+    Notes
+    -----
+    Temperatures may be relative, in degrees Celsius say, since nothing here asks for the absolute ones; the ledger
+    then has no entropy. The heat content is booked as stored energy. With the energy-momentum scheme it changes
+    by exactly what flows in, however the capacity depends on the temperature.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> bar = vv.BoxMesh(size=(1, 0.1, 0.1), counts=(10, 1, 1))
+    >>> body = vv.ThermalBody(mesh=bar, conductivity=2.0, capacity=1.0)
+    >>> cold = vv.PrescribedTemperature(body=body, nodes="x0", value=0.0)
+    >>> hot = vv.PrescribedTemperature(body=body, nodes="x1", value=10.0)
+    >>> system = vv.System([body, cold, hot])
+    >>> _ = vv.quasi_static(system, until=1.0, step=1.0)
+    >>> float(vv.TemperatureAt(body=body, at=(0.25, 0, 0))(system).round(12))
+    2.5
+    """
+
+    mesh: Mesh | MeshSource
+    conductivity: Number | Matrix
+    capacity: Number = 1.0
+    density: Number = 1.0
+    temperature: NumberOrFunction = 0.0
+    reference: Number = 0.0
+    conductivity_slope: Number = 0.0
+    capacity_slope: Number = 0.0
+    thickness: Number = 1.0
+    axisymmetric: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("capacity", "density", "thickness"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
+        try:
+            self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        if self.grid.dimension != self.grid.points.shape[1]:
+            raise InputError(
+                f"{self.label}: its mesh has cells {', '.join(self.grid.cells)}; it needs cells of volume, or plane "
+                "cells with points (n, 2)"
+            )
+        if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
+            raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
+        self._tensor = conductivities(self.label, self.conductivity)
+        self.start_temperatures = self._initial()
+        if beyond := self.beyond_slopes(self.start_temperatures):
+            raise InputError(beyond)
+
+    def _initial(self) -> Array:
+        given = self.temperature(self.points) if callable(self.temperature) else self.temperature
+        start = np.array(np.broadcast_to(np.asarray(given, dtype=float), (self.grid.n_nodes,)))
+        if not np.all(np.isfinite(start)):
+            raise InputError(f"{self.label}: its temperature is not finite everywhere")
+        return start
+
+    def beyond_slopes(self, temperatures: Array) -> str:
+        """Say which of conductivity and capacity is not positive at some of these temperatures; empty if none."""
+        for what in ("conductivity", "capacity"):
+            slope = getattr(self, f"{what}_slope")
+            least = 1 + slope * (temperatures - self.reference)
+            if np.any(least <= 0):
+                worst = float(temperatures[np.argmin(least)])
+                return (
+                    f"{self.label}: its {what} is not positive at a temperature of {worst:g}; {what}_slope = {slope:g} "
+                    f"holds from the reference {self.reference:g} to {self.reference - 1 / slope:g}"
+                )
+        return ""
+
+    # --- its mesh ------------------------------------------------------------------------------------------
+    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers.
+
+        Raises
+        ------
+        InputError
+            If there is no such set or node.
+        """
+        return chosen_nodes(self.grid, chosen, self.label)
+
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given."""
+        return chosen_faces(self.grid, chosen, self.label)
+
+    def cell_points(self) -> Iterator[Points]:
+        """Quadrature points of the cells for sources, type by type."""
+        return cell_points(self.grid, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    def face_points(self, faces: Faces) -> Iterator[FacePoints]:
+        """Quadrature points of faces for what flows through them, type by type."""
+        return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    @cached_property
+    def _geometries(self) -> list[Geometry]:
+        """Gradients and volumes of the cells, type by type."""
+        extra: Any = {"thickness": self.thickness, "axisymmetric": self.axisymmetric}
+        cells = self.grid.cells.items()
+        return [geometry(self.grid.points, n, cell, rule=mass_rule(cell), **extra) for cell, n in cells]
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        T = self.start_temperatures
+        scale = float(np.ptp(T)) or float(np.abs(T).max()) or 1.0
+        self.heat = model.field(self, "temperature", T, role=Role.CONTENT, scale=scale)
+
+    def temperature_unknowns(self, nodes: Any) -> NDArray[np.int32]:
+        """The unknown of each node."""
+        return np.asarray(self.heat.start + np.asarray(nodes), dtype=np.int32)
+
+    def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
+        model.prescribe(owner, self.heat, given.nodes, given.values, given.rates, given.kinks)
+
+    def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
+        model.term(owner, HeatInput(kind, self.temperature_unknowns(points.nodes), points, law))
+
+    def contribute(self, model: Model) -> None:
+        c = self.density * self.capacity
+        constants = [c, c * self.capacity_slope, self.reference, *self._tensor, self.conductivity_slope]
+        for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
+            N = CELLS[cell].N(mass_rule(cell).points)
+            m, q, k, d = g.gradients.shape
+            weights = np.zeros((m, q, k, 4))
+            weights[..., 0], weights[..., 1 : 1 + d] = N, g.gradients
+            group = Group(self.temperature_unknowns(nodes), weights)
+            add_points(model, self, PhysicsKind.CONDUCTION, [group], g.volume, constants)
+
+        if self.conductivity_slope or self.capacity_slope:
+            model.term(self, Bounds(self))
+
+    def trouble(self, x: Array) -> str:
+        return self.beyond_slopes(self.temperatures(x))
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def temperatures(self, x: Array) -> Array:
+        """Temperatures (n,) of the nodes at the unknowns `x` of the system."""
+        return np.array(x[self.heat.start : self.heat.start + self.heat.size])
+
+    def positions(self, x: Array) -> Array:
+        return self.points
+
+    def velocities(self, x: Array, v: Array) -> Array:
+        return np.zeros_like(self.points)
+
+    def widths(self) -> Mapping[str, int]:
+        return FIELDS
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        for name in names:
+            if name not in FIELDS:
+                raise InputError(f"{self.label} has no field {name!r}{nearest(name, FIELDS)}")
+        return {n: self.temperatures(x) if n == "temperature" else self.heat_flux(x) for n in names}
+
+    def heat_flux(self, x: Array) -> Array:
+        """Heat (n, 3) that flows per area and time, smoothed to the nodes."""
+        T, total = self.temperatures(x), np.zeros((self.grid.n_nodes, 4))
+        K = self._tensor[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]][: self.dimension, : self.dimension]
+        for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
+            N = CELLS[cell].N(mass_rule(cell).points)
+            slope = np.einsum("mqkd,mk->mqd", g.gradients, T[nodes])
+            factor = 1 + self.conductivity_slope * (T[nodes] @ N.T - self.reference)
+            flux = -factor[:, :, None] * (slope @ K)
+            share = np.einsum("mq,qk->mk", g.volume, np.abs(N))
+            np.add.at(total[:, 3], nodes, share)
+            for c in range(flux.shape[2]):
+                np.add.at(total[:, c], nodes, np.einsum("mq,qk,mq->mk", g.volume, np.abs(N), flux[:, :, c]))
+        return np.asarray(total[:, :3] / total[:, 3:])
+
+
+class Bounds(Term):
+    """Ends a run whose temperatures leave the range where conductivity and capacity are positive."""
+
+    kind = "bounds"
+
+    def __init__(self, body: ThermalBody) -> None:
+        super().__init__()
+        self.body, self.order = body, np.ones(1, dtype=np.int32)
+        self.unknowns = body.temperature_unknowns(np.arange(body.grid.n_nodes))[:, None]
+
+    def residual(self, s: Stencils) -> Array:
+        return np.zeros_like(s.x1)
+
+    def tangent(self, s: Stencils) -> Array:
+        return np.zeros((len(s.x1), 1, 1))
+
+    def work(self, s: Stencils) -> Array:
+        return np.zeros(len(s.x1))
+
+    def accept(self, s: Stencils) -> None:
+        if beyond := self.body.beyond_slopes(s.x1[:, 0]):
+            raise RunError(beyond)
+
+
+def conductivities(label: str, given: Any) -> Array:
+    """Six components 11, 22, 33, 12, 23, 31 of a conductivity.
+
+    Raises
+    ------
+    InputError
+        If it is not symmetric and positive.
+
+    Examples
+    --------
+    >>> conductivities("", [1.0, 2.0, 3.0]).tolist()
+    [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
+    """
+    k = np.asarray(given, dtype=float)
+    K = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (3,)))
+    if not np.allclose(K, K.T, rtol=1e-12, atol=0):
+        raise InputError(f"{label}: the conductivity {K.tolist()} is not symmetric")
+    least = float(np.linalg.eigvalsh(K).min())
+    if not least > 0:
+        raise InputError(
+            f"{label}: the conductivity {np.asarray(given).tolist()} is not positive in all directions"
+        )
+    return np.asarray(K[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])

@@ -1,0 +1,93 @@
+"""Heat: bodies that conduct, solids that deform as well, and what lets heat in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import visviva as vv
+from catalogue.entry import ALL, NOTHING, Components, Entry
+
+HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
+
+
+GENT = vv.Gent(shear=10.0, limit=40.0, bulk=30.0)
+
+
+def slab(**options: Any) -> vv.ThermalBody:
+    mesh = vv.RectangleMesh(size=(1.0, 0.5), counts=(3, 2), cell="quad9")
+    given = {"conductivity": (2.0, 1.0, 1.0), "capacity_slope": 0.2, "conductivity_slope": 0.1, **options}
+    return vv.ThermalBody(mesh=mesh, temperature=lambda X: 1 + X[:, 0] ** 2, **given)
+
+
+def plain() -> Components:
+    """Without functions of Python."""
+    brick = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(1, 1, 1)),
+        material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        heat=HEAT,
+        temperature=22.0,
+        angular_velocity=(0.3, 0.6, 1.0),
+    )
+    body = vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), conductivity=2.0)
+    return [
+        brick,
+        body,
+        vv.Convection(body=brick, faces="x1", coefficient=0.2, ambient="23 + t"),
+        vv.PrescribedTemperature(body=body, nodes="x0", value="1 + t"),
+        vv.HeatSource(body=body, power="1 + 2*t"),
+        vv.HeatFlux(body=body, faces="y0", flux="0.5*t"),
+        vv.Radiation(body=body, faces="y1", emissivity=0.5, ambient=4.0, zero=-1.0, constant=0.01),
+    ]
+
+
+def held_slab() -> Components:
+    body = slab()
+    return [body, vv.PrescribedTemperature(body=body, nodes="x0", value=0.5)]
+
+
+def heated() -> Components:
+    body = slab()
+    return [
+        body,
+        vv.PrescribedTemperature(body=body, nodes="x0", value="1 + 0.3*sin(5*t)"),
+        vv.Convection(body=body, faces="x1", coefficient=2.0, ambient="3 + t"),
+        vv.Radiation(body=body, faces="y1", emissivity=0.5, ambient=4.0, constant=0.01),
+        vv.HeatSource(body=body, power=lambda t, X: t + X[:, 0]),
+        vv.HeatFlux(body=body, faces="y0", flux="0.5*t"),
+    ]
+
+
+def brick(cell: str = "hex8", material: Any = None, **heat: Any) -> vv.ThermoelasticSolid:
+    mesh = vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1), cell=cell)
+    return vv.ThermoelasticSolid(
+        mesh=mesh,
+        material=material or vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        heat=HEAT,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        angular_velocity=(0.3, 0.6, 1.0),
+        **heat,
+    )
+
+
+def heated_brick() -> Components:
+    body = brick()
+    return [
+        body,
+        vv.PrescribedTemperature(body=body, nodes="x0", value="20 + 0.3*sin(5*t)"),
+        vv.Convection(body=body, faces="x1", coefficient=0.2, ambient="23 + t"),
+        vv.Radiation(body=body, faces="y1", emissivity=0.5, ambient=24.0, constant=1e-6),
+        vv.HeatFlux(body=body, faces="y0", flux="0.5*t"),
+    ]
+
+
+THERMAL = [
+    Entry("thermal body, held", held_slab, NOTHING, steps=30),
+    Entry("heat without functions", plain, NOTHING, steps=30),
+    Entry("thermal body, heated", heated, NOTHING, steps=30),
+    Entry("thermoelastic brick", lambda: [brick()], ALL, steps=40),
+    Entry("thermoelastic brick, tet10", lambda: [brick("tet10")], ALL, steps=20),
+    Entry("thermoelastic brick, gent", lambda: [brick(material=GENT)], ALL, steps=30),
+    Entry("thermoelastic brick, heated", heated_brick, NOTHING, steps=30),
+]

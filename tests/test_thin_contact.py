@@ -1,0 +1,145 @@
+"""Contact of beams and shells against closed forms, and what it refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.examples import rope_on_drum
+
+E, RADIUS, LENGTH = 1e6, 0.02, 1.0
+ROD = vv.TubeSection(radius=RADIUS, young=E)
+SHEET = vv.HomogeneousSection(thickness=0.02, young=E, density=1.0)
+BENDING = E * np.pi * RADIUS**4 / 4
+
+
+def rod(start: Any, end: Any, count: int = 10, section: Any = ROD) -> vv.Beam:
+    return vv.Beam(mesh=vv.LineMesh(points=[start, end], count=count), section=section)
+
+
+def sheet(z: float = 0.0, counts: tuple[int, int] = (8, 2)) -> vv.Shell:
+    flat = vv.RectangleMesh(size=(LENGTH, 0.2), counts=counts).build()
+    points = np.pad(flat.points, ((0, 0), (0, 1)), constant_values=z)
+    return vv.Shell(mesh=vv.Mesh(points, flat.cells, face_sets=flat.face_sets), section=SHEET)
+
+
+def block(**options: Any) -> vv.Solid:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=E, poisson=0.3), density=1.0, **options)
+
+
+def test_cantilevers_that_cross_share_the_load() -> None:
+    """At their tips: the upper one carries what the lower one does, as both have the same compliance."""
+    lower = rod((0, -LENGTH, 0), (0, 0, 0))
+    upper = rod((-LENGTH, 0, 2 * RADIUS), (0, 0, 2 * RADIUS))
+    contact = vv.Contact(first=upper, second=lower, enforcement="penalty")
+    load = 1e-4
+    push = vv.Force(on=upper, at=(0, 0, 2 * RADIUS), force=(0, 0, -load), times="t")
+    held = [vv.Clamped(solid=b, nodes="start") for b in (lower, upper)]
+    system = vv.System([lower, upper, contact, push, *held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    assert contact.forces[:, 2].sum() == pytest.approx(load / 2, rel=2e-3)
+    tip = lower.displacements(system.x)[-1, 2]
+    assert tip == pytest.approx(-load / 2 * LENGTH**3 / (3 * BENDING), rel=5e-3)
+
+
+def test_cantilevers_that_lie_on_each_other_share_the_load() -> None:
+    """Of a uniform load half goes on as a uniform line of force, but at the clamped ends where nothing bends yet."""
+    lower, upper = (rod((0, 0, z), (LENGTH, 0, z), 20) for z in (0.0, 2 * RADIUS))
+    contact = vv.Contact(first=upper, second=lower, enforcement="penalty", stiffness=3e8)
+    load = 1e-4
+    push = vv.LineLoad(beam=upper, force=(0, 0, -load), times="t")
+    held = [vv.Clamped(solid=b, nodes="start") for b in (lower, upper)]
+    system = vv.System([lower, upper, contact, push, *held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    tips = [b.displacements(system.x)[-1, 2] for b in (lower, upper)]
+    assert tips == pytest.approx([-load / 2 * LENGTH**4 / (8 * BENDING)] * 2, rel=1e-2)
+
+
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_sheets_that_lie_on_each_other_share_the_load(formulation: str, enforcement: str) -> None:
+    """Two clamped strips, of which the upper one is pressed: each carries half, and pressures are half as large."""
+    lower, upper = sheet(0.0), sheet(0.02 + 1e-8)  # where both are clamped they do not touch
+    contact: Any = vv.Contact(
+        first=upper,
+        first_faces="lower",
+        second=lower,
+        second_faces="upper",
+        formulation=formulation,  # type: ignore[arg-type]
+        enforcement=enforcement,  # type: ignore[arg-type]
+    )
+    load = 1e-3
+    push = vv.Pressure(solid=upper, faces="upper", pressure=f"{load}*t")
+    held = [vv.Clamped(solid=b, nodes="x0") for b in (lower, upper)]
+    system = vv.System([lower, upper, contact, push, *held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    bending = E * 0.02**3 / 12
+    tips = [b.displacements(system.x)[b.nodes("x1"), 2].mean() for b in (lower, upper)]
+    assert tips == pytest.approx([-load / 2 * LENGTH**4 / (8 * bending)] * 2, rel=2e-2)
+
+
+def test_a_rod_that_rolls() -> None:
+    """Pushed at its middle by a force, it rolls by the acceleration 2/3 F/m of a full cylinder."""
+    section = vv.TubeSection(radius=RADIUS, young=E, density=1000.0)
+    bar = rod((0, 0, RADIUS), (0.2, 0, RADIUS), 2, section=section)
+    floor = vv.Plane()
+    contact = vv.Contact(
+        first=bar, second=floor, enforcement="penalty", friction=0.5, initial="press", tangential="penalty"
+    )
+    along = 0.5
+    system = vv.System([bar, floor, contact, vv.Gravity(acceleration=(0, along, -9.81))])
+    vv.simulate(system, until=0.2, step=0.002)
+    speed = bar.velocities(system.x, system.v)[:, 1].mean()
+    assert speed == pytest.approx(2 / 3 * along * 0.2, rel=1e-2)
+
+
+def test_rope_on_a_drum_holds_eulers_ratio() -> None:
+    study = rope_on_drum.study()
+    result = vv.simulate(study.system, until=2.0, step=0.1, scheme=vv.BackwardEuler())
+    assert rope_on_drum.ratio(result) == pytest.approx(np.exp(0.3 * np.pi), rel=0.01)
+
+
+BAR = vv.RectangleSection(width=0.1, height=0.1, young=E)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: (rod((0, 0, 1), (1, 0, 1), section=BAR), vv.Plane(), {}), "only round bars"),
+        (lambda: (rod((0, 0, 1), (1, 0, 1)), vv.Plane(), {"first_faces": "start"}), "touched all along"),
+        (lambda: (rod((0, 0, 1), (1, 0, 1)), vv.Plane(), {"formulation": "mortar"}), "points of its middle"),
+        (
+            lambda: (rod((0, 0, 1), (1, 0, 1)), rod((0, 0, 0), (1, 0, 0)), {}),
+            "kept apart by enforcement='penalty'",
+        ),
+        (
+            lambda: (
+                rod((0, 0, 1), (1, 0, 1)),
+                rod((0, 0, 0), (1, 0, 0)),
+                {"enforcement": "penalty", "friction": 0.1},
+            ),
+            "between beams is not served yet",
+        ),
+        (lambda: (block(), rod((0, 0, 2), (1, 0, 2)), {}), "exchange first and second"),
+        (lambda: (sheet(1.0), vv.Plane(), {"condensed": True}), "condensed=True is for nodes of solids"),
+        (
+            lambda: (sheet(1.0), vv.Plane(), {"initial": "resolve"}),
+            "initial='resolve' is for nodes of solids",
+        ),
+        (lambda: (sheet(1.0), vv.Plane(), {"first_faces": "top"}), "top"),
+        (lambda: (sheet(0.005), vv.Plane(), {"first_faces": "lower"}), "overlap by 0.005"),
+    ],
+)
+def test_bad_input_is_refused(make: Callable[[], tuple[Any, Any, dict[str, Any]]], message: str) -> None:
+    def begin() -> None:
+        first, second, options = make()
+        system = vv.System([first, second, vv.Contact(first=first, second=second, **options)])
+        vv.simulate(system, until=1.0, step=1.0)
+
+    with pytest.raises(vv.InputError, match=message):
+        begin()

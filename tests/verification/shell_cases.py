@@ -1,0 +1,205 @@
+"""The linear obstacle course of shells and benchmarks with large rotations, with any type of cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+
+def sheet(thickness: float, young: float, poisson: float = 0.0, **options: Any) -> vv.HomogeneousSection:
+    return vv.HomogeneousSection(thickness=thickness, young=young, poisson=poisson, **options)
+
+
+def bent(size: tuple[float, float], counts: tuple[int, int], to: Any, cell: str = "quad4") -> vv.Mesh:
+    """A rectangle whose points (n, 2) are taken to space; `counts` of nodes between nodes, whatever the cells."""
+    order = 2 if cell in ("quad9", "tri6") else 1
+    flat = vv.RectangleMesh(size=size, counts=tuple(n // order for n in counts), cell=cell).build()
+    return vv.Mesh(to(*flat.points.T), flat.cells, face_sets=flat.face_sets)
+
+
+def part_of_cylinder(radius: float, length: float, angle: float, n: int, cell: str = "quad4") -> vv.Mesh:
+    """Axis y; the angle counts from the top."""
+    return bent(
+        (length, angle),
+        (n, n),
+        lambda y, a: np.stack([radius * np.sin(a), y, radius * np.cos(a)], axis=1),
+        cell,
+    )
+
+
+def corner(shell: vv.Shell, *edges: str) -> int:
+    """The node that edges have in common."""
+    first, *others = (shell.nodes(edge) for edge in edges)
+    (node,) = (k for k in first if all(k in other for other in others))
+    return int(node)
+
+
+def symmetric(shell: vv.Shell, **planes: str) -> list[Any]:
+    """Planes of symmetry by the axis that they are normal to."""
+    normal = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
+    return [vv.SymmetryPlane(solid=shell, nodes=edge, normal=normal[axis]) for axis, edge in planes.items()]
+
+
+def linear(shell: vv.Shell, *others: Any) -> vv.System:
+    """In equilibrium with a load that is small."""
+    system = vv.System([shell, *others])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    return system
+
+
+# --- the linear obstacle course: what is found, by its reference ------------------------------------------------
+def scordelis_lo(n: int, cell: str) -> float:
+    """A roof under its weight; deep shells 0.3006, MacNeal & Harder 0.3024."""
+    shell = vv.Shell(mesh=part_of_cylinder(25.0, 25.0, np.radians(40), n, cell), section=sheet(0.25, 4.32e8))
+    diaphragm = vv.Fixed(solid=shell, nodes="x0", directions=(True, False, True))
+    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -90e-4))
+    system = linear(shell, diaphragm, *symmetric(shell, y="x1", x="y0"), weight)
+    return -1e4 * float(shell.displacements(system.x)[corner(shell, "x1", "y1"), 2]) / 0.3024
+
+
+def pinched_cylinder(n: int, cell: str) -> float:
+    """An eighth of it, between diaphragms: 1.82488e-5 (Lindberg et al. 1969)."""
+    shell = vv.Shell(mesh=part_of_cylinder(300.0, 300.0, np.pi / 2, n, cell), section=sheet(3.0, 3e6, 0.3))
+    diaphragm = vv.Fixed(solid=shell, nodes="x0", directions=(True, False, True))
+    top = corner(shell, "x1", "y0")
+    pinch = vv.Force(on=shell.point(shell.points[top]), force=(0, 0, -0.25))
+    system = linear(shell, diaphragm, *symmetric(shell, y="x1", x="y0", z="y1"), pinch)
+    return -float(shell.displacements(system.x)[top, 2]) / 1.82488e-5
+
+
+def hemisphere(n: int, cell: str) -> float:
+    """With a hole, pulled and pushed at its rim, it bends without stretching: 0.0940 (MacNeal & Harder)."""
+
+    def to(a: Array, b: Array) -> Array:
+        return 10.0 * np.stack([np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)], axis=1)
+
+    shell = vv.Shell(
+        mesh=bent((np.pi / 2, np.radians(72)), (n, n), to, cell), section=sheet(0.04, 6.825e7, 0.3)
+    )
+    pulled, pushed = corner(shell, "x0", "y0"), corner(shell, "x1", "y0")
+    system = linear(
+        shell,
+        *symmetric(shell, y="x0", x="x1"),
+        vv.Fixed(solid=shell, nodes=[pulled], directions=(False, False, True)),
+        vv.Force(on=shell.point(shell.points[pulled]), force=(1e-3, 0, 0)),
+        vv.Force(on=shell.point(shell.points[pushed]), force=(0, -1e-3, 0)),
+    )
+    return 1e3 * float(shell.displacements(system.x)[pulled, 0]) / 0.0940
+
+
+def twisted(n: int, cell: str, axis: int, thickness: float = 0.32) -> float:
+    """A cantilever twisted by 90 degrees, n by n / 6 nodes, loaded along y or z at its end (Zupan & Saje)."""
+    thick = thickness > 0.1
+    load, expected = (
+        (1e-3, {2: 5.424534868469e-3, 1: 1.753248285256e-3}) if thick else (1e-9, {2: 5.256e-3, 1: 1.294e-3})
+    )
+    scale = 1.0 if thick else 1e-6
+
+    def to(x: Array, y: Array) -> Array:
+        a = np.pi / 2 * x / 12
+        return np.stack([x, (y - 0.55) * np.cos(a), (y - 0.55) * np.sin(a)], axis=1)
+
+    across = max(2, n // 6)
+    shell = vv.Shell(mesh=bent((12.0, 1.1), (n, across), to, cell), section=sheet(thickness, 29e6, 0.22))
+    force = np.zeros(3)
+    force[axis] = load
+    pull = vv.Force(on=shell.point((12.0, 0.0, 0.0)), force=tuple(force))
+    system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), pull)
+    found = system.value(shell.point((12.0, 0.0, 0.0)).position)[axis]
+    return float(found) / load * scale / expected[axis]
+
+
+def raasch(n: int, cell: str) -> float:
+    """A hook of two arcs, clamped, sheared at its end along its width: 5.022012648672."""
+    radii, angles = (14.0, 46.0), (np.radians(60), np.radians(150))
+    lengths = [r * a for r, a in zip(radii, angles, strict=True)]
+
+    def to(s: Array, y: Array) -> Array:
+        first = np.minimum(s, lengths[0]) / radii[0]
+        x1, z1 = radii[0] * np.sin(first), radii[0] * (np.cos(first) - 1)
+        along = np.maximum(s - lengths[0], 0.0) / radii[1]
+        a = angles[0]
+        x2 = radii[1] * (np.sin(a) - np.sin(a - along))
+        z2 = -radii[1] * (np.cos(a - along) - np.cos(a))
+        return np.stack([x1 + x2, y, z1 + z2], axis=1)
+
+    share = lengths[0] / sum(lengths)
+
+    def spaced(s: Array, y: Array) -> Array:
+        """A third of the cells on the first arc."""
+        t = s / sum(lengths)
+        inner = np.where(t < 0.25, t / 0.25 * share, share + (t - 0.25) / 0.75 * (1 - share))
+        return to(inner * sum(lengths), y)
+
+    shell = vv.Shell(
+        mesh=bent((sum(lengths), 20.0), (n, max(2, n // 4)), spaced, cell), section=sheet(2.0, 3300.0, 0.35)
+    )
+    shear = vv.Traction(solid=shell, faces="x1", traction=(0, 1e-3 / 20, 0))
+    system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), shear)
+    end = shell.nodes("x1")
+    return 1e3 * float(shell.displacements(system.x)[end, 1].mean()) / 5.022012648672
+
+
+def curved_cantilever(n: int, cell: str, axis: int) -> float:
+    """A quarter of a flat ring, n nodes along and a cell or two across, loaded in its plane or across it (MacNeal)."""
+
+    def to(a: Array, r: Array) -> Array:
+        return np.stack([(4.12 + r) * np.sin(a), (4.12 + r) * np.cos(a), 0 * a], axis=1)
+
+    shell = vv.Shell(mesh=bent((np.pi / 2, 0.2), (n, 2), to, cell), section=sheet(0.1, 1e7, 0.25))
+    force = np.zeros(3)
+    force[axis] = 1e-3
+    tip = (4.22, 0.0, 0.0)
+    system = linear(
+        shell, vv.Clamped(solid=shell, nodes="x0"), vv.Force(on=shell.point(tip), force=tuple(force))
+    )
+    found = system.value(shell.point(tip).position)[axis] - tip[axis]
+    return 1e3 * float(found) / {0: 0.08734, 2: 0.5022}[axis]
+
+
+def hypar(n: int, cell: str, thickness: float) -> float:
+    """A clamped hyperbolic paraboloid under its weight: the energy of half of it (Bathe et al. 2000)."""
+
+    def to(x: Array, y: Array) -> Array:
+        return np.stack([x - 0.5, y, (x - 0.5) ** 2 - y**2], axis=1)
+
+    shell = vv.Shell(mesh=bent((1.0, 0.5), (2 * n, n), to, cell), section=sheet(thickness, 2e11, 0.3))
+    scale = {1e-2: 1e-3, 1e-3: 1e-4, 1e-4: 1e-6}[thickness]
+    load = 8000.0 * thickness * scale
+    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -load))
+    system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), *symmetric(shell, y="y0"), weight)
+    energy = 2 * weighed(shell, system, load) / scale**2
+    return energy / {1e-2: 1.6790e-3, 1e-3: 1.1013e-2, 1e-4: 8.9867e-2}[thickness]
+
+
+def weighed(shell: vv.Shell, system: vv.System, weight: float) -> float:
+    """Half the work of a weight per area: the strain energy."""
+    total = 0.0
+    for points in shell.face_points(shell.faces("upper")):
+        u = shell.displacements(system.x)[points.nodes][..., 2]
+        total -= 0.5 * weight * float(np.einsum("mq,qk,mk->", points.size, points.N, u))
+    return total
+
+
+CASES: dict[str, tuple[Callable[..., float], dict[str, Any]]] = {
+    "Scordelis-Lo roof": (scordelis_lo, {}),
+    "pinched cylinder": (pinched_cylinder, {}),
+    "hemisphere with a hole": (hemisphere, {}),
+    "twisted beam, in its plane": (twisted, {"axis": 2}),
+    "twisted beam, across": (twisted, {"axis": 1}),
+    "thin twisted beam, in its plane": (twisted, {"axis": 2, "thickness": 0.0032}),
+    "thin twisted beam, across": (twisted, {"axis": 1, "thickness": 0.0032}),
+    "Raasch's hook": (raasch, {}),
+    "curved cantilever, in its plane": (curved_cantilever, {"axis": 0}),
+    "curved cantilever, across": (curved_cantilever, {"axis": 2}),
+    "hypar, 1/100": (hypar, {"thickness": 1e-2}),
+    "hypar, 1/1000": (hypar, {"thickness": 1e-3}),
+    "hypar, 1/10000": (hypar, {"thickness": 1e-4}),
+}

@@ -1,0 +1,220 @@
+"""Solids that deform and conduct heat: both laws of thermodynamics, and closed forms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+RUBBER = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
+HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
+
+
+def distorted(cell: str, counts: tuple[int, int, int] = (2, 2, 2)) -> vv.Mesh:
+    """A brick whose inner and outer nodes are moved about."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=counts, cell=cell).build()
+    X = np.array(mesh.points)
+    bent = X + 0.05 * np.sin(2.0 * X[:, [1, 2, 0]] + X[:, [2, 0, 1]])
+    return vv.Mesh(bent, mesh.cells, face_sets=mesh.face_sets)
+
+
+def flying(cell: str = "hex8", heat: vv.Heat = HEAT, material: Any = RUBBER) -> vv.ThermoelasticSolid:
+    return vv.ThermoelasticSolid(
+        mesh=distorted(cell),
+        material=material,
+        density=1.0,
+        heat=heat,
+        temperature=lambda X: 20 + 8 * X[:, 0] ** 2,
+        angular_velocity=(1, 2, 3),
+    )
+
+
+@pytest.mark.parametrize("cell", ["hex8", "tet10", "hex20"])
+@pytest.mark.parametrize("h", [0.01, 0.05, 0.2])
+def test_both_laws_hold_to_rounding(cell: str, h: float) -> None:
+    """Isolated, hot and cold, distorted: energy and momenta are kept and entropy never falls, at any step."""
+    body, entropy = flying(cell), []
+    system = vv.System([body], vv.Newton(tolerance=1e-13))
+    result = vv.simulate(
+        system, until=12 * h, step=h, observe=lambda s: entropy.append(body.total_entropy(s.x))
+    )
+    kept = result.conservation()
+    assert kept["energy"] < 1e-12
+    assert max(kept[f"angular_{k}"] for k in "xyz") < 1e-12
+    assert np.min(np.diff(entropy)) > 0
+    assert np.ptp(body.temperatures(system.x)) < 8
+
+
+MATERIALS = [
+    vv.SaintVenantKirchhoff(young=30.0, poisson=0.3),
+    vv.MooneyRivlin(c10=5.0, c01=1.0, bulk=50.0),
+    vv.Gent(shear=10.0, limit=40.0, bulk=50.0),
+]
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_laws_hold_for_materials(material: Any) -> None:
+    body, entropy = flying(material=material), []
+    system = vv.System([body], vv.Newton(tolerance=1e-13))
+    result = vv.simulate(
+        system, until=0.5, step=0.05, observe=lambda s: entropy.append(body.total_entropy(s.x))
+    )
+    assert result.conservation()["energy"] < 1e-12
+    assert np.min(np.diff(entropy)) > 0
+
+
+def pulled(material: Any, heat: vv.Heat, stretch: float) -> tuple[vv.ThermoelasticSolid, vv.System]:
+    """A cube that is pulled without inertia, free at its sides and without exchange of heat."""
+    cube = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=material, heat=heat
+    )
+    sides = [vv.SymmetryPlane(solid=cube, nodes=f"{'xyz'[k]}0", normal=np.eye(3)[k]) for k in range(3)]
+    end = vv.Prescribed(solid=cube, nodes="x1", motion=(f"{stretch - 1}*t", None, None))
+    system = vv.System([cube, *sides, end])
+    vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+    return cube, system
+
+
+GOUGH_JOULE = [
+    (0.8, 0.0155559683, -305016.184787),
+    (1.5, 0.0648219805, 422315.584940),
+    (2.0, 0.2223064712, 700530.835851),
+]
+
+
+@pytest.mark.parametrize(("stretch", "rise", "stress"), GOUGH_JOULE)
+def test_gough_joule(stretch: float, rise: float, stress: float) -> None:
+    """A rubber band that is stretched fast warms; closed form of an incompressible one."""
+    rubber = vv.NeoHooke(shear=0.4e6, lame_lambda=0.4e10)
+    heat = vv.Heat(conductivity=1e-9, capacity=1.8e6, reference=293.15, moduli_slope=1 / 293.15)
+    cube, system = pulled(rubber, heat, stretch)
+    assert cube.temperatures(system.x) - 293.15 == pytest.approx(rise, rel=2e-3)
+    held = cube.fields(system.x).first_piola[0, 0, 0, 0]
+    assert held == pytest.approx(stress, rel=1e-3)
+
+
+def test_kelvin_cooling() -> None:
+    """Steel in tension cools: -alpha T0 sigma / (rho c_p), and is a little stiffer than at constant temperature."""
+    alpha, T0, young, sigma, rho_cp = 1.2e-5, 293.15, 210e9, 100e6, 7850 * 460.0
+    bulk = young / 3 / (1 - 0.6)
+    rho_cv = rho_cp - 9 * alpha**2 * bulk * T0
+    steel = vv.SaintVenantKirchhoff(young=young, poisson=0.3)
+    heat = vv.Heat(conductivity=1e-9, capacity=rho_cv, expansion=alpha, reference=T0)
+    adiabatic = 1 / (1 - young * alpha**2 * T0 / rho_cp)
+    strain = sigma / (young * adiabatic)
+    cube, system = pulled(steel, heat, 1 + strain)
+    assert cube.temperatures(system.x) - T0 == pytest.approx(-0.097402812, rel=2e-3)
+    held = cube.fields(system.x).first_piola[0, 0, 0, 0]
+    assert held == pytest.approx(sigma, rel=2e-3)
+
+
+COUPLED = [  # bc, epsilon, place, time, temperature, stress
+    ("robin", 0.05, 1.0, 0.75, 0.107975471, -0.150818217),
+    ("robin", 0.5, 1.0, 0.75, 0.0928191888, -0.127325959),
+    ("robin", 0.5, 0.5, 1.25, 0.228073191, -0.00829914689),
+    ("step", 0.5, 0.5, 1.25, 0.693807669, 0.0526709095),
+]
+
+
+@pytest.mark.parametrize(("bc", "epsilon", "place", "time", "temperature", "stress"), COUPLED)
+def test_danilovskaya(
+    bc: str, epsilon: float, place: float, time: float, temperature: float, stress: float
+) -> None:
+    """A half-space whose surface is heated, fully coupled; small enough to be linear."""
+    n, length, small = 90, 3.6, 1e-5
+    lam, mu = 0.4, 0.3
+    beta = np.sqrt(epsilon)
+    heat = vv.Heat(
+        conductivity=1.0, capacity=1.0, expansion=beta / (3 * lam + 2 * mu), reference=1.0, in_space=False
+    )
+    mesh = vv.BoxMesh(size=(length, 0.1, 0.1), counts=(n, 1, 1))
+    material = vv.SaintVenantKirchhoff(lame_lambda=lam, shear=mu)
+    bar = vv.ThermoelasticSolid(mesh=mesh, material=material, density=1.0, heat=heat)
+    parts: list[Any] = [vv.Fixed(solid=bar, nodes="all", directions=(False, True, True))]
+    parts.append(vv.Fixed(solid=bar, nodes="x1", directions=(True, False, False)))
+    if bc == "step":
+        parts.append(vv.PrescribedTemperature(body=bar, nodes="x0", value=1 + small))
+    else:
+        parts.append(vv.Convection(body=bar, faces="x0", coefficient=0.5, ambient=1 + small))
+    system = vv.System([bar, *parts])
+    vv.simulate(system, until=time, step=0.025)
+    found = float(vv.TemperatureAt(body=bar, at=(place, 0, 0))(system)) - 1
+    assert found / small == pytest.approx(temperature, rel=6e-3)
+    sigma = vv.FieldAt(solid=bar, field="second_piola", at=(place, 0.05, 0.05))(system)[0]
+    assert sigma / (beta * small) == pytest.approx(stress, abs=6e-3)
+
+
+def test_heat_through_boundaries_is_booked() -> None:
+    """Everything that lets heat in at once: the balance closes to rounding."""
+    body = flying()
+    parts = [
+        vv.PrescribedTemperature(body=body, nodes="x0", value="22 + sin(3*t)"),
+        vv.Convection(body=body, faces="x1", coefficient=0.3, ambient=30.0),
+        vv.Radiation(body=body, faces="y0", emissivity=0.5, ambient=25.0, constant=1e-6),
+        vv.HeatFlux(body=body, faces="z0", flux="0.2*t"),
+        vv.HeatSource(body=body, power=lambda t, X: 0.1 * X[:, 0]),
+    ]
+    system = vv.System([body, *parts], vv.Newton(tolerance=1e-13))
+    result = vv.simulate(system, until=1.0, step=0.05)
+    assert result.ledger.imbalance() < 1e-12
+    assert body.temperatures(system.x)[body.nodes("x0")].mean() == pytest.approx(22 + np.sin(3.0), abs=0.2)
+
+
+def test_conduction_turns_with_the_body() -> None:
+    """A bar that spins conducts like one that rests."""
+    ends = []
+    for spin in (0.0, 3.0):
+        mesh = vv.BoxMesh(size=(1, 0.2, 0.2), counts=(6, 1, 1))
+        stiff = vv.NeoHooke(young=1e4, poisson=0.0)
+        heat = vv.Heat(conductivity=0.1, capacity=1.0, reference=300.0)
+        bar = vv.ThermoelasticSolid(
+            mesh=mesh,
+            material=stiff,
+            density=1.0,
+            heat=heat,
+            temperature=lambda X: 300 + 50 * X[:, 0],
+            angular_velocity=(0, 0, spin),
+        )
+        system = vv.System([bar])
+        vv.simulate(system, until=1.0, step=0.02)
+        ends.append(bar.temperatures(system.x))
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-3)
+
+
+BAD = [
+    ({"temperature": -3.0}, "absolute zero"),
+    ({"formulation": "enhanced"}, "does not conduct heat yet"),
+    ({"material": vv.LinearElastic(young=1.0, poisson=0.3)}, "no material of finite strains"),
+    ({"mesh": vv.RectangleMesh(size=(1, 1), counts=(1, 1))}, "mesh in space"),
+    ({"thermal_strain": 0.1}, "thermal_strain"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), BAD)
+def test_bad_input(change: dict[str, Any], message: str) -> None:
+    given = {"mesh": vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), "material": RUBBER, "heat": HEAT}
+    with pytest.raises(vv.InputError, match=message):
+        vv.ThermoelasticSolid(**{**given, **change})
+    with pytest.raises(vv.InputError, match="capacity"):
+        vv.Heat(conductivity=1.0, capacity=-1.0)
+
+
+def test_contact_and_ties_say_that_they_are_insulated() -> None:
+    one, two = (
+        vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(k, 0, 0)), material=RUBBER, heat=HEAT
+        )
+        for k in range(2)
+    )
+    tie = vv.Tie(first=one, first_faces="x1", second=two, second_faces="x0")
+    assert any("no heat passes" in line for line in vv.System([one, two, tie]).check().remarks)
+
+
+def test_a_failing_step_is_told_as_one() -> None:
+    """States of a trial that are wild do not hide which step failed."""
+    body = flying(heat=vv.Heat(conductivity=1e5, capacity=0.2, expansion=0.5, reference=20.0))
+    with pytest.raises(vv.StepFailure):
+        vv.simulate(vv.System([body]), until=50.0, step=50.0)
