@@ -22,7 +22,8 @@ class Convergence {
     /// the slowest contraction seen since it was made, and never better than 0.05, because a part that
     /// contracts slowly may show late. A second increment that is hardly less than the first tells of the
     /// multipliers, which are not judged, and nothing of contraction: that is then taken to be as slow as a
-    /// kept tangent may be.
+    /// kept tangent may be. A return from an excursion beyond the model tells of no contraction: a ratio is
+    /// never taken to be better than an increment is small, as that of quadratic convergence near a solution.
     void judge(int k, double size) {
         k_ = k, size_ = size;
         ratio_ = k > 0 && last_ > 0 ? std::min(1.0, size / last_) : 0;
@@ -30,7 +31,8 @@ class Convergence {
         if (unknown) ratio_ = 0;
         contraction_ = std::max(contraction_, ratio_);
         const double least = unknown ? keep_factor_ : latest_ < 0 ? 0.05 : 1e-3;
-        const double slowest = latest_ == k && k > 0 ? ratio_ : std::max(contraction_, least);
+        const double slowest =
+            latest_ == k && k > 0 ? std::max(ratio_, std::min(size, 0.5)) : std::max(contraction_, least);
         error_ = slowest < 1 ? slowest / (1 - slowest) * size : size;
         last_ = size;
     }

@@ -25,6 +25,8 @@ struct NewtonOptions {
     int n_tangents = 0;
     // A step that took more iterations than this lets the next one begin with a new factorisation.
     static constexpr int many_iterations = 4;
+    /// An increment of so many sizes of the model leaves no digits for what it is to find.
+    static constexpr double astray = 1e4;
 };
 
 struct Report {

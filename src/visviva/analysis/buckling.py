@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.analysis.factors import factored
 from visviva.analysis.linearized import refuse_first_order, refuse_unfit, refuse_unsymmetric, symmetric
+from visviva.analysis.multiples import completed
 from visviva.analysis.shapes import Shapes
 from visviva.base.arguments import positive, refuse_other, whole
 from visviva.base.errors import InputError, RunError
@@ -329,12 +330,18 @@ def critical(tangent: Tangent, rate: sp.csr_array, n: int) -> tuple[Array, Array
     S = sp.diags_array(tangent.scale)
     A, rate = S @ symmetric(tangent.A) @ S, symmetric(S @ rate @ S)
     times = lambda z: -tangent.scaled(rate @ np.ravel(z))  # noqa: E731
-    inverse, z = largest(spl.LinearOperator(A.shape, matvec=times, dtype=float), 2 * n + 4)
-    real = (np.abs(inverse.imag) <= REAL * np.abs(inverse)) & (np.abs(inverse) > 0)
-    z = z[:, real].real
-    s = -(z * (A @ z)).sum(axis=0) / (z * (rate @ z)).sum(axis=0)
+
+    def nearest(operator: Any, n: int = 4) -> tuple[Array, Array]:
+        inverse, z = largest(operator, n)
+        real = (np.abs(inverse.imag) <= REAL * np.abs(inverse)) & (np.abs(inverse) > 0)
+        z = z[:, real].real
+        return -(z * (A @ z)).sum(axis=0) / (z * (rate @ z)).sum(axis=0), z
+
+    operator = spl.LinearOperator(A.shape, matvec=times, dtype=float)
+    s, z = nearest(operator, 2 * n + 4)
     order = np.argsort(np.abs(s))[:n]
-    return s[order], tangent.scale[:, None] * z[:, order]
+    s, z = completed(operator, s[order], z[:, order], rate, np.abs, nearest)
+    return s, tangent.scale[:, None] * z
 
 
 def largest(operator: Any, n: int) -> tuple[NDArray[Any], NDArray[Any]]:

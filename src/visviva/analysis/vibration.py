@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.analysis.factors import factored
 from visviva.analysis.linearized import Linearized, free_directions, massless, symmetric, without_forces
+from visviva.analysis.multiples import completed
 from visviva.base.errors import InputError, RunError
 from visviva.system.instant import COMPLIANCE
 from visviva.system.scaling import by_weight, equilibration, typical
@@ -105,8 +106,14 @@ def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
         except InputError:  # so near to rigid motions that they are singular
             break
         shift = -low
+
+    def nearest(inverse: Any, n: int = 1) -> tuple[Array, Array]:
+        found: tuple[Array, Array] = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
+        return found
+
     try:
-        squared, z = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
+        squared, z = nearest(inverse, n)
+        squared, z = completed(inverse, squared, z, B, lambda squared: squared - shift, nearest)
     except spl.ArpackError as error:
         raise RunError(
             f"modes: the lowest {n} were not found beside frequencies up to {np.sqrt(largest):.2g} rad per time; "

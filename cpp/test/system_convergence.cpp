@@ -1,0 +1,34 @@
+// What Newton's increments tell of the error that remains.
+#include "visviva/system/convergence.hpp"
+
+#include <doctest/doctest.h>
+
+#include <initializer_list>
+
+namespace {
+/// Whether the last of increments, each by a tangent of its own, is taken for the end.
+bool ends(std::initializer_list<double> increments, double tolerance = 1e-13) {
+    double contraction = 0;
+    visviva::Convergence convergence(0, contraction);
+    bool done = false;
+    int k = 0;
+    for (double size : increments) {
+        convergence.renew(k);
+        convergence.judge(k++, size);
+        done = convergence.is_there(tolerance, 1e-16, 0);
+    }
+    return done;
+}
+}  // namespace
+
+TEST_CASE("an increment ends the iteration by how fast those before it fell") {
+    CHECK(ends({1e-2, 1e-4, 1e-8, 1e-16}));
+    CHECK(ends({0.5, 1e-16}));  // a linear system
+    CHECK_FALSE(ends({1e-2, 1e-4, 1e-8}, 1e-15));
+}
+
+TEST_CASE("a return from far outside the model is no contraction") {
+    CHECK_FALSE(ends({7e-3, 5e-2, 0.7, 10, 3e9, 2e12, 2e12, 9e-3}));
+    CHECK_FALSE(ends({1e3, 1e-6}, 1e-13));
+    CHECK(ends({7e-3, 10, 2e12, 9e-3, 3e-4, 4e-7, 1e-13}));
+}
