@@ -140,7 +140,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.iterations = k + 1;
         if (!std::isfinite(size))
             return failed(std::move(report), "an unknown became infinite or not a number", worst());
-        if (size > NewtonOptions::astray && !step.is_static())
+        // Only places have a size that no choice of units changes.
+        if (size > NewtonOptions::astray && !step.is_static() && order_[worst()] == 2)
             return failed(std::move(report), "the iteration left the model far behind", worst());
         convergence.judge(k, size);
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
