@@ -1,9 +1,9 @@
 // What Newton's increments tell of the error that remains.
-#include "visviva/system/convergence.hpp"
-
 #include <doctest/doctest.h>
 
 #include <initializer_list>
+
+#include "visviva/system/convergence.hpp"
 
 namespace {
 /// Whether the last of increments, each by a tangent of its own, is taken for the end.
