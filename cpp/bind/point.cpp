@@ -83,7 +83,10 @@ void bind_point(nb::module_& m) {
         .value("LAYER", PhysicsKind::layer)
         .value("PRESSED_LAYER", PhysicsKind::pressed_layer)
         .value("DAMPED_BEAM", PhysicsKind::damped_beam)
-        .value("CONDUCTION", PhysicsKind::conduction);
+        .value("CONDUCTION", PhysicsKind::conduction)
+        .value("BRANCH", PhysicsKind::branch)
+        .value("BRANCH_IN_PLANE", PhysicsKind::branch_in_plane)
+        .value("BRANCH_OF_REVOLUTION", PhysicsKind::branch_of_revolution);
     // Components of the unknowns of each group, and how many strains the map has.
     m.def("point_shape", [](PhysicsKind kind) {
         const PointShape& shape = point_kernels(kind).shape;

@@ -20,6 +20,7 @@ from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from .body.shell import Shell
 from .body.shell_section import HomogeneousSection, Laminate, Ply
 from .body.solid import Solid
+from .body.viscoelastic_solid import ViscoelasticSolid
 from .body.solid_section import SolidLaminate, SolidLayer, SolidSection
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
@@ -60,7 +61,8 @@ from .load.thermal_strain import ThermalStrain
 from .load.torque import FollowerTorque, SemitangentialTorque, Torque, TorquePair
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from .material.material import Material
-from .material.rubber import Gent, MooneyRivlin, Ogden, Yeoh
+from .material.branch import MaxwellBranch, prony
+from .material.rubber import Gent, Hencky, MooneyRivlin, Ogden, Yeoh
 from .material.tissue import HolzapfelGasserOgden
 from .material.user_material import UserMaterial
 from .measure.beam_probes import Resultants
@@ -192,6 +194,7 @@ __all__ = [
     "HeatSource",
     "HollowCylinderMesh",
     "HollowTorusMesh",
+    "Hencky",
     "HolzapfelGasserOgden",
     "HomogeneousSection",
     "ISection",
@@ -209,6 +212,7 @@ __all__ = [
     "LineMesh",
     "LinearElastic",
     "Material",
+    "MaxwellBranch",
     "Mesh",
     "MeshFile",
     "Midpoint",
@@ -297,6 +301,7 @@ __all__ = [
     "VariationalMidpoint",
     "Velocity",
     "VelocityBoundary",
+    "ViscoelasticSolid",
     "VisvivaError",
     "Volume",
     "Yeoh",
@@ -305,6 +310,7 @@ __all__ = [
     "equilibrium",
     "march",
     "modes",
+    "prony",
     "quasi_static",
     "reaction",
     "simulate",

@@ -9,5 +9,6 @@ VISVIVA_MATERIAL(gent, GENT, .isotropic = true, .bulk = 2)  // mu, limit, bulk, 
 VISVIVA_MATERIAL(holzapfel, HOLZAPFEL, .bulk = 4)  // mu, k1, k2, kappa, bulk, volumetric, two structure tensors
 VISVIVA_MATERIAL(ogden, OGDEN, .bulk = 0)  // bulk, volumetric, isochoric (0 or 1), three times mu, alpha
 VISVIVA_MATERIAL(blatz_ko, BLATZ_KO, .isotropic = true, .plain = true)  // mu, beta
+VISVIVA_MATERIAL(hencky, HENCKY, .bulk = 0)  // bulk, volumetric, mu
 VISVIVA_MATERIAL(user, USER)  // evaluated by a callback
 // clang-format on

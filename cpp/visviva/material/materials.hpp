@@ -82,6 +82,15 @@ VISVIVA_INLINE T ogden(const T* e, const V* p) {
     return w;
 }
 
+/// Hencky: quadratic in the logarithms of principal stretches; i holds the principal values of C less 1.
+template <class T>
+VISVIVA_INLINE T hencky(const T* e, const V* p) {
+    const T log_a = 0.5 * log1p(e[0]), log_b = 0.5 * log1p(e[1]), log_c = 0.5 * log1p(e[2]);
+    const T log_j = log_a + log_b + log_c, third = (1.0 / 3) * log_j;
+    const T a = log_a - third, b = log_b - third, c = log_c - third;
+    return p[0] * volumetric(expm1(log_j), p[1]) + p[2] * (a * a + b * b + c * c);
+}
+
 /// Calls `use` with the energy of an isotropic material as a function of invariants. Every material has a
 /// call of its own, so that derivatives that are constant or zero drop out.
 template <class Use>

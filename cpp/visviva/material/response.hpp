@@ -185,13 +185,13 @@ VISVIVA_INLINE void principal(const V* c, V* value, V n[3][3]) {
 
 /// Energies of principal stretches: gradients along principal directions, with the limit where values
 /// coincide.
-template <bool second>
-VISVIVA_INLINE void from_stretches(const V* c, const V* p, Response& r) {
+template <bool second, class Energy>
+VISVIVA_INLINE void from_stretches(const V* c, Energy&& energy_of, Response& r) {
     using J = Jet<3, second>;
     V e[3], n[3][3];
     principal(c, e, n);
     const J i[3] = {J::variable(e[0], 0), J::variable(e[1], 1), J::variable(e[2], 2)};
-    const J w = ogden(i, p);
+    const J w = energy_of(i);
     r.W = w.v;
     V m[3][3][6];  // sym(n_a x n_b)
     for (int a = 0; a < 3; ++a)
@@ -226,7 +226,10 @@ __attribute__((noinline)) void respond(MaterialKind kind, const V* c, const V* p
             hooke<second>(c, p, r);
             break;
         case MaterialKind::ogden:
-            from_stretches<second>(c, p, r);
+            from_stretches<second>(c, [&](const auto* e) { return ogden(e, p); }, r);
+            break;
+        case MaterialKind::hencky:
+            from_stretches<second>(c, [&](const auto* e) { return hencky(e, p); }, r);
             break;
         case MaterialKind::holzapfel:
             from_invariants<5, second>(c, p + 6, [&](const auto* i) { return holzapfel(i, p); }, r);

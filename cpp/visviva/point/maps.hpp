@@ -37,6 +37,36 @@ struct SolidMap : Layout<SolidMap> {
     }
 };
 
+/// C of y = F - I in a plane, where nothing strains across.
+struct PlaneMap : Layout<PlaneMap> {
+    static constexpr int n_groups = 1, n_components = 2, n_local = 4, n_strains = 6;
+    static constexpr Group groups[] = {{2, 2, 2}};
+    static constexpr double origin(int j) { return j % 3 == 0 ? 1.0 : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        e[0] = 2.0 * y[0] + y[0] * y[0] + y[2] * y[2];
+        e[1] = 2.0 * y[3] + y[3] * y[3] + y[1] * y[1];
+        e[3] = y[1] + y[2] + y[0] * y[1] + y[2] * y[3];
+        e[2] = e[4] = e[5] = 0.0 * y[0];
+    }
+};
+
+/// C of (F - I, r / R - 1) in the coordinates (radius, axis); what the axial one has in the third column
+/// counts for nothing.
+struct RevolutionMap : Layout<RevolutionMap> {
+    static constexpr int n_groups = 1, n_components = 2, n_local = 6, n_strains = 6;
+    static constexpr Group groups[] = {{2, 3, 2}};
+    static constexpr double origin(int j) { return j < 5 && j % 2 == 0 ? 1.0 : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        e[0] = 2.0 * y[0] + y[0] * y[0] + y[3] * y[3];
+        e[1] = 2.0 * y[4] + y[4] * y[4] + y[1] * y[1];
+        e[2] = 2.0 * y[2] + y[2] * y[2];
+        e[3] = y[1] + y[3] + y[0] * y[1] + y[3] * y[4];
+        e[4] = e[5] = 0.0 * y[0];
+    }
+};
+
 /// (C, d, grad d)
 struct SolidScalarMap : Layout<SolidScalarMap> {
     static constexpr int n_groups = 2, n_components = 4, n_local = 13, n_strains = 10;

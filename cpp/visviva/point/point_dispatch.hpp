@@ -16,8 +16,11 @@ enum class PhysicsKind : int {
     pressed_layer = 7,  // and its pressure
     damped_beam = 8,    // directors: Gamma, K and their rates
     conduction = 9,     // temperature and its gradient
+    branch = 10,        // solid: C, with the viscous strain of a Maxwell branch
+    branch_in_plane = 11,
+    branch_of_revolution = 12,
 };
-inline constexpr int n_physics = 10;
+inline constexpr int n_physics = 13;
 
 /// What a physics expects.
 struct PointShape {

@@ -1,5 +1,6 @@
 // What physics there are: which strain map goes with which energy and pairing. Compiled once per instruction
 // set.
+#include "visviva/point/branch.hpp"
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
 #include "visviva/point/layer.hpp"
@@ -23,6 +24,9 @@ const PointKernels point_tables[n_physics] = {
     table<PressedLayerMap, PressedLayerEnergy>,
     table<BeamMap, SectionEnergy<6, 21>, ViscousPairing<6>>,
     table<ScalarMap, CapacityEnergy, ConductionPairing>,
+    table<SolidMap, BranchEnergy>,
+    table<PlaneMap, BranchEnergy>,
+    table<RevolutionMap, BranchEnergy>,
 };
 
 }  // namespace visviva::VISVIVA_ISA

@@ -140,3 +140,23 @@ class Ogden(Material):
     def lame(self) -> tuple[float, float]:
         mu = sum(m * a for m, a in zip(self.mu, self.alpha, strict=True)) / 2
         return (self.bulk - 2 / 3 * mu if self.isochoric else self.bulk), mu
+
+
+@dataclass(config=settings, kw_only=True)
+class Hencky(Elastic):
+    """Hencky: ``W = shear |dev ln U|^2 + bulk U(J)``, Hooke's law between logarithmic strain and Kirchhoff's stress.
+
+    With the logarithmic volumetric energy ``bulk ln^2 J / 2`` it is quadratic in logarithms, and holds well up to stretches
+    of about 1.3; far beyond, its stress falls.
+
+    Examples
+    --------
+    >>> Hencky(shear=1.0, bulk=2.0).lame[1]
+    1.0
+    """
+
+    volumetric: Volumetric = "logarithmic"
+    kind: ClassVar[Kind] = Kind.HENCKY
+
+    def constants(self) -> list[float]:
+        return [self.bulk_modulus, VOLUMETRIC[self.volumetric], self.lame[1]]

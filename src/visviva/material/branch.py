@@ -1,0 +1,109 @@
+"""Maxwell branches: what a spring behind a dashpot adds to a material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.material.material import Kind, Material
+
+REFUSED = (Kind.HOLZAPFEL, Kind.USER)
+
+
+@dataclass(config=settings, kw_only=True)
+class MaxwellBranch(metaclass=Validated):
+    """A spring and a dashpot in series, beside the material of a `ViscoelasticSolid`.
+
+    The spring stores ``share W(Ce)`` with the elastic strain ``Ce = Fv^-T C Fv^-1`` made isochoric; the dashpot follows
+    the deviator of the branch's Kirchhoff stress, with ``det Fv = 1`` (Reese & Govindjee 1998).
+
+    Parameters
+    ----------
+    time : float
+        Of relaxation, for small strains: viscosity by shear modulus of the branch.
+    share : float
+        By which the spring's energy is multiplied.
+    spring : Material, optional
+        Whose energy; by default that of the solid. Isotropic, of finite strains; its volumetric part counts nothing.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.MaxwellBranch(time=1.5, share=2.0).share
+    2.0
+    """
+
+    time: Number
+    share: Number = 1.0
+    spring: Material | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("time", "share"):
+            value = getattr(self, name)
+            if not (value > 0 and np.isfinite(value)):
+                raise InputError(f"MaxwellBranch: {name} = {value:g} is not positive and finite")
+
+    def parameters(self, label: str, material: Material) -> list[float]:
+        """Of the core beside a solid's `material`, see ``visviva/point/branch.hpp``.
+
+        Raises
+        ------
+        InputError
+            If the spring is no isotropic material of finite strains.
+        """
+        spring = self.spring or material
+        if spring.small or spring.kind in REFUSED:
+            raise InputError(
+                f"{label}: a MaxwellBranch has no spring of {type(spring).__name__}; give spring=vv.NeoHooke(...) or "
+                "another isotropic material of finite strains"
+            )
+        own = list(spring.constants())
+        place = _core.bulk_place(int(spring.kind))
+        if place >= 0 and not np.isfinite(own[place]):
+            own[place] = 0.0
+        viscosity = self.share * spring.lame[1] * self.time
+        rest = [0.0] * (_core.MATERIAL_PARAMETERS - len(own))
+        return [float(int(spring.kind)), self.share, 2 / viscosity, *own, *rest]
+
+
+def prony(fractions: Sequence[float], times: Sequence[float]) -> tuple[MaxwellBranch, ...]:
+    """Branches of a Prony series ``G(t) / G(0) = 1 - sum g_i (1 - exp(-t / t_i))``.
+
+    Parameters
+    ----------
+    fractions : sequence of float
+        ``g_i``, of the instantaneous shear modulus; positive, their sum less than one. The material of the solid is that
+        of long times.
+    times : sequence of float
+        ``t_i``, positive.
+
+    Returns
+    -------
+    tuple of MaxwellBranch
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> [branch.share for branch in vv.prony((0.5, 0.25), (0.1, 10.0))]
+    [2.0, 1.0]
+    """
+    g, t = np.asarray(fractions, dtype=float), np.asarray(times, dtype=float)
+    if g.ndim != 1 or g.shape != t.shape:
+        raise InputError(f"prony: {g.size} fractions and {t.size} times; give one time for each fraction")
+    if not (np.all(g > 0) and np.all(t > 0)):
+        raise InputError(f"prony: fractions {g.tolist()} and times {t.tolist()} must all be positive")
+    if not g.sum() < 1:
+        raise InputError(f"prony: the fractions' sum {g.sum():g} leaves nothing for long times; it must be below 1")
+    left = 1 - g.sum()
+    return tuple(MaxwellBranch(time=float(b), share=float(a / left)) for a, b in zip(g, t, strict=True))
