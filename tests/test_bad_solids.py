@@ -246,3 +246,41 @@ def test_factors_that_do_not_fit_are_refused_before_they_are_made(run: Any) -> N
     system = vv.System(parts, vv.Newton(linear=vv.Direct(memory_limit=1e5)))
     with pytest.raises(vv.InputError, match=r"tangent of \d+ equations needs about .* GB.*Iterative"):
         run(system, until=1.0, step=0.5)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: vv.MaxwellBranch(time=-1.0), "MaxwellBranch: time = -1 is not positive"),
+        (lambda: vv.MaxwellBranch(time=1.0, share=0.0), "MaxwellBranch: share = 0 is not positive"),
+        (lambda: vv.MaxwellBranch(time=np.inf), "MaxwellBranch: time: input should be a finite number"),
+        (lambda: vv.prony((0.5, 0.5), (1.0, 2.0)), "sum 1 leaves nothing for long times"),
+        (lambda: vv.prony((0.5, -0.1), (1.0, 2.0)), "must all be positive"),
+        (lambda: vv.prony((0.5,), (1.0, 2.0)), "1 fractions and 2 times"),
+        (lambda: relaxing(branches=[]), "ViscoelasticSolid 'block': branches is empty"),
+        (
+            lambda: relaxing(formulation="enhanced"),
+            "formulation = 'enhanced' has strains that branches do not see",
+        ),
+        (lambda: relaxing(thermal_strain=0.1), "ViscoelasticSolid 'block': takes no thermal_strain"),
+        (
+            lambda: relaxing(material=vv.LinearElastic(young=1.0, poisson=0.3)),
+            "ViscoelasticSolid 'block': a MaxwellBranch has no spring of LinearElastic; give spring=vv.NeoHooke",
+        ),
+    ],
+)
+def test_branches_outside_their_range(make: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=words):
+        make()
+
+
+def relaxing(**options: Any) -> vv.ViscoelasticSolid:
+    given = {"branches": vv.prony((0.5,), (1.0,)), "material": vv.NeoHooke(young=1.0, poisson=0.3), **options}
+    return vv.ViscoelasticSolid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), name="block", **given)
+
+
+def test_sections_of_what_relaxes_have_no_force() -> None:
+    body = relaxing()
+    system = vv.System([body])
+    with pytest.raises(vv.InputError, match=r"ViscoelasticSolid 'block': the forces of its branches"):
+        body.nodal_forces(system.x)

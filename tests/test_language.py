@@ -27,6 +27,7 @@ OUTSIDE = {
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
     "Material": BASE, "Scheme": BASE, "Term": CODE,
     "march": CALL, "simulate": CALL, "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
+    "prony": "its branches themselves",
     "arc_length": CALL, "reaction": CALL + "; ReactionForce and ReactionTorque record it",
 }  # fmt: skip
 NEEDS_CODE = {"Constraint", "GeneralizedForce", "Potential", "UserTerm", "UserMaterial"}

@@ -20,8 +20,8 @@ from .body.shape import Box, Capsule, Cone, Cylinder, Sphere, SurfaceMesh
 from .body.shell import Shell
 from .body.shell_section import HomogeneousSection, Laminate, Ply
 from .body.solid import Solid
-from .body.viscoelastic_solid import ViscoelasticSolid
 from .body.solid_section import SolidLaminate, SolidLayer, SolidSection
+from .body.viscoelastic_solid import ViscoelasticSolid
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
 from .contact.tying import Tie
@@ -59,9 +59,9 @@ from .load.support import Clamped, Fixed, Prescribed, SymmetryPlane
 from .load.surface_loads import ElasticFoundation, Pressure, Traction
 from .load.thermal_strain import ThermalStrain
 from .load.torque import FollowerTorque, SemitangentialTorque, Torque, TorquePair
+from .material.branch import MaxwellBranch, prony
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from .material.material import Material
-from .material.branch import MaxwellBranch, prony
 from .material.rubber import Gent, Hencky, MooneyRivlin, Ogden, Yeoh
 from .material.tissue import HolzapfelGasserOgden
 from .material.user_material import UserMaterial
@@ -192,9 +192,9 @@ __all__ = [
     "Heat",
     "HeatFlux",
     "HeatSource",
+    "Hencky",
     "HollowCylinderMesh",
     "HollowTorusMesh",
-    "Hencky",
     "HolzapfelGasserOgden",
     "HomogeneousSection",
     "ISection",

@@ -14,7 +14,8 @@ from catalogue.rigid import RIGID
 from catalogue.solids import SOLIDS
 from catalogue.thermal import THERMAL
 from catalogue.thin_contacts import THIN_CONTACTS
+from catalogue.viscous import VISCOUS
 
-CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *INSTANCES]
+CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *VISCOUS, *INSTANCES]
 
 __all__ = ["CATALOGUE", "Components", "Entry"]

@@ -104,6 +104,7 @@ MATERIALS = {
         shear=10.0, k1=5.0, k2=1.2, bulk=80.0, fibres=FIBRES, dispersion=0.1
     ),
     "Blatz-Ko": vv.BlatzKo(young=100.0, poisson=0.3),
+    "Hencky": vv.Hencky(young=100.0, poisson=0.3),
 }
 HOOKE = vv.LinearElastic(young=100.0, poisson=0.3)
 

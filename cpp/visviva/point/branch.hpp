@@ -5,12 +5,14 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// Places of the parameters: material of the spring, its share, the dashpot's fluidity; those of the material.
+/// Places of the parameters: material of the spring, its share, the dashpot's fluidity; those of the
+/// material.
 namespace branch {
 constexpr int kind = 0, share = 1, fluidity = 2, material = 3, n_par = 3 + material_max_parameters;
 }
 
-/// Factor of a symmetric tensor, I + l = chol(I + a) below the diagonal, free of cancellation where a is small.
+/// Factor of a symmetric tensor, I + l = chol(I + a) below the diagonal, free of cancellation where a is
+/// small.
 template <class T>
 struct LowerFactor {
     T x, y, z, p, q, r;  // 11, 22, 33, 21, 32, 31; diagonals less one
@@ -36,7 +38,8 @@ template <class T>
 VISVIVA_INLINE void elastic_strain(const T* c, const T* a, T* e) {
     const LowerFactor<T> l(a);
     // columns of l, and of u = (I + c) l
-    const T u00 = l.x + c[0] * l.x + c[3] * l.p + c[5] * l.r, u10 = l.p + c[3] * l.x + c[1] * l.p + c[4] * l.r,
+    const T u00 = l.x + c[0] * l.x + c[3] * l.p + c[5] * l.r,
+            u10 = l.p + c[3] * l.x + c[1] * l.p + c[4] * l.r,
             u20 = l.r + c[5] * l.x + c[4] * l.p + c[2] * l.r, u11 = l.y + c[1] * l.y + c[4] * l.q,
             u21 = l.q + c[4] * l.y + c[2] * l.q, u01 = c[3] * l.y + c[5] * l.q, u22 = l.z + c[2] * l.z,
             u12 = c[4] * l.z, u02 = c[5] * l.z;
@@ -122,8 +125,8 @@ struct BranchEnergy : TensorEnergy {
             for (int b = a; b < n; ++b) {
                 V sum{};
                 for (int k = 0; k < 6; ++k)
-                    sum += by[k][b] * strain[k].g[a] +
-                           tensor_weight(k) * w.s[k] * strain[k].h[packed(n, a, b)];
+                    sum +=
+                        by[k][b] * strain[k].g[a] + tensor_weight(k) * w.s[k] * strain[k].h[packed(n, a, b)];
                 to.d[packed(n, a, b)] = share * sum / (weight(a) * weight(b));
             }
     }

@@ -39,7 +39,7 @@ class ViscoelasticSolid(Solid):
     -----
     Every branch has a viscous strain of its own at every quadrature point. The same discrete gradient that gives the
     stress drives the dashpots, so that with the energy-momentum scheme what they dissipate, a quadratic form of that
-    force, is exactly what the energy loses; the ledger has it as "dissipated" and the energy of the springs as "stored".
+    force, is exactly what the energy loses; the ledger has it as "dissipated", the energy of the springs as "stored".
     Branches see the strains of displacements: they have no volumetric stress, so that 'F-bar' and 'mixed' go with them.
     Fields of stress are those of the material alone, without the branches.
 
@@ -72,15 +72,28 @@ class ViscoelasticSolid(Solid):
 
     def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
         made = super()._made(model, cell, nodes, first)
-        g = geometry(
-            self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric
-        )
+        g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
         kind, weights = PhysicsKind.BRANCH, g.gradients
         if self.dimension == 2:
             kind = PhysicsKind.BRANCH_IN_PLANE
             if g.hoop is not None:
-                kind, weights = PhysicsKind.BRANCH_OF_REVOLUTION, np.concatenate([weights, g.hoop[..., None]], axis=3)
+                kind, weights = (
+                    PhysicsKind.BRANCH_OF_REVOLUTION,
+                    np.concatenate([weights, g.hoop[..., None]], axis=3),
+                )
         for constants in self._constants:
             group = Group(self.node_unknowns(nodes), weights, None, True)
             add_points(model, self, kind, [group], g.volume, constants)
         return made
+
+    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
+        """Refused: the forces of branches depend on more than `x`.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError(
+            f"{self.label}: the forces of its branches do not follow from a state alone, and sections have none; "
+            "vv.SupportForce tells what supports carry"
+        )

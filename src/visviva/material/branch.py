@@ -17,8 +17,12 @@ from visviva.material.material import Kind, Material
 REFUSED = (Kind.HOLZAPFEL, Kind.USER)
 
 
+class Branch(metaclass=Validated):
+    """Base of what relaxes beside a material."""
+
+
 @dataclass(config=settings, kw_only=True)
-class MaxwellBranch(metaclass=Validated):
+class MaxwellBranch(Branch):
     """A spring and a dashpot in series, beside the material of a `ViscoelasticSolid`.
 
     The spring stores ``share W(Ce)`` with the elastic strain ``Ce = Fv^-T C Fv^-1`` made isochoric; the dashpot follows
@@ -47,8 +51,8 @@ class MaxwellBranch(metaclass=Validated):
     def __post_init__(self) -> None:
         for name in ("time", "share"):
             value = getattr(self, name)
-            if not (value > 0 and np.isfinite(value)):
-                raise InputError(f"MaxwellBranch: {name} = {value:g} is not positive and finite")
+            if not value > 0:
+                raise InputError(f"MaxwellBranch: {name} = {value:g} is not positive")
 
     def parameters(self, label: str, material: Material) -> list[float]:
         """Of the core beside a solid's `material`, see ``visviva/point/branch.hpp``.
@@ -79,8 +83,8 @@ def prony(fractions: Sequence[float], times: Sequence[float]) -> tuple[MaxwellBr
     Parameters
     ----------
     fractions : sequence of float
-        ``g_i``, of the instantaneous shear modulus; positive, their sum less than one. The material of the solid is that
-        of long times.
+        ``g_i``, of the instantaneous shear modulus; positive, their sum less than one. The solid's material is that of
+        long times.
     times : sequence of float
         ``t_i``, positive.
 
@@ -104,6 +108,8 @@ def prony(fractions: Sequence[float], times: Sequence[float]) -> tuple[MaxwellBr
     if not (np.all(g > 0) and np.all(t > 0)):
         raise InputError(f"prony: fractions {g.tolist()} and times {t.tolist()} must all be positive")
     if not g.sum() < 1:
-        raise InputError(f"prony: the fractions' sum {g.sum():g} leaves nothing for long times; it must be below 1")
+        raise InputError(
+            f"prony: the fractions' sum {g.sum():g} leaves nothing for long times; it must be below 1"
+        )
     left = 1 - g.sum()
     return tuple(MaxwellBranch(time=float(b), share=float(a / left)) for a, b in zip(g, t, strict=True))

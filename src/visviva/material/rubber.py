@@ -8,7 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
 from visviva.component.values import Number
-from visviva.material.material import VOLUMETRIC, Kind, Material, Volumetric
+from visviva.material.material import VOLUMETRIC, Elastic, Kind, Material, Volumetric
 
 
 @dataclass(config=settings, kw_only=True)
@@ -146,8 +146,8 @@ class Ogden(Material):
 class Hencky(Elastic):
     """Hencky: ``W = shear |dev ln U|^2 + bulk U(J)``, Hooke's law between logarithmic strain and Kirchhoff's stress.
 
-    With the logarithmic volumetric energy ``bulk ln^2 J / 2`` it is quadratic in logarithms, and holds well up to stretches
-    of about 1.3; far beyond, its stress falls.
+    With the logarithmic volumetric energy ``bulk ln^2 J / 2`` it is quadratic in logarithms; at large stretches its
+    nominal stress falls.
 
     Examples
     --------

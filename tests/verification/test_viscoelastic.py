@@ -1,0 +1,126 @@
+"""Maxwell branches: relaxation, creep and harmonic moduli in closed form, and the balance of energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+LONG, BRANCH, ETA = (
+    1.0,
+    2.0,
+    3.0,
+)  # a Zener solid: moduli of the spring beside and in the branch, its viscosity
+TIME = ETA / BRANCH
+JUMP = 1e-9  # in which what happens at once is done
+
+
+def bar(material: vv.Material, *loads: Any, **options: Any) -> tuple[vv.System, vv.ViscoelasticSolid]:
+    """A cube in one direction, its sides free, with what pulls at x = 1."""
+    body = vv.ViscoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=material,
+        formulation="mixed",
+        branches=[vv.MaxwellBranch(time=TIME, share=BRANCH / LONG, **options)],
+    )
+    axes = {"x0": (1, 0, 0), "y0": (0, 1, 0), "z0": (0, 0, 1)}
+    sides = [vv.SymmetryPlane(solid=body, nodes=n, normal=a) for n, a in axes.items()]
+    return vv.System([body, *sides, *(load(body) for load in loads)]), body
+
+
+def pulled(motion: str) -> Any:
+    return lambda body: vv.Prescribed(solid=body, nodes="x1", motion=(motion, None, None), name="grip")
+
+
+def stretched(material: vv.Material, stretch: float, end: float, h: float, **options: Any) -> vv.Result:
+    """Stretched at once, held while it relaxes."""
+    at_once = f"{stretch - 1!r}*(1-cos(pi*min(t/{JUMP!r},1)))/2"
+    system, _ = bar(material, pulled(at_once), **options)
+    vv.quasi_static(system, until=JUMP, step=JUMP / 4)
+    return vv.simulate(system, until=end, step=h)
+
+
+def test_large_stretches_relax_as_logarithms_do() -> None:
+    """Hencky's energy: exponential in time, at any stretch; all of the branch's energy is dissipated, 1.441359."""
+    material = vv.Hencky(shear=LONG, poisson=0.4999999)
+    found = []
+    for h in (0.2, 0.1):
+        result = stretched(material, 2.0, 15.0, h)
+        t, stored = result.ledger["time"], result.ledger["potential_stored"]
+        exact = 1.5 * BRANCH * np.log(2) ** 2 * np.exp(-2 * t / TIME)
+        found.append(np.abs(stored - exact).max())
+        assert result.ledger["work_dissipated"][-1] == pytest.approx(-1.441359041755, rel=1e-6)
+        assert np.abs(result.ledger["imbalance"]).max() < 1e-13
+    assert found[0] < 0.01
+    assert 3.7 < found[0] / found[1] < 4.3
+
+
+def test_the_force_on_the_grip_falls_by_the_table() -> None:
+    """3 (mu + mu_v exp(-t / tau)) ln 2 at t = 0.5, 1, 2, 5."""
+    table = {0.5: 5.0594114879227, 1.0: 4.214683312731742, 2.0: 3.1757112202113547, 5.0: 2.227805509127609}
+    material, h, found = vv.Hencky(shear=LONG, poisson=0.4999999), 0.02, {}
+    at_once = f"1-0.5*(1+cos(pi*min(t/{JUMP!r},1)))"
+    system, body = bar(material, pulled(at_once))
+    vv.quasi_static(system, until=JUMP, step=JUMP / 4)
+    grip = vv.SupportForce(solid=body, nodes="x1")
+
+    def watch(s: vv.System) -> None:
+        found[s.time] = grip(s)[0] * 2.0
+
+    vv.simulate(system, until=5.02, step=h, observe=watch)
+    times = np.array(sorted(found))
+    stress = np.array([found[t] for t in times])
+    for t, exact in table.items():
+        assert np.interp(t, times, stress) == pytest.approx(exact, rel=1e-4)
+
+
+RUBBER = vv.NeoHooke(young=LONG, poisson=0.4999999)  # of Young's modulus LONG, the branch of BRANCH
+TINY = 1e-6
+
+
+def test_it_creeps_as_a_zener_solid_does() -> None:
+    """Compliance 1/3, 0.4034, 0.4662, 0.5725, 0.7805 at t = 0, 0.5, 1, 2, 5 under a stress applied at once."""
+    table = {0.5: 0.403440455457, 1.0: 0.466175064722, 2.0: 0.572546407713, 5.0: 0.780538008128}
+    at_once = f"{TINY!r}*(1-cos(pi*min(t/{JUMP!r},1)))/2"
+    system, body = bar(RUBBER, lambda b: vv.Traction(solid=b, faces="x1", traction=(1, 0, 0), times=at_once))
+    vv.quasi_static(system, until=JUMP, step=JUMP / 4)
+    end = body.nodes("x1")[0]
+
+    def compliance(s: vv.System) -> float:
+        return float(body.positions(s.x)[end, 0] - 1) / TINY
+
+    assert compliance(system) == pytest.approx(1 / 3, rel=1e-5)
+    found = {}
+    vv.simulate(
+        system, until=5.0, step=0.05, observe=lambda s: found.update({round(s.time, 3): compliance(s)})
+    )
+    for t, exact in table.items():
+        assert found[t] == pytest.approx(exact, rel=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("omega", "storage", "loss"),
+    [
+        (0.1, 1.0440097799511, 0.293398533007),
+        (1.0, 2.38461538461538, 0.923076923076923),
+        (10.0, 2.99115044, 0.132743363),
+    ],
+)
+def test_harmonic_moduli_are_those_of_a_zener_solid(omega: float, storage: float, loss: float) -> None:
+    period = 2 * np.pi / omega
+    h, cycles = period / 50, 8 if omega * TIME > 5 else 3
+    system, body = bar(RUBBER, pulled(f"{TINY!r}*sin({omega!r}*t)"))
+    grip, t, force = vv.SupportForce(solid=body, nodes="x1"), [], []
+
+    def watch(s: vv.System) -> None:
+        t.append(s.time), force.append(grip(s)[0] / TINY)
+
+    vv.simulate(system, until=cycles * period, step=h, observe=watch)
+    last = slice(-50, None)
+    phase, sigma = omega * np.array(t)[last], np.array(force)[last]
+    real, imaginary = 2 * np.mean(sigma * np.sin(phase)), 2 * np.mean(sigma * np.cos(phase))
+    assert real == pytest.approx(storage, rel=1e-3)
+    assert imaginary == pytest.approx(loss, rel=5e-3)
