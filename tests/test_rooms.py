@@ -28,6 +28,7 @@ ROOMS = (
     "contact",
     "flow",
     "thermal",
+    "phase",  # phase fields
     "system",
     "measure",
     "user",

@@ -106,6 +106,7 @@ from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .model.term import Term
+from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, RegularSolution, UserFreeEnergy
 from .results.result import Result
 from .scheme.schemes import (
     BDF2,
@@ -164,6 +165,7 @@ __all__ = [
     "Distance",
     "DistributedCoupling",
     "Divergence",
+    "DoubleWell",
     "EdgeMoment",
     "ElasticFoundation",
     "EnergyMomentum",
@@ -172,6 +174,7 @@ __all__ = [
     "Faces",
     "FieldAt",
     "Fixed",
+    "FloryHuggins",
     "FlowField",
     "FlowForce",
     "FlowRate",
@@ -234,6 +237,7 @@ __all__ = [
     "PointOnLine",
     "PointOnPlane",
     "PolygonSection",
+    "PolynomialEnergy",
     "Position",
     "Potential",
     "Prescribed",
@@ -247,6 +251,7 @@ __all__ = [
     "ReactionTorque",
     "RectangleMesh",
     "RectangleSection",
+    "RegularSolution",
     "Result",
     "Resultants",
     "Revolute",
@@ -295,6 +300,7 @@ __all__ = [
     "Traction",
     "TubeSection",
     "Universal",
+    "UserFreeEnergy",
     "UserMaterial",
     "UserSection",
     "UserTerm",

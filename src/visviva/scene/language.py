@@ -19,6 +19,7 @@ from visviva.material.branch import Branch
 from visviva.material.material import Material
 from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
+from visviva.phase.free_energy import FreeEnergy
 from visviva.scheme.schemes import Scheme
 from visviva.thermal.heat import HeatLaw
 
@@ -43,6 +44,7 @@ CHOICES: dict[str, type[Any]] = {
     "section": Section,
     "layer": Layer,
     "heat": HeatLaw,
+    "free energy": FreeEnergy,
     "linear": LinearOptions,
 }
 """Kinds of values among which an argument chooses, by their names in the schema."""
