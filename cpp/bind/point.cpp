@@ -73,20 +73,7 @@ void bind_point(nb::module_& m) {
             nb::arg("index"), nb::arg("weights"), nb::arg("products"), nb::arg("factors"),
             nb::arg("stiffness"), nb::arg("reference"))
         .def_rw("energy_account", &AssumedTerm::energy_account);
-    nb::enum_<PhysicsKind>(m, "PhysicsKind")
-        .value("VISCOELASTIC", PhysicsKind::viscoelastic)
-        .value("THERMOELASTIC", PhysicsKind::thermoelastic)
-        .value("DAMAGE", PhysicsKind::damage)
-        .value("CAHN_HILLIARD", PhysicsKind::cahn_hilliard)
-        .value("BEAM", PhysicsKind::beam)
-        .value("SHELL", PhysicsKind::shell)
-        .value("LAYER", PhysicsKind::layer)
-        .value("PRESSED_LAYER", PhysicsKind::pressed_layer)
-        .value("DAMPED_BEAM", PhysicsKind::damped_beam)
-        .value("CONDUCTION", PhysicsKind::conduction)
-        .value("BRANCH", PhysicsKind::branch)
-        .value("BRANCH_IN_PLANE", PhysicsKind::branch_in_plane)
-        .value("BRANCH_OF_REVOLUTION", PhysicsKind::branch_of_revolution);
+    bind_kinds<PhysicsKind>(m, "PhysicsKind", physics_traits);
     // Components of the unknowns of each group, and how many strains the map has.
     m.def("point_shape", [](PhysicsKind kind) {
         const PointShape& shape = point_kernels(kind).shape;

@@ -1,26 +1,27 @@
-// The kernels of physics at points for one instruction set.
+// Which physics there are, see physics_list.hpp, and their kernels for the machine that runs.
 #pragma once
+#include <iterator>
+
 #include "visviva/point/point.hpp"
 
 namespace visviva {
 
-/// What may be built from a strain map, an energy and a pairing; point_kernels.cpp says how.
 enum class PhysicsKind : int {
-    viscoelastic = 0,   // solid: C, with internal variables
-    thermoelastic = 1,  // solid: C, entropy, temperature and its gradient
-    damage = 2,         // solid: C, damage and its gradient
-    cahn_hilliard = 3,  // concentration, its gradient, potential and its gradient
-    beam = 4,           // directors: Gamma, K
-    shell = 5,          // four nodes with directors: membrane, bending, shear
-    layer = 6,          // of a shell whose directors stretch: C
-    pressed_layer = 7,  // and its pressure
-    damped_beam = 8,    // directors: Gamma, K and their rates
-    conduction = 9,     // temperature and its gradient
-    branch = 10,        // solid: C, with the viscous strain of a Maxwell branch
-    branch_in_plane = 11,
-    branch_of_revolution = 12,
+#define VISVIVA_PHYSICS(physics, ...) physics,
+#include "visviva/point/physics_list.hpp"
+#undef VISVIVA_PHYSICS
 };
-inline constexpr int n_physics = 13;
+
+struct PhysicsTraits {
+    PhysicsKind kind;
+    const char* name;  // in Python
+};
+inline constexpr PhysicsTraits physics_traits[] = {
+#define VISVIVA_PHYSICS(physics, python, ...) {PhysicsKind::physics, #python},
+#include "visviva/point/physics_list.hpp"
+#undef VISVIVA_PHYSICS
+};
+inline constexpr int n_physics = static_cast<int>(std::size(physics_traits));
 
 /// What a physics expects.
 struct PointShape {
@@ -39,7 +40,6 @@ struct PointKernels {
     void (*strains)(const PointView&, const Step&, const Vectors&, double* e0, double* et, double* e1);
 };
 
-/// The kernels for the machine that runs.
 const PointKernels& point_kernels(PhysicsKind kind);
 
 }  // namespace visviva

@@ -112,7 +112,7 @@ struct PointElement {
             const double theta = share(Map::group_of(j));
             p.yt[j] = theta == 1.0 ? p.y1[j] : p.y0[j] + theta * (p.y1[j] - p.y0[j]);
         }
-        Rows::evaluate(p.y0, p.e0, p.Bt), Rows::evaluate(p.y1, p.e1, p.B1), Rows::evaluate(p.yt, p.et, p.Bt);
+        Rows::evaluate(p.y0, p.e0), Rows::evaluate(p.y1, p.e1, p.B1), Rows::evaluate(p.yt, p.et, p.Bt);
         for (int k = 0; v.reference && k < n_e; ++k) {
             const V r = vload(at_point(v.reference, q, n_e) + k * P8);
             p.e0[k] -= r, p.e1[k] -= r, p.et[k] -= r;

@@ -1,5 +1,4 @@
-// What physics there are: which strain map goes with which energy and pairing. Compiled once per instruction
-// set.
+// The kernels of all physics of physics_list.hpp. Compiled once per instruction set.
 #include "visviva/point/branch.hpp"
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
@@ -14,19 +13,9 @@ constexpr PointKernels table = PointKernel<Physics<Map, Energy, Pairing>>::table
 
 extern const PointKernels point_tables[n_physics];
 const PointKernels point_tables[n_physics] = {
-    table<SolidMap, ViscoelasticEnergy>,
-    table<SolidEntropyMap, ThermoelasticEnergy, HeatPairing>,
-    table<SolidScalarMap, DamageEnergy, IrreversiblePairing>,
-    table<ConcentrationMap, SeparationEnergy, DiffusionPairing>,
-    table<BeamMap, SectionEnergy<6>>,
-    table<ShellMap, SectionEnergy<8>>,
-    table<LayerMap, LayerEnergy>,
-    table<PressedLayerMap, PressedLayerEnergy>,
-    table<BeamMap, SectionEnergy<6, 21>, ViscousPairing<6>>,
-    table<ScalarMap, CapacityEnergy, ConductionPairing>,
-    table<SolidMap, BranchEnergy>,
-    table<PlaneMap, BranchEnergy>,
-    table<RevolutionMap, BranchEnergy>,
+#define VISVIVA_PHYSICS(physics, python, ...) table<__VA_ARGS__>,
+#include "visviva/point/physics_list.hpp"
+#undef VISVIVA_PHYSICS
 };
 
 }  // namespace visviva::VISVIVA_ISA

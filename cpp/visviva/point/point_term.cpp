@@ -128,9 +128,10 @@ Refusal PointTerm::refuse(const Context&) {
 void PointTerm::accept(const Context& c) {
     if (n_history_ == 0) return;
     call_back(c, false);
-    slots_.for_tasks([&](int begin, int end) {
-        kernels_.ledger(view_, c.step, c.vectors, c.vectors.rate, begin, end, out_.data());
-    });
+    if (!callback_)  // which has given them
+        slots_.for_tasks([&](int begin, int end) {
+            kernels_.ledger(view_, c.step, c.vectors, c.vectors.rate, begin, end, out_.data());
+        });
     std::copy(history0_.begin(), history0_.end(), before_.begin());
     std::copy(history1_.begin(), history1_.end(), history0_.begin());
 }

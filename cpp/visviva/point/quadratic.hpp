@@ -125,6 +125,17 @@ struct Strains {
         return s;
     }();
 
+    /// Strains e [n_e] alone.
+    static VISVIVA_INLINE void evaluate(const V* y, V* e) {
+        for (int k = 0; k < n_e; ++k) e[k] = broadcast(table.e[k].constant);
+        for (int i = 0; i < n_linear; ++i)
+            e[sparse.linear[i].k] += sparse.linear[i].factor * y[sparse.linear[i].j];
+        for (int i = 0; i < n_square; ++i) {
+            const Square& q = sparse.square[i];
+            e[q.k] += 0.5 * (q.factor * y[q.l]) * y[q.j];
+        }
+    }
+
     /// Strains e [n_e] and rows B [n_e][n_y], de = B dy.
     static VISVIVA_INLINE void evaluate(const V* y, V* e, V* B) {
         for (int k = 0; k < n_e * n_y; ++k) B[k] = V{};

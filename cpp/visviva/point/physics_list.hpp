@@ -1,0 +1,18 @@
+// All physics at points, one line each: VISVIVA_PHYSICS(its name, its name in Python, strain map, energy, and
+// pairing if that is not the energy's gradient). Included where something is made of every line, hence no
+// guard.
+// clang-format off
+VISVIVA_PHYSICS(viscoelastic, VISCOELASTIC, SolidMap, ViscoelasticEnergy)  // C, with internal variables
+VISVIVA_PHYSICS(thermoelastic, THERMOELASTIC, SolidEntropyMap, ThermoelasticEnergy, HeatPairing)  // C, entropy, temperature
+VISVIVA_PHYSICS(damage, DAMAGE, SolidScalarMap, DamageEnergy, IrreversiblePairing)  // C, damage and its gradient
+VISVIVA_PHYSICS(cahn_hilliard, CAHN_HILLIARD, ConcentrationMap, SeparationEnergy, DiffusionPairing)  // c, mu, their gradients
+VISVIVA_PHYSICS(beam, BEAM, BeamMap, SectionEnergy<6>)  // of directors: Gamma, K
+VISVIVA_PHYSICS(shell, SHELL, ShellMap, SectionEnergy<8>)  // four nodes with directors: membrane, bending, shear
+VISVIVA_PHYSICS(layer, LAYER, LayerMap, LayerEnergy)  // of a shell whose directors stretch: C
+VISVIVA_PHYSICS(pressed_layer, PRESSED_LAYER, PressedLayerMap, PressedLayerEnergy)  // and its pressure
+VISVIVA_PHYSICS(damped_beam, DAMPED_BEAM, BeamMap, SectionEnergy<6, 21>, ViscousPairing<6>)  // Gamma, K, their rates
+VISVIVA_PHYSICS(conduction, CONDUCTION, ScalarMap, CapacityEnergy, ConductionPairing)  // temperature, its gradient
+VISVIVA_PHYSICS(branch, BRANCH, SolidMap, BranchEnergy)  // C, with the viscous strain of a Maxwell branch
+VISVIVA_PHYSICS(branch_in_plane, BRANCH_IN_PLANE, PlaneMap, BranchEnergy)
+VISVIVA_PHYSICS(branch_of_revolution, BRANCH_OF_REVOLUTION, RevolutionMap, BranchEnergy)
+// clang-format on
