@@ -101,9 +101,7 @@ void bind_tying(nb::module_& m) {
         });
 }
 
-}  // namespace
-
-void bind_contact(nb::module_& m) {
+void bind_skin(nb::module_& m) {
     nb::class_<Skin>(m, "Skin").def(
         "__init__",
         [](Skin* s, int dim, const Ints& first, const Ints& unknown, const Doubles& weight,
@@ -121,6 +119,9 @@ void bind_contact(nb::module_& m) {
             all.push_back(s.behind), all.push_back(s.ahead);
         return handed_over(all);
     });
+}
+
+void bind_gaps(nb::module_& m) {
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
     m.def(
         "mortar",
@@ -167,29 +168,34 @@ void bind_contact(nb::module_& m) {
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("turning"), nb::arg("core"),
         nb::arg("half"), nb::arg("round"), nb::arg("axis"));
-    bind_tying(m);
-    nb::class_<ContactTerm, Term>(m, "ContactTerm")
-        .def(
-            "__init__",
-            [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
-               const Doubles& stiffness, const Doubles& area, bool conserving, bool rigid, double restitution,
-               double size, bool presses_out, double friction, const Ints& tangential,
-               const Doubles& tangential_stiffness, const Doubles& inertia, const Doubles& most_inertia,
-               const Doubles& damping) {
-                FrictionOptions rubbing{friction, vector_of<int>(tangential),
-                                        vector_of<double>(tangential_stiffness), vector_of<double>(inertia),
-                                        vector_of<double>(most_inertia)};
-                new (t) ContactTerm(std::move(gaps),
-                                    {vector_of<int>(multiplier), vector_of<double>(stiffness),
-                                     vector_of<double>(area), conserving, rigid, restitution, size,
-                                     presses_out, vector_of<double>(damping), std::move(rubbing)},
-                                    reach);
-            },
-            nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("area"),
-            nb::arg("conserving"), nb::arg("rigid"), nb::arg("restitution"), nb::arg("size"),
-            nb::arg("presses_out"), nb::arg("friction"), nb::arg("tangential"),
-            nb::arg("tangential_stiffness"), nb::arg("inertia"), nb::arg("most_inertia"), nb::arg("damping"))
-        .def("book_contact",
+}
+
+void bind_construction(nb::class_<ContactTerm, Term>& term) {
+    term.def(
+        "__init__",
+        [](ContactTerm* t, std::shared_ptr<Gaps> gaps, double reach, const Ints& multiplier,
+           const Doubles& stiffness, const Doubles& area, bool conserving, bool rigid, double restitution,
+           double size, bool presses_out, double friction, const Ints& tangential,
+           const Doubles& tangential_stiffness, const Doubles& inertia, const Doubles& most_inertia,
+           const Doubles& damping) {
+            FrictionOptions rubbing{friction, vector_of<int>(tangential),
+                                    vector_of<double>(tangential_stiffness), vector_of<double>(inertia),
+                                    vector_of<double>(most_inertia)};
+            new (t) ContactTerm(std::move(gaps),
+                                {vector_of<int>(multiplier), vector_of<double>(stiffness),
+                                 vector_of<double>(area), conserving, rigid, restitution, size, presses_out,
+                                 vector_of<double>(damping), std::move(rubbing)},
+                                reach);
+        },
+        nb::arg("gaps"), nb::arg("reach"), nb::arg("multiplier"), nb::arg("stiffness"), nb::arg("area"),
+        nb::arg("conserving"), nb::arg("rigid"), nb::arg("restitution"), nb::arg("size"),
+        nb::arg("presses_out"), nb::arg("friction"), nb::arg("tangential"), nb::arg("tangential_stiffness"),
+        nb::arg("inertia"), nb::arg("most_inertia"), nb::arg("damping"));
+}
+
+// What it found in the last step.
+void bind_findings(nb::class_<ContactTerm, Term>& term) {
+    term.def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,
                                  int energy) { t.friction_account = work, t.slip_energy_account = energy; })
@@ -218,4 +224,15 @@ void bind_contact(nb::module_& m) {
             nb::rv_policy::automatic)
         .def_prop_ro(
             "areas", [](const ContactTerm& t) { return handed_over(t.areas()); }, nb::rv_policy::automatic);
+}
+
+}  // namespace
+
+void bind_contact(nb::module_& m) {
+    bind_skin(m);
+    bind_gaps(m);
+    bind_tying(m);
+    nb::class_<ContactTerm, Term> term(m, "ContactTerm");
+    bind_construction(term);
+    bind_findings(term);
 }

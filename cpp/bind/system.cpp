@@ -51,7 +51,7 @@ static int n_reduced(const System& s) {
     return n;
 }
 
-void bind_system(nb::module_& m) {
+static void bind_records(nb::module_& m) {
     nb::class_<Snapshot>(m, "Snapshot");
     nb::class_<Record>(m, "Record")
         .def("__init__",
@@ -62,7 +62,11 @@ void bind_system(nb::module_& m) {
         .def_ro("version", &Record::version)
         .def_prop_ro(
             "numbers", [](const Record& record) { return handed_over(record.numbers); }, nb::rv_policy::move);
-    nb::class_<System>(m, "System")
+}
+
+// What the equations consist of.
+static void bind_unknowns(nb::class_<System>& system) {
+    system
         .def("__init__",
              [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
                  new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale));
@@ -74,17 +78,72 @@ void bind_system(nb::module_& m) {
              [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
                  s.set_blocks(blocks_of(block, stage, multiplier, rigid));
              })
+        .def("finalize", &System::finalize)
+        .def("set_signal_count", &System::set_signal_count)
+        .def("set_driven", &System::set_driven)
+        .def("set_prescribed",
+             [](System& s, const Ints& unknown, const Ints& account, const Ints& supply) {
+                 std::vector<Supply> kinds;
+                 for (std::size_t k = 0; k < supply.size(); ++k)
+                     kinds.push_back(static_cast<Supply>(supply.data()[k]));
+                 s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
+             })
+        .def("set_islands",
+             [](System& s, const Ints& island, const Ints& account, const Ints& island_of_account) {
+                 s.set_islands(vector_of<int>(island), vector_of<int>(account),
+                               vector_of<int>(island_of_account));
+             })
+        .def("set_drives", [](System& s, const Ints& multiplier, const Ints& account) {
+            s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
+        });
+}
+
+// What leaves the equations before they are solved.
+static void bind_reductions(nb::class_<System>& system) {
+    system
         .def("condense_elements",
              [](System& s, const Ints& element) {
                  s.add_reduction(std::make_shared<ElementCondensation>(vector_of<int>(element)));
              })
-        .def("finalize", &System::finalize)
+        .def("condense_contact",
+             [](System& s, const Ints& multiplier, const Ints& unknown, const Ints& size) {
+                 std::vector<NodalMultiplier> all;
+                 for (std::size_t k = 0; k < multiplier.size(); ++k)
+                     all.push_back({multiplier.data()[k], unknown.data()[k], size.data()[k]});
+                 s.add_reduction(std::make_shared<ContactCondensation>(std::move(all)));
+             })
+        .def("eliminate_slaves",
+             [](System& s, const Ints& unknown, const Ints& multiplier) {
+                 std::vector<Dependence> all;
+                 for (std::size_t k = 0; k < unknown.size(); ++k)
+                     all.push_back({unknown.data()[k], multiplier.data()[k]});
+                 s.add_reduction(std::make_shared<SlaveElimination>(std::move(all)));
+             })
+        .def("eliminate_directors",
+             [](System& s, const Ints& unknown, const Ints& multiplier) {
+                 std::vector<HeldLength> all;
+                 for (std::size_t k = 0; k < unknown.size(); ++k)
+                     all.push_back({unknown.data()[k], multiplier.data()[k]});
+                 s.add_reduction(std::make_shared<DirectorElimination>(std::move(all)));
+             })
+        .def_prop_ro("n_eliminated", n_reduced<SlaveElimination>)
+        .def_prop_ro("n_exchanged", n_reduced<ContactCondensation>)
+        .def_prop_ro("n_lengths", n_reduced<DirectorElimination>)
+        .def_prop_ro("n_equations", [](const System& s) { return s.solved().n; })
+        .def_prop_ro("n_entries", [](const System& s) { return s.solved().col.size(); });
+}
+
+// Solvers of linear equations.
+static void bind_solvers(nb::class_<System>& system) {
+    system
         .def("use_solver",
              [](System& s, bool null_space, double regularization) {
                  auto solver = null_space ? make_null_space() : make_sparse_lu();
                  solver->regularization = regularization;
                  s.set_solver(std::move(solver));
              })
+        .def("use_linear",
+             [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def("use_rate_solver",
              [](System& s, bool null_space, double regularization, const Ints& constraint) {
                  auto solver = null_space ? make_null_space() : make_sparse_lu();
@@ -100,17 +159,27 @@ void bind_system(nb::module_& m) {
              [](System& s, const Doubles& modes) {
                  s.set_modes(vector_of<double>(modes), static_cast<int>(modes.shape(1)));
              })
-        .def_prop_ro("n_equations", [](const System& s) { return s.solved().n; })
-        .def_prop_ro("n_entries", [](const System& s) { return s.solved().col.size(); })
-        .def_prop_ro("n_eliminated", n_reduced<SlaveElimination>)
-        .def("use_linear",
-             [](System& s, const std::vector<LinearChoice>& choices) { s.set_solver(make_linear(choices)); })
         .def("allow_last_resort", &System::allow_last_resort)
         .def_prop_ro("solver",
                      [](const System& s) { return s.solver() ? s.solver()->report().name : std::string(); })
         .def_prop_ro(
             "linear_message",
             [](const System& s) { return s.solver() ? s.solver()->report().message : std::string(); })
+        .def_prop_ro("n_negative",
+                     [](const System& s) { return s.solver() ? s.solver()->report().n_negative : -1; })
+        .def(
+            "linear_solve",
+            [](System& s, const Step& step, const Doubles& residual, Array d, double tolerance) {
+                nb::gil_scoped_release release;
+                return s.linear_solve(step, residual.data(), d.data(), tolerance);
+            },
+            nb::arg("step"), nb::arg("residual"), nb::arg("d"), nb::arg("tolerance") = 0.0)
+        .def("asymmetry", &System::asymmetry);
+}
+
+// Steps in time.
+static void bind_steps(nb::class_<System>& system) {
+    system
         .def("solve",
              [](System& s, const Step& step, const Doubles& signals, double tolerance, int max_iterations,
                 double keep_factor, int n_tangents) {
@@ -135,73 +204,43 @@ void bind_system(nb::module_& m) {
                  s.accept(step, signals_of(signals), ledger);
              })
         .def("discard", &System::discard)
-        .def("set_signal_count", &System::set_signal_count)
-        .def("set_driven", &System::set_driven)
-        .def("set_prescribed",
-             [](System& s, const Ints& unknown, const Ints& account, const Ints& supply) {
-                 std::vector<Supply> kinds;
-                 for (std::size_t k = 0; k < supply.size(); ++k)
-                     kinds.push_back(static_cast<Supply>(supply.data()[k]));
-                 s.set_prescribed(vector_of<int>(unknown), vector_of<int>(account), std::move(kinds));
+        .def("evaluate_ledger",
+             [](System& s, const Step& step, const Doubles& signals, bool moves) {
+                 nb::gil_scoped_release release;
+                 s.evaluate_ledger(step, signals_of(signals), moves);
              })
-        .def("set_islands",
-             [](System& s, const Ints& island, const Ints& account, const Ints& island_of_account) {
-                 s.set_islands(vector_of<int>(island), vector_of<int>(account),
-                               vector_of<int>(island_of_account));
-             })
-        .def("set_drives",
-             [](System& s, const Ints& multiplier, const Ints& account) {
-                 s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
-             })
-        .def("asymmetry", &System::asymmetry)
-        .def_prop_ro("n_exchanged", n_reduced<ContactCondensation>)
-        .def_prop_ro("n_negative",
-                     [](const System& s) { return s.solver() ? s.solver()->report().n_negative : -1; })
-        .def("condense_contact",
-             [](System& s, const Ints& multiplier, const Ints& unknown, const Ints& size) {
-                 std::vector<NodalMultiplier> all;
-                 for (std::size_t k = 0; k < multiplier.size(); ++k)
-                     all.push_back({multiplier.data()[k], unknown.data()[k], size.data()[k]});
-                 s.add_reduction(std::make_shared<ContactCondensation>(std::move(all)));
-             })
-        .def("eliminate_slaves",
-             [](System& s, const Ints& unknown, const Ints& multiplier) {
-                 std::vector<Dependence> all;
-                 for (std::size_t k = 0; k < unknown.size(); ++k)
-                     all.push_back({unknown.data()[k], multiplier.data()[k]});
-                 s.add_reduction(std::make_shared<SlaveElimination>(std::move(all)));
-             })
-        .def_prop_ro("n_lengths", n_reduced<DirectorElimination>)
-        .def("eliminate_directors",
-             [](System& s, const Ints& unknown, const Ints& multiplier) {
-                 std::vector<HeldLength> all;
-                 for (std::size_t k = 0; k < unknown.size(); ++k)
-                     all.push_back({unknown.data()[k], multiplier.data()[k]});
-                 s.add_reduction(std::make_shared<DirectorElimination>(std::move(all)));
-             })
-        .def("memory", &System::memory)
+        .def("refuse", [](System& s, const Step& step,
+                          const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
+        .def("meets_rounding", [](const System& s, const Doubles& residual, double size, double last) {
+            return s.meets_rounding(residual.data(), size, last);
+        });
+}
+
+// What is remembered, and brought back.
+static void bind_memory(nb::class_<System>& system) {
+    system.def("memory", &System::memory)
         .def("histories", [](const System& s) { return handed_over(s.histories()); })
         .def("restore_histories",
              [](System& s, const Doubles& m) { s.restore_histories(vector_of<double>(m)); })
-        .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
-                                  bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def("restore", &System::restore)
         .def("snapshot", &System::snapshot)
         .def("restore_snapshot", &System::restore_snapshot)
         .def("invalidate", &System::invalidate)
         .def("mark_state", &System::mark_state)
-        .def_prop_ro("is_unchanged", &System::is_unchanged)
+        .def_prop_ro("is_unchanged", &System::is_unchanged);
+}
+
+// Equations as arrays.
+static void bind_assembly(nb::class_<System>& system) {
+    system
         .def("forces", [](System& s, const Step& step, const Doubles& signals,
                           Array out) { s.forces(step, signals_of(signals), out.data()); })
         .def("solve_instant",
              [](System& s, const Step& step, const Doubles& signals, const Doubles& residual, Array out) {
                  return s.solve_instant(step, signals_of(signals), residual.data(), out.data());
              })
-        .def("evaluate_ledger",
-             [](System& s, const Step& step, const Doubles& signals, bool moves) {
-                 nb::gil_scoped_release release;
-                 s.evaluate_ledger(step, signals_of(signals), moves);
-             })
+        .def("find_redundant", [](System& s, const Step& step, const Doubles& signals,
+                                  bool on) { return s.find_redundant(step, signals_of(signals), on); })
         .def(
             "assemble",
             [](System& s, const Step& step, const Doubles& signals, Array residual, nb::object values) {
@@ -216,34 +255,38 @@ void bind_system(nb::module_& m) {
                 s.assemble(step, signals_of(signals), residual.data(), k);
             },
             nb::arg("step"), nb::arg("signals"), nb::arg("residual"), nb::arg("values").none())
-        .def("find_neighbours", [](System& s) { return s.find_neighbours(); })
-        .def_prop_ro("revision", &System::revision)
-        .def_prop_ro("rewiring", &System::rewiring)
         .def("linearise",
              [](System& s, const Step& step, const Doubles& signals, Array residual) {
                  nb::gil_scoped_release release;
                  return s.linearise(step, signals_of(signals), residual.data());
              })
+        .def("find_neighbours", [](System& s) { return s.find_neighbours(); })
+        .def_prop_ro("revision", &System::revision)
+        .def_prop_ro("rewiring", &System::rewiring)
         .def_prop_ro("is_outdated", &System::is_outdated)
-        .def(
-            "linear_solve",
-            [](System& s, const Step& step, const Doubles& residual, Array d, double tolerance) {
-                nb::gil_scoped_release release;
-                return s.linear_solve(step, residual.data(), d.data(), tolerance);
-            },
-            nb::arg("step"), nb::arg("residual"), nb::arg("d"), nb::arg("tolerance") = 0.0)
-        .def("meets_rounding", [](const System& s, const Doubles& residual, double size,
-                                  double last) { return s.meets_rounding(residual.data(), size, last); })
-        .def("refuse", [](System& s, const Step& step,
-                          const Doubles& signals) { return s.refuse(step, signals_of(signals)); })
-        .def_prop_ro("csr",
-                     [](nb::handle self) {
-                         auto view = [self]<class T>(const std::vector<T>& a) {
-                             return nb::ndarray<nb::numpy, const T, nb::ndim<1>>(a.data(), {a.size()}, self);
-                         };
-                         const Csr& c = nb::cast<const System&>(self).csr();
-                         return nb::make_tuple(view(c.row), view(c.col), view(c.unknown));
-                     }) VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
-            VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect)
-                VISVIVA_SUM(release);
+        .def_prop_ro("csr", [](nb::handle self) {
+            auto view = [self]<class T>(const std::vector<T>& a) {
+                return nb::ndarray<nb::numpy, const T, nb::ndim<1>>(a.data(), {a.size()}, self);
+            };
+            const Csr& c = nb::cast<const System&>(self).csr();
+            return nb::make_tuple(view(c.row), view(c.col), view(c.unknown));
+        });
+}
+
+// Vectors of the state and sums of the ledger, as views.
+static void bind_state(nb::class_<System>& system) {
+    system VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
+        VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect) VISVIVA_SUM(release);
+}
+
+void bind_system(nb::module_& m) {
+    bind_records(m);
+    nb::class_<System> system(m, "System");
+    bind_unknowns(system);
+    bind_reductions(system);
+    bind_solvers(system);
+    bind_steps(system);
+    bind_memory(system);
+    bind_assembly(system);
+    bind_state(system);
 }
