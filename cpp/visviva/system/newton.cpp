@@ -87,6 +87,32 @@ Report System::succeeded(Report report, const Context& context, bool renewed) {
     return report;
 }
 
+// Why the iteration ends at an increment of this size; nothing if it goes on.
+std::string System::lost(const Step& step, double size) const {
+    if (!std::isfinite(size)) return "an unknown became infinite or not a number";
+    // Only places have a size that no choice of units changes.
+    if (size > NewtonOptions::astray && !step.is_static() && order_[worst()] == 2)
+        return "the iteration left the model far behind";
+    return {};
+}
+
+Report System::unfinished(Report report, double last) {
+    if (last <= 1e-12 && constraint_error() > 100 * last + noise_)
+        return failed(std::move(report),
+                      "nothing moves any more but constraints stay violated (they contradict each other, or "
+                      "lead no further from here)",
+                      worst_constraint());
+    const std::string n = std::to_string(report.iterations);
+    return failed(std::move(report), "no convergence in " + n + " iterations", worst());
+}
+
+double System::finest_search() const {
+    double resolution = 0;
+    for (const auto& [term, can] : terms_)
+        if (can.search) resolution = std::max(resolution, can.search->resolution());
+    return resolution;
+}
+
 Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report;
     report.increments.reserve(8);
@@ -108,9 +134,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // Velocities are increments by the step length: errors are judged against the increment of the whole
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
-    double resolution = 0;
-    for (const auto& [term, can] : terms_)
-        if (can.search) resolution = std::max(resolution, can.search->resolution());
+    const double resolution = finest_search();
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
         evaluate_residual(context, !rigid_, fused);
@@ -138,11 +162,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         size = std::max(size, iterate(step));
         report.increments.push_back(size);
         report.iterations = k + 1;
-        if (!std::isfinite(size))
-            return failed(std::move(report), "an unknown became infinite or not a number", worst());
-        // Only places have a size that no choice of units changes.
-        if (size > NewtonOptions::astray && !step.is_static() && order_[worst()] == 2)
-            return failed(std::move(report), "the iteration left the model far behind", worst());
+        if (const std::string why = lost(step, size); !why.empty())
+            return failed(std::move(report), why, worst());
         convergence.judge(k, size);
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
         // converging.
@@ -154,13 +175,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         confirmed = done;
         refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done);
     }
-    if (convergence.last() <= 1e-12 && constraint_error() > 100 * convergence.last() + noise_)
-        return failed(std::move(report),
-                      "nothing moves any more but constraints stay violated (they contradict each other, or "
-                      "lead no further from here)",
-                      worst_constraint());
-    return failed(std::move(report),
-                  "no convergence in " + std::to_string(options.max_iterations) + " iterations", worst());
+    return unfinished(std::move(report), convergence.last());
 }
 
 }  // namespace visviva

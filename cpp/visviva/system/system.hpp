@@ -204,6 +204,9 @@ class System {
     std::string singular() const;
     Report failed(Report, const std::string& reason, int unknown);
     Report succeeded(Report, const Context&, bool renewed);
+    Report unfinished(Report, double last);
+    std::string lost(const Step&, double size) const;
+    double finest_search() const;
     void clear_values();
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
