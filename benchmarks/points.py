@@ -17,28 +17,20 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from elements import SCHEMES, costs
-from instances.points import (
-    Damaged,
-    DirectorBeam,
-    DirectorShell,
-    Separating,
-    Thermoelastic,
-    UserViscoelastic,
-    Viscoelastic,
-)
+from instances import points
 
 import visviva as vv
 from visviva.component.component import Component
 
 BRICKS = (10, 10, 10)
 CASES: dict[str, tuple[Callable[[], Component], int]] = {
-    "viscoelastic brick": (lambda: Viscoelastic(counts=BRICKS), 1000),
-    "the same in Python": (lambda: UserViscoelastic(counts=BRICKS), 1000),
-    "thermoelastic brick": (lambda: Thermoelastic(counts=BRICKS), 1000),
-    "damaged brick": (lambda: Damaged(counts=BRICKS), 1000),
-    "separating brick": (lambda: Separating(counts=BRICKS), 1000),
-    "director beam": (lambda: DirectorBeam(n=1000, length=500.0), 1000),
-    "four-node shell": (lambda: DirectorShell(counts=(32, 32)), 1024),
+    "viscoelastic brick": (lambda: points.Viscoelastic(counts=BRICKS), 1000),
+    "the same in Python": (lambda: points.UserViscoelastic(counts=BRICKS), 1000),
+    "thermoelastic brick": (lambda: points.Thermoelastic(counts=BRICKS), 1000),
+    "damaged brick": (lambda: points.Damaged(counts=BRICKS), 1000),
+    "separating brick": (lambda: points.Separating(counts=BRICKS), 1000),
+    "director beam": (lambda: points.DirectorBeam(n=1000, length=500.0), 1000),
+    "four-node shell": (lambda: points.DirectorShell(counts=(32, 32)), 1024),
 }
 
 

@@ -8,16 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from instances.points import (
-    Block,
-    Damaged,
-    DirectorBeam,
-    DirectorShell,
-    Separating,
-    Thermoelastic,
-    UserViscoelastic,
-    Viscoelastic,
-)
+from instances import points
 from numpy.typing import NDArray
 
 import visviva as vv
@@ -41,7 +32,7 @@ def at_nodes(system: vv.System, field: Field) -> Array:
     return np.array(system.x[field.start : field.start + field.size])
 
 
-class Held(Block):
+class Held(points.Block):
     """A regular bar whose nodes stay where the gradient F puts them."""
 
     def straighten(self, F: object = None) -> None:
@@ -53,10 +44,10 @@ class Held(Block):
         model.hold(self.motion, np.arange(self.motion.size), (self.X @ self.F.T).ravel())
 
 
-class HeatBar(Thermoelastic, Held):
+class HeatBar(points.Thermoelastic, Held):
     def declare(self, model: Model) -> None:
         self.straighten()
-        Thermoelastic.declare(self, model)
+        points.Thermoelastic.declare(self, model)
         self.hold(model)
         wave = 1e-3 * np.cos(np.pi * self.X[:, 0])
         self.temperature.values[:] = self.reference * (1 + wave)
@@ -79,7 +70,7 @@ def test_heat_spreads_as_fourier_says() -> None:
 @pytest.mark.parametrize("h", [0.01, 0.05, 0.2])
 def test_entropy_never_falls(h: float) -> None:
     """And energy is kept to round-off, with temperatures that differ from place to place, in distorted elements."""
-    block = Thermoelastic(counts=(2, 2, 2), warm=0.5, speed=0.1)
+    block = points.Thermoelastic(counts=(2, 2, 2), warm=0.5, speed=0.1)
     sums: list[float] = []
     system, result = run(
         block,
@@ -94,10 +85,10 @@ def test_entropy_never_falls(h: float) -> None:
     assert all(later > before for before, later in pairwise(sums))
 
 
-class Stretched(Viscoelastic, Held):
+class Stretched(points.Viscoelastic, Held):
     def declare(self, model: Model) -> None:
         self.straighten(np.diag([1.002, 1.0, 1.0]))
-        Viscoelastic.declare(self, model)
+        points.Viscoelastic.declare(self, model)
         self.hold(model)
 
 
@@ -114,34 +105,34 @@ def test_maxwell_branch_relaxes() -> None:
 
 def test_internal_variables_dissipate_at_every_step() -> None:
     """Even with steps that are long beside the time of relaxation."""
-    _, result = run(Viscoelastic(viscosity=0.05, speed=0.5), 1.0, 0.05)
+    _, result = run(points.Viscoelastic(viscosity=0.05, speed=0.5), 1.0, 0.05)
     lost = -result.ledger["work_dissipated"]
     assert np.all(np.diff(lost) > 0)
     assert result.conservation()["energy"] <= 1e-12
 
 
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.GeneralizedAlpha(0.8), vv.BDF2()])
-@pytest.mark.parametrize("kind", [Viscoelastic, Thermoelastic, Separating])
-def test_order(kind: type[Block], scheme: vv.Scheme) -> None:
+@pytest.mark.parametrize("kind", [points.Viscoelastic, points.Thermoelastic, points.Separating])
+def test_order(kind: type[points.Block], scheme: vv.Scheme) -> None:
     """Second in time with histories and several fields; first of internal variables where steps have no middle."""
 
     def state(n: int) -> Array:
         block = kind(counts=(1, 1, 1), speed=0.1)
-        until = 0.05 if kind is Thermoelastic else 0.4
+        until = 0.05 if kind is points.Thermoelastic else 0.4
         system, _ = run(block, until, until / n, scheme=scheme)
-        field = block.concentration if kind is Separating else block.motion
+        field = block.concentration if kind is points.Separating else block.motion
         return at_nodes(system, field)
 
     fine = state(256)
     coarse, finer = (np.abs(state(n) - fine).max() for n in (16, 32))
-    least = 0.85 if kind is Viscoelastic and isinstance(scheme, vv.BDF2 | vv.GeneralizedAlpha) else 1.8
+    least = 0.85 if kind is points.Viscoelastic and isinstance(scheme, vv.BDF2 | vv.GeneralizedAlpha) else 1.8
     assert np.log2(coarse / finer) >= least
 
 
 def test_history_of_the_user() -> None:
     """A material of Python with internal variables moves like the core's, but for their other rule in time."""
 
-    def end(kind: type[Block], n: int) -> tuple[Array, float]:
+    def end(kind: type[points.Block], n: int) -> tuple[Array, float]:
         block = kind(counts=(1, 1, 1))
         system, result = run(block, 0.4, 0.4 / n)
         assert np.all(np.diff(result.ledger["work_dissipated"]) <= 0)
@@ -150,14 +141,14 @@ def test_history_of_the_user() -> None:
 
     apart = []
     for n in (40, 80):
-        (x, energy), (y, other) = end(Viscoelastic, n), end(UserViscoelastic, n)
+        (x, energy), (y, other) = end(points.Viscoelastic, n), end(points.UserViscoelastic, n)
         apart.append(max(np.abs(x - y).max(), abs(energy - other)))
     assert apart[1] <= 1e-4
     assert np.log2(apart[0] / apart[1]) == pytest.approx(2.0, abs=0.3)
 
 
-@pytest.mark.parametrize("kind", [Viscoelastic, UserViscoelastic])
-def test_memory_decides_every_bit_of_histories(kind: type[Block]) -> None:
+@pytest.mark.parametrize("kind", [points.Viscoelastic, points.UserViscoelastic])
+def test_memory_decides_every_bit_of_histories(kind: type[points.Block]) -> None:
     """A system that is told another's state and memory takes the same next steps to the last bit."""
     one, other = (vv.System([kind()]) for _ in range(2))
     for _ in vv.march(one, until=0.2, step=0.02):
@@ -176,11 +167,11 @@ def test_memory_decides_every_bit_of_histories(kind: type[Block]) -> None:
     assert np.array_equal(*histories)
 
 
-class Bar(Separating):
+class Bar(points.Separating):
     def declare(self, model: Model) -> None:
         mesh = vv.BoxMesh(size=(4.0, 0.1, 0.1), counts=self.counts).build()
         self.X = np.array(mesh.points)
-        Separating.declare(self, model)
+        points.Separating.declare(self, model)
         self.concentration.values[:] = np.where(self.X[:, 0] < 2.0, 0.02, 0.98)
         model.refresh(self.concentration)
 
@@ -206,7 +197,7 @@ def test_kink_between_phases() -> None:
 
 @pytest.mark.parametrize("h", [1e-3, 0.1, 10.0])
 def test_separation_loses_energy_and_no_mass(h: float) -> None:
-    block = Separating(counts=(4, 2, 2), gradient=0.1)
+    block = points.Separating(counts=(4, 2, 2), gradient=0.1)
     masses: list[float] = []
     _, result = run(
         block, 15 * h, h, observe=lambda s: masses.append(block.integral(at_nodes(s, block.concentration)))
@@ -215,12 +206,12 @@ def test_separation_loses_energy_and_no_mass(h: float) -> None:
     assert np.ptp(masses) <= 1e-13 * abs(masses[0])
 
 
-class Torn(Damaged, Held):
+class Torn(points.Damaged, Held):
     """Stretched once, then let go."""
 
     def declare(self, model: Model) -> None:
         self.straighten()
-        Damaged.declare(self, model)
+        points.Damaged.declare(self, model)
         model.prescribe(
             self,
             self.motion,
@@ -259,7 +250,7 @@ def test_cantilever_beam_under_a_dead_force() -> None:
     A, I = b * h, b * h**3 / 12
     errors = []
     for n in (8, 16):
-        beam = DirectorBeam(
+        beam = points.DirectorBeam(
             n=n,
             length=2.0,
             stiffness=(G * A, G * A, E * A, E * I, E * I, G * I),
@@ -277,14 +268,14 @@ def test_cantilever_beam_under_a_dead_force() -> None:
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
 
 
-class Plate(DirectorShell):
+class Plate(points.DirectorShell):
     def declare(self, model: Model) -> None:
-        DirectorShell.declare(self, model)
+        points.DirectorShell.declare(self, model)
         held = np.flatnonzero(self.X[:, 0] == 0)
         model.hold(self.nodes, (6 * held[:, None] + np.arange(6)).ravel())
 
     def contribute(self, model: Model) -> None:
-        DirectorShell.contribute(self, model)
+        points.DirectorShell.contribute(self, model)
         ends = np.flatnonzero(np.isclose(self.X[:, 0], self.size[0]))
         share = np.where(np.isin(ends, (ends.min(), ends.max())), 0.5, 1.0) / (len(ends) - 1)
         force = np.zeros((len(ends), 3))
@@ -315,7 +306,7 @@ def test_cantilever_plate_does_not_lock(thickness: float) -> None:
 def spoilt(**changes: Any) -> Any:
     """A separating block that hands over something else."""
 
-    class Spoilt(Separating):
+    class Spoilt(points.Separating):
         def contribute(self, model: Model) -> None:
             groups = [
                 Group(f.start + self.cells, np.ones((8, 8, 4))) for f in (self.concentration, self.potential)
@@ -417,7 +408,7 @@ def test_books_of_a_second_run_start_where_the_first_ended() -> None:
 def test_nodes_end_with_the_model(behind: int, fits: bool) -> None:
     """The first unknown of a node of three stands three before the end of the model, or earlier."""
 
-    class Last(Separating):
+    class Last(points.Separating):
         def contribute(self, model: Model) -> None:
             last = np.full((1, 8), model.n_unknowns - 3 + behind)
             add_points(

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
+from instances import points
 from instances.heat import Bar
 from instances.immersed import ImmersedSolid
-from instances.points import (
-    Damaged,
-    DirectorBeam,
-    DirectorShell,
-    Separating,
-    Thermoelastic,
-    UserViscoelastic,
-    Viscoelastic,
-)
 from instances.solid import Brick
 from instances.stokes import StokesCell
 from instances.twisted import TwistedBeam
@@ -25,13 +17,19 @@ INSTANCES = [
     Entry("heat bar", lambda: [Bar()], NOTHING, analytic=False),
     Entry("twisted beam", lambda: [TwistedBeam()], ALL, steps=100),
     Entry("stokes cell", lambda: [StokesCell()], NOTHING),
-    Entry("viscoelastic points", lambda: [Viscoelastic()], MOMENTA, steps=60),
-    Entry("viscoelastic points of the user", lambda: [UserViscoelastic()], MOMENTA, steps=30, analytic=False),
-    Entry("thermoelastic points", lambda: [Thermoelastic()], ALL, steps=60),
-    Entry("damage points", lambda: [Damaged()], MOMENTA, steps=60),
-    Entry("separating points", lambda: [Separating()], NOTHING, steps=60),
-    Entry("director beam", lambda: [DirectorBeam()], ALL, steps=100),
-    Entry("director beam, clamped", lambda: [DirectorBeam(clamped=True)], ENERGY, steps=100),
-    Entry("director shell", lambda: [DirectorShell()], ALL, steps=60),
+    Entry("viscoelastic points", lambda: [points.Viscoelastic()], MOMENTA, steps=60),
+    Entry(
+        "viscoelastic points of the user",
+        lambda: [points.UserViscoelastic()],
+        MOMENTA,
+        steps=30,
+        analytic=False,
+    ),
+    Entry("thermoelastic points", lambda: [points.Thermoelastic()], ALL, steps=60),
+    Entry("damage points", lambda: [points.Damaged()], MOMENTA, steps=60),
+    Entry("separating points", lambda: [points.Separating()], NOTHING, steps=60),
+    Entry("director beam", lambda: [points.DirectorBeam()], ALL, steps=100),
+    Entry("director beam, clamped", lambda: [points.DirectorBeam(clamped=True)], ENERGY, steps=100),
+    Entry("director shell", lambda: [points.DirectorShell()], ALL, steps=60),
     Entry("immersed solid", lambda: [ImmersedSolid()], ENERGY, steps=50, analytic=False),
 ]

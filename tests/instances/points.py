@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 import visviva as vv
-from visviva.body.element import geometry, masses, solid_rule
+from visviva.body.element import Geometry, geometry, masses, solid_rule
 from visviva.body.rigid import RIGIDITY
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
@@ -41,6 +42,16 @@ class Block(Component):
         self.cells = np.array(mesh.cells[self.cell])
         self.rng = rng
 
+    @cached_property
+    def grid(self) -> Geometry:
+        """Gradients and volumes at the points."""
+        return geometry(self.X, self.cells, self.cell)
+
+    @cached_property
+    def N(self) -> Array:
+        """Shape functions at the points."""
+        return CELLS[self.cell].N(solid_rule(self.X, self.cells, self.cell).points)
+
     def scalars(self, model: Model, name: str, values: Any, role: Role) -> Field:
         """A value per node. Multipliers speak of what happens in a step."""
         at_nodes = np.broadcast_to(values, (len(self.X),))
@@ -60,8 +71,7 @@ class Block(Component):
         **law: Any,
     ) -> None:
         """The term; each field with its columns: "g" gradient, "v" value."""
-        g = geometry(self.X, self.cells, self.cell)
-        N = CELLS[self.cell].N(solid_rule(self.X, self.cells, self.cell).points)
+        g, N = self.grid, self.N
         parts = {"g": g.gradients, "v": np.broadcast_to(N[None, :, :, None], (*g.gradients.shape[:3], 1))}
         groups = []
         for f, columns in fields:
@@ -70,12 +80,11 @@ class Block(Component):
             weights = np.concatenate([parts[c] for c in columns], axis=3)
             groups.append(Group(f.start + f.node * self.cells, weights, mass, moves))
         self.term = add_points(model, self, kind, groups, g.volume, parameters, **law)
-        self.volume, self.N = g.volume, N
 
     def integral(self, values: Array) -> float:
         """Of a scalar field given at the nodes."""
         at_points = np.einsum("qa,ea->eq", self.N, values[self.cells])
-        return float((self.volume * at_points).sum())
+        return float((self.grid.volume * at_points).sum())
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -211,8 +220,7 @@ class Separating(Block):
 
     def potential_of(self, c: Array) -> Array:
         """``2 b c (1 - c) (1 - 2 c) - kappa laplace(c)`` by projection."""
-        g = geometry(self.X, self.cells, self.cell)
-        N = CELLS[self.cell].N(solid_rule(self.X, self.cells, self.cell).points)
+        g, N = self.grid, self.N
         local = c[self.cells]
         at, slope = local @ N.T, np.einsum("eqad,ea->eqd", g.gradients, local)
         chemical = 2 * self.barrier * at * (1 - at) * (1 - 2 * at)
