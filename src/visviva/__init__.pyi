@@ -91,7 +91,7 @@ from .measure.solid_probes import (
     Velocity,
     Volume,
 )
-from .measure.thermal_probes import TemperatureAt
+from .measure.thermal_probes import HeatFlow, TemperatureAt
 from .mesh.faces import Faces
 from .mesh.generate import (
     BoxMesh,
@@ -121,6 +121,7 @@ from .study.study import Study
 from .system.newton import Newton, StepFailure
 from .system.system import System
 from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemperature, Radiation
+from .thermal.fluid_heat import FluidHeat
 from .thermal.heat import Heat
 from .thermal.thermal_body import ThermalBody
 from .thermal.thermoelastic_solid import ThermoelasticSolid
@@ -179,6 +180,7 @@ __all__ = [
     "FlowForce",
     "FlowRate",
     "Fluid",
+    "FluidHeat",
     "FluidTraction",
     "FollowerForce",
     "FollowerTorque",
@@ -193,6 +195,7 @@ __all__ = [
     "Gravity",
     "Ground",
     "Heat",
+    "HeatFlow",
     "HeatFlux",
     "HeatSource",
     "Hencky",

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
+
+from flow_parts import stream
 
 import visviva as vv
 from catalogue.entry import ALL, NOTHING, Components, Entry
@@ -38,6 +41,22 @@ def plain() -> Components:
         vv.HeatSource(body=body, power="1 + 2*t"),
         vv.HeatFlux(body=body, faces="y0", flux="0.5*t"),
         vv.Radiation(body=body, faces="y1", emissivity=0.5, ambient=4.0, zero=-1.0, constant=0.01),
+    ]
+
+
+def warm_box() -> Components:
+    """Without functions of Python: a lid stirs what a wall heats."""
+    fluid = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad9"), density=1.3, viscosity=0.2
+    )
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=2.0, temperature=1.0, expansion=0.3)
+    return [
+        fluid,
+        heat,
+        vv.VelocityBoundary(fluid=fluid, faces="y1", velocity=("t**2", 0, 0)),
+        *[vv.NoSlip(fluid=fluid, faces=side) for side in ("x0", "x1", "y0")],
+        vv.PrescribedTemperature(body=heat, nodes="x0", value="1 + t"),
+        vv.Gravity(acceleration=(0.0, -2.0, 0.0)),
     ]
 
 
@@ -82,10 +101,39 @@ def heated_brick() -> Components:
     ]
 
 
+def warm_stream(cell: str, **options: Any) -> Components:
+    """Through a channel, lifted and heated by viscosity, past a source and a wall that exchanges heat."""
+    dimension = 3 if cell in ("hex8", "tet4", "hex27", "tet10") else 2
+    fluid, *conditions = stream(cell)
+    given = {"conductivity": 0.05, "capacity": 2.0, "viscous_heating": True, "capturing": 0.3, **options}
+    heat = vv.FluidHeat(fluid=fluid, temperature=lambda X: 1 + X[:, 0] * X[:, 1], **given)
+    return [
+        fluid,
+        heat,
+        *conditions,
+        vv.PrescribedTemperature(body=heat, nodes="x0", value="1 + 0.3*sin(5*t)"),
+        vv.Convection(body=heat, faces="y1", coefficient=0.2, ambient="3 + t"),
+        vv.HeatSource(body=heat, power=lambda t, X: t + X[:, 0]),
+        vv.Gravity(acceleration=(0.5, -2.0, 0.0) if dimension == 2 else (0.5, -2.0, 0.3)),
+    ]
+
+
 THERMAL = [
     Entry("thermal body, held", held_slab, NOTHING, steps=30),
     Entry("heat without functions", plain, NOTHING, steps=30),
+    Entry("warm box without functions", warm_box, NOTHING, steps=20),
     Entry("thermal body, heated", heated, NOTHING, steps=30),
+    *[
+        Entry(f"warm stream, {cell}", partial(warm_stream, cell, **options), NOTHING, h=0.05, steps=20)
+        for cell, options in (
+            ("quad4", {}),
+            ("tri3", {}),
+            ("quad9", {"expansion": 0.3}),
+            ("tri6", {"expansion": 0.3}),
+            ("hex8", {}),
+            ("tet10", {"expansion": 0.3}),
+        )
+    ],
     Entry("thermoelastic brick", lambda: [brick()], ALL, steps=40),
     Entry("thermoelastic brick, tet10", lambda: [brick("tet10")], ALL, steps=20),
     Entry("thermoelastic brick, gent", lambda: [brick(material=GENT)], ALL, steps=30),

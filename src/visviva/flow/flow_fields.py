@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -94,20 +95,24 @@ FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
 
 def widths(fluid: Fluid) -> dict[str, int]:
     """Number of components of every field."""
-    return {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if fluid.dimension == 2 else 3}
+    own = {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if fluid.dimension == 2 else 3}
+    return own | dict.fromkeys(fluid.carried, 1)
 
 
-def flow_field(name: str) -> Callable[[Fluid, Array], Array]:
-    """A field by its name.
+def flow_field(fluid: Fluid, name: str) -> Callable[[Array], Array]:
+    """A field by its name, as a function of the unknowns.
 
     Raises
     ------
     InputError
         With the nearest valid name.
     """
+    if name in fluid.carried:
+        return fluid.carried[name]
     if name not in FIELDS:
-        raise InputError(f"fluids have no field {name!r}{nearest(name, FIELDS)}")
-    return FIELDS[name]
+        known = [*FIELDS, *fluid.carried]
+        raise InputError(f"{fluid.label} has no field {name!r}{nearest(name, known)}")
+    return partial(FIELDS[name], fluid)
 
 
 def courant(fluid: Fluid, x: Array, h: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -110,6 +110,7 @@ class Fluid(Meshed):
         self.number, self.n_numbers = numbering(self.grid, self.periodic, self.label)
         self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self.number)
         self._gravity = np.zeros(3)
+        self.carried: dict[str, Callable[[Array], Array]] = {}
         self._force = (
             guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
         )
@@ -166,6 +167,9 @@ class Fluid(Meshed):
         self._gravity = self._gravity + np.asarray(acceleration, dtype=float)
 
     # --- what it contributes -------------------------------------------------------------------------------
+    def announce(self, model: Model) -> None:
+        self.carried = {}  # nodal fields that others make of the unknowns, by name
+
     def declare(self, model: Model) -> None:
         if not self.dry:
             refuse_dry(self, model)
@@ -353,7 +357,7 @@ class Fluid(Meshed):
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
         from visviva.flow.flow_fields import flow_field
 
-        return {name: flow_field(name)(self, x) for name in names}
+        return {name: flow_field(self, name)(x) for name in names}
 
     @cached_property
     def location(self) -> Location:

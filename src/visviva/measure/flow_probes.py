@@ -105,7 +105,7 @@ class FlowField(Reading):
     at: Vector3 = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        flow_field(self.field)
+        flow_field(self.fluid, self.field)
         _ = self._place
 
     @cached_property
@@ -115,7 +115,7 @@ class FlowField(Reading):
     def __call__(self, system: System) -> Any:
         if self.field == "pressure":
             return float(self._place.pressures(system.x)[0])
-        return self._place.of_nodes(flow_field(self.field)(self.fluid, system.x))[0]
+        return self._place.of_nodes(flow_field(self.fluid, self.field)(system.x))[0]
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

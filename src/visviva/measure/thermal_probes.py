@@ -1,4 +1,4 @@
-"""Probes of temperatures."""
+"""Probes of temperatures and of heat."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
-from visviva.component.values import Vector3
+from visviva.component.values import Nodes, Vector3
 from visviva.measure.measures import Reading
 from visviva.mesh.locate import locate
 from visviva.thermal.carrier import HeatCarrier
+from visviva.thermal.fluid_heat import FluidHeat
+from visviva.thermal.thermal_body import ThermalBody
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -27,7 +29,7 @@ class TemperatureAt(Reading):
 
     Parameters
     ----------
-    body : ThermalBody or ThermoelasticSolid
+    body : ThermalBody, ThermoelasticSolid or FluidHeat
     at : array (3,)
         Reference position.
     """
@@ -45,3 +47,30 @@ class TemperatureAt(Reading):
     def __call__(self, system: System) -> Any:
         nodes, weights = self._place
         return weights @ self.body.temperatures(system.x)[nodes]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class HeatFlow(Reading):
+    """Probe: heat per time that comes in at nodes whose temperature is held.
+
+    It is the residual of the equations that held temperatures leave unanswered, which balances what is stored and all
+    other heat to the tolerance of the solver; of the midpoint schemes, that in the middle of the last step. Where a
+    fluid comes in it is what that brings as well, above the reference.
+
+    Parameters
+    ----------
+    body : ThermalBody or FluidHeat
+    nodes : str or int array
+        Name of a set of nodes or faces, 'all', or numbers.
+    """
+
+    body: ThermalBody | FluidHeat
+    nodes: Nodes
+
+    def __post_init__(self) -> None:
+        self.body.nodes(self.nodes)
+
+    def __call__(self, system: System) -> float:
+        unknowns = np.unique(self.body.temperature_unknowns(self.body.nodes(self.nodes)))
+        held = self.body.heat.fixed[unknowns - self.body.heat.start]
+        return float(np.sum(system.holding_forces()[unknowns[held]]))

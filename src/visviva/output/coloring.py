@@ -13,6 +13,9 @@ from visviva.output.trajectory import Trajectory
 COLORS = "viridis"
 """Colour map of fields."""
 
+STREAMED = "velocity", "temperature"
+"""Fields that are drawn with streamlines."""
+
 
 @dataclass(frozen=True)
 class Coloring:
@@ -61,10 +64,10 @@ class Coloring:
 
     def streams(self, motion: Trajectory, time: float) -> dict[int, NDArray[np.float64]]:
         """Velocities (n, 3), by the number of the surface, of what flows through a mesh that stands still."""
-        if self.name != "velocity":
+        if self.name not in STREAMED or "velocity" not in motion.fields:
             return {}
         moved = motion.field("displacement", len(motion.times) - 1)
-        velocities = enumerate(motion.field_at(self.name, time))
+        velocities = enumerate(motion.field_at("velocity", time))
         return {k: v for k, v in velocities if not np.isnan(v).any() and not moved[k].any()}
 
 

@@ -47,6 +47,7 @@ def problem_of(system: System) -> Problem:
     condensed = core.n_exchanged or len(model.nodal_multipliers)  # before anything is near
     symmetric = not any(f.role in CARRIED for f in fields)
     has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
+    has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
     return Problem(
         n=core.n_equations,
         n_entries=core.n_entries,
