@@ -220,7 +220,7 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "threads": (lambda: vv.Direct(threads=0), "Direct: threads = 0 is not a number from 1"),
     "Krylov": (lambda: vv.Iterative(tolerance=float("nan")), "Iterative: tolerance = nan is not a number"),
     "automatic": (lambda: vv.Automatic(tolerance=float("nan")), "Automatic: tolerance = nan is not a number"),
-    "simulate": (lambda: vv.simulate(3, until=1.0, step=0.1), "march: system is a vv.System, not 3"),
+    "simulate": (lambda: vv.simulate(3, until=1.0, step=0.1), "simulate: system is a vv.System, not 3"),
     "every": (lambda: simulate(every=0), "simulate: every = 0 is not a whole number that is at least 1"),
     "part of a step": (lambda: simulate(every=1.5), "simulate: every = 1.5 is not a whole number"),
     "observe": (lambda: simulate(observe=3), "simulate: observe is a function"),

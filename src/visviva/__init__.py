@@ -1,7 +1,20 @@
 """visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or an error that tells the nearest one."""
+    if name in __all__ or name.startswith("__"):
+        return _found(name)
+    from visviva.base.errors import nearest
+
+    close = nearest(name, __all__)
+    told = close if "did you mean" in close else "; help(visviva) lists what there is"
+    raise AttributeError(f"visviva has no {name!r}{told}")

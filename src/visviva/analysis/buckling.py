@@ -14,7 +14,7 @@ from visviva.analysis.factors import factored
 from visviva.analysis.linearized import refuse_first_order, refuse_unfit, refuse_unsymmetric, symmetric
 from visviva.analysis.multiples import completed
 from visviva.analysis.shapes import Shapes
-from visviva.base.arguments import positive, refuse_other, whole
+from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError, RunError
 from visviva.scheme.schemes import load_step
 from visviva.system.freedom import refuse_free
@@ -119,9 +119,9 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     >>> vv.buckling(vv.System([ground, top, bar, *springs, press]), n=2).factors.round(9).tolist()
     [6.0, 10.0]
     """
-    from visviva.system.system import System
+    from visviva.system.system import refuse_no_system
 
-    refuse_other("buckling", "system", system, System, "a vv.System")
+    refuse_no_system("buckling", system)
     whole("buckling", "n", n)
     positive("buckling", "tolerance", tolerance)
     refuse_first_order("buckling", system)

@@ -19,7 +19,7 @@ from visviva.analysis.linearized import (
 from visviva.analysis.shapes import Shapes
 from visviva.analysis.vibration import found_modes
 from visviva.analysis.whirl import complex_modes, gyroscopic
-from visviva.base.arguments import positive, refuse_other, whole
+from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError
 from visviva.system.consistency import accelerations
 from visviva.system.instant import Instant, instant
@@ -143,9 +143,9 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     >>> vv.modes(spinning).angular.round(9).tolist()
     [1.5, 2.5]
     """
-    from visviva.system.system import System
+    from visviva.system.system import refuse_no_system
 
-    refuse_other("modes", "system", system, System, "a vv.System")
+    refuse_no_system("modes", system)
     whole("modes", "n", n)
     positive("modes", "tolerance", tolerance)
     if not len(system.free_unknowns):

@@ -19,7 +19,7 @@ from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
-from visviva.system.system import System
+from visviva.system.system import System, refuse_no_system
 
 Array = NDArray[np.float64]
 
@@ -68,6 +68,7 @@ def march(
     >>> round(float(system.x[0]), 12)
     1.0
     """
+    refuse_no_system("march", system)
     until, step = checked_times(until, step)
     refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
     refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
@@ -91,7 +92,7 @@ def march(
 
 def know(system: System, step: float) -> None:
     """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
-    refuse_other("march", "system", system, System, "a vv.System")
+    refuse_no_system("march", system)
     if system.clock.step == 0.0:
         system.clock.use(step)
 
@@ -136,7 +137,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     found stays in ``system.report``. Without inertia bodies must be held and are at rest, and other linear solvers are
     due; so they are with tangents that are symmetric or not.
     """
-    refuse_other("march", "system", system, System, "a vv.System")
+    refuse_no_system("march", system)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)
@@ -204,6 +205,7 @@ def simulate(
         Accept an initial state that is moved by more than a thousandth of the system's size, or loses speeds, to fit
         the constraints.
     """
+    refuse_no_system("simulate", system)
     every = whole("simulate", "every", every)
     until, step = checked_times(until, step)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.analysis.load_steps import Unstable
 from visviva.analysis.march import begin, keep, prepare, record
-from visviva.base.arguments import number, refuse_other, whole
+from visviva.base.arguments import number, whole
 from visviva.base.errors import InputError, RunError
 from visviva.results.ledger import Bookkeeper
 from visviva.results.result import Result
@@ -19,7 +19,7 @@ from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning
 from visviva.system.newton import StepFailure
 from visviva.system.stability import count_falling, instability
-from visviva.system.system import System
+from visviva.system.system import System, refuse_no_system
 
 Array = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def equilibrium(
     >>> round(float(system.x[2]), 12)
     -1.2
     """
-    refuse_other("equilibrium", "system", system, System, "a vv.System")
+    refuse_no_system("equilibrium", system)
     until = None if until is None else number("equilibrium", "until", until)
     steps, most = whole("equilibrium", "steps", steps), whole("equilibrium", "most", most)
     if until is not None and not until > system.time:

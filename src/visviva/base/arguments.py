@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 
-from visviva.base.errors import InputError, nearest
+from visviva.base.errors import InputError, nearest, shortened
 
 UNEXPECTED = "unexpected_keyword_argument"
 OBJECTS = ConfigDict(arbitrary_types_allowed=True)
@@ -132,8 +132,18 @@ def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
         return {}
     names = [p.name for p in parameters(cls).values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     if len(args) > len(names):
-        raise InputError(f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}")
+        raise InputError(
+            f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}{meant(cls, names, args)}"
+        )
     return dict(zip(names, args, strict=False))
+
+
+def meant(cls: type, names: list[str], args: tuple[Any, ...]) -> str:
+    """End of a message about too many arguments: how to write them."""
+    known = list(parameters(cls))
+    if len(names) == 1 and len(args) in (2, 3) and all(map(is_number, args)):
+        return f"; write {cls.__name__}({names[0]}=({', '.join(f'{a:g}' for a in args)}))"
+    return f"; give them by name: {', '.join(f'{name}=' for name in known[:8])}" if known else ""
 
 
 def converted(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
@@ -230,7 +240,7 @@ def mistaken(types: frozenset[type], value: Any) -> str:
 def refuse_other(whose: str, what: str, value: Any, kind: Any, wanted: str) -> None:
     """Refuse an argument of another type."""
     if not isinstance(value, kind) or isinstance(value, str | bytes):
-        raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
+        raise InputError(f"{whose}: {what} is {wanted}, not {shortened(repr(value))}")
 
 
 def is_number(value: Any) -> bool:
@@ -310,6 +320,8 @@ def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
         return original  # from the constructor's own checks, which say whose
     whose = called(cls, name)
     where, complaint = told(error)
+    if where and isinstance(where[0], int):  # given by its place
+        where = (list(parameters(cls))[where[0]], *where[1:])
     if first["type"] == UNEXPECTED:
         complaint = f"there is no such argument{nearest(str(where[-1]), parameters(cls))}"
     elif first["type"] in ABSENT:

@@ -370,6 +370,11 @@ class Solid(MeshBody):
         >>> float(bar.nodal("von_mises", stretched).round(12).max())
         0.2
         """
+        if not isinstance(name, str):
+            raise InputError(
+                f"{self.label}.nodal: the name of the field comes first, then the unknowns: "
+                "nodal('von_mises', system.x)"
+            )
         return self.smoothed([name], x)[name]
 
     def at_points(self, name: str, x: Array) -> Array:

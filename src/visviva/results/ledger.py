@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError, nearest
 from visviva.model.field import Role
 from visviva.output.tables import Table
 from visviva.system.instant import Instant, instant
@@ -78,25 +79,37 @@ class Ledger:
     def _column(self) -> dict[str, int]:
         return {name: k for k, name in enumerate(self.names)}
 
+    def column(self, name: str) -> int:
+        """Number of a column.
+
+        Raises
+        ------
+        InputError
+            With the nearest name, if there is none.
+        """
+        if name not in self._column:
+            raise InputError(f"the ledger has no column {name!r}{nearest(str(name), self._column)}")
+        return self._column[name]
+
     def first(self, name: str) -> float:
         """Value at the start."""
-        return float(self.span[0, self._column[name]])
+        return float(self.span[0, self.column(name)])
 
     def last(self, name: str) -> float:
         """Value of the last step."""
-        return float(self.span[1, self._column[name]])
+        return float(self.span[1, self.column(name)])
 
     def least(self, name: str) -> float:
         """Least value of all steps."""
-        return float(self.span[2, self._column[name]])
+        return float(self.span[2, self.column(name)])
 
     def greatest(self, name: str) -> float:
         """Greatest value of all steps."""
-        return float(self.span[3, self._column[name]])
+        return float(self.span[3, self.column(name)])
 
     def size(self, name: str) -> float:
         """Greatest absolute value of all steps."""
-        return float(np.abs(self.span[2:, self._column[name]]).max())
+        return float(np.abs(self.span[2:, self.column(name)]).max())
 
     def swing(self, name: str) -> float:
         """Greatest value of all steps less the least one."""
@@ -115,7 +128,7 @@ class Ledger:
         return np.array(self.rows) if self.file is None else self.file.read()
 
     def __getitem__(self, name: str) -> Array:
-        return self.table[:, self.names.index(name)]
+        return self.table[:, self.column(name)]
 
     @property
     def energy_scale(self) -> float:

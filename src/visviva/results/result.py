@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.arguments import refuse_other
+from visviva.base.errors import InputError, nearest
 from visviva.measure.measures import Measure
 from visviva.model.form import Form, Strain, Vector
 from visviva.results.audit import audit
@@ -165,6 +166,8 @@ class Result:
         """Raise `AssertionError` unless these figures of `conservation` are below `tolerance`."""
         figures = self.conservation()
         for name in names or ("energy", "constraints"):
+            if name not in figures:
+                raise InputError(f"assert_conserved: nothing is called {name!r}{nearest(name, figures)}")
             if not figures[name] <= tolerance:
                 raise AssertionError(f"{name} is not conserved: error {figures[name]:.3e} > {tolerance:.1e}")
 

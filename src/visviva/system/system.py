@@ -39,6 +39,16 @@ Array = NDArray[np.float64]
 Pattern = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
 
 
+def refuse_no_system(whose: str, system: Any) -> None:
+    """Refuse what is no system, as components alone are none."""
+    if isinstance(system, Component) or (isinstance(system, list | tuple) and system):
+        kind = type(system).__name__
+        raise InputError(
+            f"{whose}: system is a vv.System, not a {kind}; put the components into one: vv.System([...])"
+        )
+    refuse_other(whose, "system", system, System, "a vv.System")
+
+
 class System(metaclass=Named):
     """A set of components as one system of equations.
 
