@@ -8,6 +8,7 @@ runs the examples whose pages are not kept (``kept.py``), one a processor, or on
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -104,11 +105,20 @@ def make_page(name: str) -> str:
     return PAGE.format(
         title=title,
         underline="=" * len(title),
-        description=(module.__doc__ or first_line(module)).replace("`", "``"),
+        description=literal(module.__doc__ or first_line(module)),
         name=name,
         settings="".join(f" --set {key}={value}" for key, value in parameters.items()),
         audit=indented(audit(result).split("\n")),
     )
+
+
+def literal(text: str) -> str:
+    """Text whose single backticks are doubled, as pages want them; pairs of them stay.
+
+    >>> literal("a `b` and ``c``")
+    'a ``b`` and ``c``'
+    """
+    return re.sub(r"(?<!`)`([^`]+)`(?!`)", r"``\1``", text)
 
 
 def indented(lines: list[str]) -> str:

@@ -29,7 +29,7 @@ Run = Callable[..., tuple[int, str, str]]
 def _no_pictures(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Drawing takes seconds; one test does it."""
     if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("visviva.study.recorder.Recorder.draw", lambda self: None)
+        monkeypatch.setattr("visviva.study.drawings.draw_run", lambda *_, **__: [])
 
 
 @pytest.fixture

@@ -136,7 +136,7 @@ def test_a_scene_of_statics_runs_and_resumes_from_the_command_line(
     (tmp_path / "scene.yaml").write_text(SCENE.replace("SCHEME", "Static"))
     monkeypatch.chdir(tmp_path)
     with monkeypatch.context() as patched:  # a picture of the first half is drawn over
-        patched.setattr("visviva.study.run.Recorder.draw", lambda self: None)
+        patched.setattr("visviva.study.drawings.draw_run", lambda *_, **__: [])
         assert main(["run", "scene.yaml", "--out", "out", "--until", "0.5"]) == 0, capsys.readouterr().err
     code = main(["run", "scene.yaml", "--out", "out", "--until", "1.0", "--resume"])
     out, err = capsys.readouterr()

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -42,7 +42,13 @@ def whole(_: Any, tokens: Sequence[Any]) -> int:
     return int(tokens[0].value)
 
 
-Model = Annotated[str, Parameter(help="Name of an example (see `visviva examples`), or a scene file.")]
+Model = Annotated[
+    str,
+    Parameter(
+        help="Name of an example (see `visviva examples`), a scene file (*.yaml, *.toml), or a Python file with a "
+        "function study."
+    ),
+]
 Trust = Annotated[
     bool,
     Parameter(negative="", help="Run the meshing scripts that a scene names; they can run any command."),
@@ -91,6 +97,10 @@ Saving = Annotated[float, Parameter(help="Seconds between saves of the state.")]
 Overwrite = Annotated[
     bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
 ]
+NoMovie = Annotated[bool, Parameter(negative="", help="Make no movie, also if the study wants one.")]
+NoPictures = Annotated[
+    bool, Parameter(negative="", help="Draw nothing; visviva plot and picture do it later.")
+]
 NoLock = Annotated[bool, Parameter(negative="", help="Write also where the file system knows no locks.")]
 
 
@@ -112,6 +122,8 @@ def run(
     save_every: Saving = 5.0,
     overwrite: Overwrite = False,
     no_lock: NoLock = False,
+    no_movie: NoMovie = False,
+    no_pictures: NoPictures = False,
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
@@ -133,9 +145,10 @@ def run(
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source, project or resume)
     notes = {"study": source.name, "parameters": parameters, "given": given}
-    files = {"every": every, "save_every": save_every, "overwrite": overwrite, "lock": not no_lock}
+    files: dict[str, Any] = {"every": every, "save_every": save_every, "overwrite": overwrite, "lock": not no_lock}
     going_on = {"resume": resume, "force": force, "project": project}
-    return execute(source, directory, notes=notes, **files, **going_on)
+    drawn = {"pictures": not no_pictures, "movies": not no_movie}
+    return execute(source, directory, notes=notes, **drawn, **files, **going_on)
 
 
 @app.command
@@ -157,10 +170,15 @@ def check(
 
 
 @app.command
-def examples() -> None:
-    """List the examples."""
-    from visviva.scene.gallery import example, example_names, first_line
+def examples(
+    name: Annotated[str | None, Parameter(help="Tell about this one, and its parameters.")] = None, /
+) -> None:
+    """List the examples, or tell what one of them is and takes."""
+    from visviva.scene.gallery import described, example, example_names, first_line
 
+    if name is not None:
+        print(described(example(name), name))
+        return
     names = example_names()
     width = max(map(len, names))
     for name in names:
@@ -168,16 +186,25 @@ def examples() -> None:
 
 
 @app.command
-def plot(directory: Directory, /) -> None:
-    """Plot energies, the error of the balance and the probes of a run."""
+def plot(
+    directory: Directory,
+    /,
+    *,
+    out: Annotated[
+        Path | None, Parameter(help="Directory for the plots; that of the run if not given.")
+    ] = None,
+    format: Annotated[Literal["png", "pdf", "svg"], Parameter(help="What is written.")] = "png",
+) -> int:
+    """Plot energies, the error of the balance and all probes of a run."""
     from visviva.output.directory import RunDirectory
-    from visviva.output.plot import energy_plot
+    from visviva.study.drawings import draw_plots
 
-    files = RunDirectory.open(directory)
-    probes = files.path / "probes.png"
-    energy_plot(files.ledger, files.energy_plot, error="imbalance")
-    energy_plot(files.ledger, probes, error="imbalance", probes=files.probes)
-    print(f"{files.energy_plot}\n{probes}")
+    files, complaints = RunDirectory.open(directory), list[str]()
+    for file in draw_plots(files, files.read_labels(), complaints, out, format):
+        print(file)
+    for complaint in complaints:
+        say(complaint)
+    return FAILED if complaints else 0
 
 
 @app.command
@@ -316,9 +343,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def command(tokens: list[str]) -> int:
     """Run the command that the tokens give; returns the exit code."""
+    if tokens[:1] == ["run"] and set(tokens) & HELP and (model := next(iter(named_models(tokens)), None)):
+        print(f"{model}\n")  # before the options that all models have
     code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
     sys.stdout.flush()
     return code if isinstance(code, int) else 0
+
+
+HELP = {"--help", "-h"}
+
+
+def named_models(tokens: list[str]) -> Iterator[str]:
+    """Descriptions of the examples and Python files that stand in a command line."""
+    from visviva.scene.gallery import described, example, example_names
+    from visviva.scene.user_file import load
+
+    for token in tokens[1:]:
+        if token.replace("-", "_") in example_names():
+            yield described(example(token), token)
+        elif token.endswith(".py"):
+            yield described(load(token), token)
 
 
 def one_line(error: Exception) -> str:

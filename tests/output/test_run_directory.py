@@ -63,7 +63,9 @@ def test_run_directory(tmp_path):
         "state.h5",
         "states.npy",
         "arguments.json",
+        "labels.json",
         "energy.png",
+        "probes.png",
         "picture.png",
         "movie.mp4",
     ]

@@ -35,7 +35,7 @@ def study(gravity: float = 9.81, until: float = 10.0, step: float = 0.01) -> vv.
     system = vv.System([ground, *bars, *hinges, vv.Gravity(acceleration=(0, -gravity, 0))])
     probes = {f"P{k}": vv.Position(of=bars[k], at=POINTS[k]) for k in (2, 3, 4)}
     return vv.Study(
-        system, until, step, probes=probes, trails=("P3",), title="Bricard mechanism (IFToMM A04)"
+        system, until, step, probes=probes, trails=("P3",), units="SI", title="Bricard mechanism (IFToMM A04)"
     )
 
 

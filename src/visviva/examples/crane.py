@@ -73,6 +73,7 @@ def study(
         step,
         probes=probes,
         trails=("load",),
+        units="SI",
         title="Rotary crane",
         notes=__doc__,
     )

@@ -52,7 +52,7 @@ def study(gravity: float = 9.81, duration: float = 5.0, step: float = 0.02) -> v
     probes |= {"load": vv.Position(of=load), "inputs": vv.ServoInputs(servo=servo)}
     scheme = vv.GeneralizedAlpha(rho=0.0)
     title = "Servo-controlled crane"
-    return vv.Study(system, duration, step, scheme, probes, trails=("load",), title=title)
+    return vv.Study(system, duration, step, scheme, probes, trails=("load",), units="SI", title=title)
 
 
 def check(result: vv.Result) -> None:

@@ -22,7 +22,9 @@ def study(
         "outer": vv.Position(of=outer),
         "inner_bar_force": vv.ReactionForce(joint=bars[0]),
     }
-    return vv.Study(system, until, step, probes=probes, trails=("outer",), title="Double pendulum")
+    return vv.Study(
+        system, until, step, probes=probes, trails=("outer",), units="SI", title="Double pendulum"
+    )
 
 
 def check(result: vv.Result) -> None:

@@ -83,7 +83,15 @@ def study(
         ]
     system = vv.System([*parts, vv.Gravity()])
     return vv.Study(
-        system, until, step, scheme, probes, trails=("load",), title="Flexible crane", notes=__doc__
+        system,
+        until,
+        step,
+        scheme,
+        probes,
+        trails=("load",),
+        units="SI",
+        title="Flexible crane",
+        notes=__doc__,
     )
 
 

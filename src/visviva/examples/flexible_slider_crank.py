@@ -66,7 +66,9 @@ def study(
         "pin_force": vv.ReactionForce(joint=pin),
     }
     title = "Slider-crank with a flexible rod"
-    return vv.Study(system, until, step, probes=probes, trails=("middle",), title=title, notes=__doc__)
+    return vv.Study(
+        system, until, step, probes=probes, trails=("middle",), units="SI", title=title, notes=__doc__
+    )
 
 
 def check(result: vv.Result) -> None:

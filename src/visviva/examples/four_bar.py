@@ -52,7 +52,9 @@ def study(rate: float = 5.0, gravity: float = 9.81, until: float = 20.0, step: f
     hinges = [vv.Revolute(a=a, b=b, at=p, axis=Z, name=f"hinge {k}") for k, (a, b, p) in enumerate(pairs, 1)]
     system = vv.System([ground, *bars, *hinges, vv.Gravity(acceleration=(0, -gravity, 0))])
     probes = {"A": vv.Position(of=first, at=A), "B": vv.Position(of=third, at=B)}
-    return vv.Study(system, until, step, probes=probes, trails=("B",), title="Four-bar (crank-rocker)")
+    return vv.Study(
+        system, until, step, probes=probes, trails=("B",), units="SI", title="Four-bar (crank-rocker)"
+    )
 
 
 def check(result: vv.Result) -> None:

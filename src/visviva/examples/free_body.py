@@ -16,7 +16,9 @@ def study(disturbance: float = 0.1, spin: float = 1.0, until: float = 40.0, step
     system = vv.System([body])
     axes = {"d1": (1, 0, 0), "d2": (0, 1, 0), "d3": (0, 0, 1)}
     probes = {name: vv.Direction(of=body, axis=axis) for name, axis in axes.items()}
-    return vv.Study(system, until, step, probes=probes, trails=("d2",), title="Free body (Dzhanibekov)")
+    return vv.Study(
+        system, until, step, probes=probes, trails=("d2",), units="SI", title="Free body (Dzhanibekov)"
+    )
 
 
 def check(result: vv.Result) -> None:

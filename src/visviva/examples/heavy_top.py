@@ -31,7 +31,7 @@ def study(
     system = vv.System([ground, disc, tip, vv.Gravity(acceleration=(0, 0, -gravity))])
     probes = {"centre": vv.Position(of=disc), "tip_force": vv.ReactionForce(joint=tip)}
     title = "Heavy top (Geradin & Cardona)"
-    return vv.Study(system, until, step, probes=probes, trails=("centre",), title=title)
+    return vv.Study(system, until, step, probes=probes, trails=("centre",), units="SI", title=title)
 
 
 def check(result: vv.Result) -> None:

@@ -34,7 +34,9 @@ def study(
     system = vv.System([ground, cone, tip, vv.Gravity(acceleration=(0, 0, -gravity))])
     centre = vv.Position(of=cone.point((0, 0, 0.075)))
     probes = {"centre": centre, "tip_force": vv.ReactionForce(joint=tip)}
-    return vv.Study(system, until, step, probes=probes, trails=("centre",), title="Lagrange's top")
+    return vv.Study(
+        system, until, step, probes=probes, trails=("centre",), units="SI", title="Lagrange's top"
+    )
 
 
 def check(result: vv.Result) -> None:

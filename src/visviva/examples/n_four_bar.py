@@ -30,7 +30,7 @@ def study(
         f"B{k}": vv.Position(of=c, at=foot + up) for k, (c, foot) in enumerate(zip(cranks, feet, strict=True))
     }
     title = f"{loops} parallel four-bars (IFToMM A02)"
-    return vv.Study(system, until, step, probes=probes, trails=("B0",), title=title)
+    return vv.Study(system, until, step, probes=probes, trails=("B0",), units="SI", title=title)
 
 
 def check(result: vv.Result) -> None:

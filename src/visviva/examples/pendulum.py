@@ -31,7 +31,7 @@ def study(
         "tension": vv.Formula(formula="sqrt(f_x**2 + f_y**2 + f_z**2)", of={"f": force}),
     }
     title = "Simple pendulum (IFToMM A01)"
-    return vv.Study(system, until, step, probes=probes, trails=("bob",), title=title)
+    return vv.Study(system, until, step, probes=probes, trails=("bob",), units="SI", title=title)
 
 
 def check(result: vv.Result) -> None:

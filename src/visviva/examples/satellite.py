@@ -100,6 +100,7 @@ def study(
         vv.EnergyMomentum(),
         probes,
         trails=("tip",),
+        units="SI",
         title="Satellite that unfolds its panels",
         notes=__doc__,
     )

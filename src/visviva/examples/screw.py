@@ -38,7 +38,7 @@ def study(
         "force": vv.ReactionForce(joint=thread),
         "torque": vv.ReactionTorque(joint=thread),
     }
-    return vv.Study(system, until, step, probes=probes, trails=("tip",), title="Screw")
+    return vv.Study(system, until, step, probes=probes, trails=("tip",), units="SI", title="Screw")
 
 
 def check(result: vv.Result) -> None:

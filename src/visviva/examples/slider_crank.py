@@ -36,7 +36,7 @@ def study(
         "piston": vv.JointCoordinate(joint=slide),
         "A": vv.Position(of=wheel, at=A),
     }
-    return vv.Study(system, until, step, probes=probes, trails=("A",), title="Slider-crank")
+    return vv.Study(system, until, step, probes=probes, trails=("A",), units="SI", title="Slider-crank")
 
 
 def check(result: vv.Result) -> None:

@@ -44,7 +44,9 @@ def study(count: int = 16, plies: Plies = "isotropic", step: float = 0.05, until
     probes = {"top": vv.Displacement(of=roof, at=top)}
     scheme = vv.ArcLength(longest=2.0)
     system = vv.System([roof, hinge, *planes, load])
-    return vv.Study(system, until, step, scheme, probes, title="Roof that snaps through", notes=__doc__)
+    return vv.Study(
+        system, until, step, scheme, probes, units="N-mm-t", title="Roof that snaps through", notes=__doc__
+    )
 
 
 def check(result: vv.Result) -> None:

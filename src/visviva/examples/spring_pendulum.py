@@ -22,7 +22,7 @@ def study(
     spring = vv.Spring(a=ground.point(), b=bob.point(), stiffness=stiffness, free_length=rest, name="coil")
     system = vv.System([ground, bob, spring])
     probes = {"bob": vv.Position(of=bob)}
-    return vv.Study(system, until, step, probes=probes, trails=("bob",), title="Spring pendulum")
+    return vv.Study(system, until, step, probes=probes, trails=("bob",), units="SI", title="Spring pendulum")
 
 
 def check(result: vv.Result) -> None:

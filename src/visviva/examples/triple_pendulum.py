@@ -46,7 +46,7 @@ def study(
     probes = {f"end{k + 1}": vv.Position(of=rod.point((0.5, 0, 0))) for k, rod in enumerate(bodies)}
     trails = (f"end{rods}",)
     return vv.Study(
-        system, until, step, probes=probes, trails=trails, title="Pendulum of rods on ball joints"
+        system, until, step, probes=probes, trails=trails, units="SI", title="Pendulum of rods on ball joints"
     )
 
 

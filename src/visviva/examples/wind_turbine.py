@@ -70,7 +70,15 @@ def study(
         "head": vv.Position(of=tower, at=(0, 0, TOWER)),
     }
     return vv.Study(
-        system, until, step, vv.EnergyMomentum(), probes, trails=("tip",), title="Wind turbine", notes=__doc__
+        system,
+        until,
+        step,
+        vv.EnergyMomentum(),
+        probes,
+        trails=("tip",),
+        units="SI",
+        title="Wind turbine",
+        notes=__doc__,
     )
 
 

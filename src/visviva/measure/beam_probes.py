@@ -37,6 +37,15 @@ class Resultants(Reading):
     beam: Beam
     at: Number
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Of its components."""
+        return 3 * ("force",) + 3 * ("moment",)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return ("shear_1", "shear_2", "normal", "bending_1", "bending_2", "torsion")
+
     def __post_init__(self) -> None:
         self.beam.at(self.at)
 

@@ -48,6 +48,10 @@ class ContactForce(Reading):
 
     contact: Contact
 
+    @property
+    def quantity(self) -> str:
+        return "force"
+
     def __call__(self, system: System) -> Array:
         forces: Array = self.contact.forces.sum(axis=0)
         return forces
@@ -66,6 +70,10 @@ class ContactArea(Reading):
     """
 
     contact: Contact
+
+    @property
+    def quantity(self) -> str:
+        return "area"
 
     def __call__(self, system: System) -> float:
         term = self.contact.term
@@ -104,6 +112,10 @@ class ContactPressure(Reading):
     contact: Contact
     at: Vector3 | None = None
 
+    @property
+    def quantity(self) -> str:
+        return "stress"
+
     def __call__(self, system: System) -> float:
         values = self.contact.pressures
         chosen = slice(None) if self.at is None else nearest(self.contact, self.at)
@@ -125,6 +137,10 @@ class ContactGap(Reading):
 
     contact: Contact
     at: Vector3 | None = None
+
+    @property
+    def quantity(self) -> str:
+        return "length"
 
     def __call__(self, system: System) -> float:
         gaps = self.contact.gaps

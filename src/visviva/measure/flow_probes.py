@@ -16,6 +16,7 @@ from visviva.flow.flow_fields import courant, divergence, flow_field
 from visviva.flow.fluid import Fluid
 from visviva.flow.location import Place
 from visviva.measure.measures import Reading
+from visviva.measure.names import quantity_of
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -41,6 +42,10 @@ class FlowForce(Reading):
 
     fluid: Fluid
     faces: FaceSet
+
+    @property
+    def quantity(self) -> str:
+        return "force"
 
     def __post_init__(self) -> None:
         self.fluid.faces(self.faces)
@@ -76,6 +81,10 @@ class FlowRate(Reading):
     fluid: Fluid
     faces: FaceSet
 
+    @property
+    def quantity(self) -> str:
+        return "flow_rate"
+
     def __post_init__(self) -> None:
         _ = self._weights
 
@@ -103,6 +112,10 @@ class FlowField(Reading):
     fluid: Fluid
     field: str = "velocity"
     at: Vector3 = (0.0, 0.0, 0.0)
+
+    @property
+    def quantity(self) -> str:
+        return quantity_of(self.field)
 
     def __post_init__(self) -> None:
         flow_field(self.fluid, self.field)
@@ -151,6 +164,10 @@ class Divergence(Reading):
     """Probe: root mean square of the divergence of a fluid's velocity."""
 
     fluid: Fluid
+
+    @property
+    def quantity(self) -> str:
+        return "rate"
 
     def __call__(self, system: System) -> float:
         return divergence(self.fluid, system.x)

@@ -14,6 +14,7 @@ from visviva.base.timefunction import Expression
 from visviva.component.component import settings
 from visviva.joint.joint import Joint
 from visviva.measure.measures import JointCoordinate, Reading
+from visviva.measure.names import columns_of
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -35,7 +36,7 @@ class Formula(Reading):
     ----------
     formula : str
         What expressions of `TimeFunction` may use, in the names of `of`, and ``t`` for the time; of probes with
-        several components ``name_x, name_y, name_z`` or ``name_0, name_1`` and so on, as in ``probes.csv``.
+        several components ``name_x, name_y, name_z`` or as they are called in ``probes.csv``.
     of : dict of str to probe
 
     Examples
@@ -60,7 +61,7 @@ class Formula(Reading):
     def __post_init__(self) -> None:
         known = ["t", *self.of]
         for name in self._expression.names:
-            if name not in known and name.rpartition("_")[0] not in known:
+            if name not in known and not any(name.startswith(f"{own}_") for own in self.of):
                 told = nearest(name, known) or f"; there are {', '.join(known)}"
                 raise InputError(f"Formula: {name!r} in {self.formula!r} is no probe{told}")
 
@@ -68,8 +69,6 @@ class Formula(Reading):
         values = {"t": complex(system.time)}
         for name, probe in self.of.items():
             numbers = np.ravel(probe(system))
-            ends = (
-                [""] if len(numbers) == 1 else [f"_{k}" for k in ("xyz" if len(numbers) == 3 else range(99))]
-            )
-            values |= {name + end: complex(number) for end, number in zip(ends, numbers, strict=False)}
+            names = columns_of(name, probe, numbers)
+            values |= {column: complex(number) for column, number in zip(names, numbers, strict=True)}
         return self._expression(values)

@@ -25,6 +25,16 @@ Director = Literal[1, 2, 3]
 class Reading(metaclass=Validated):
     """Base of probes: a value read off a system."""
 
+    @property
+    def quantity(self) -> str:
+        """What it is, as `visviva.base.unit_labels` names quantities; nothing if it has no unit or none is known."""
+        return ""
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of its components, where they are not x, y, z of vectors or numbers."""
+        return ()
+
     def __call__(self, system: System) -> Any:
         """Present value, a number or an array (n,)."""
         raise NotImplementedError
@@ -52,6 +62,10 @@ class Position(Measure):
     direction: Vector3 | None = None
 
     @property
+    def quantity(self) -> str:
+        return "length"
+
+    @property
     def place(self) -> Vector:
         """The point."""
         return point_of("Position", self.of, self.at).position
@@ -67,6 +81,10 @@ class SquaredDistance(Measure):
 
     a: Any
     b: Any
+
+    @property
+    def quantity(self) -> str:
+        return "area"
 
     def strains(self) -> list[Strain]:
         a, b = (point_of("SquaredDistance", p).position for p in (self.a, self.b))
@@ -94,6 +112,10 @@ class Offset(Measure):
     a: Any
     to: Any
     i: Director = 3
+
+    @property
+    def quantity(self) -> str:
+        return "length"
 
     def strains(self) -> list[Strain]:
         frame, point = frame_of("Offset", self.a), point_of("Offset", self.to)
@@ -128,6 +150,10 @@ class Separation(Reading):
     a: Any
     b: Any
 
+    @property
+    def quantity(self) -> str:
+        return "length"
+
     def __call__(self, system: System) -> float:
         a, b = (point_of("Separation", p).position.value(system.x) for p in (self.a, self.b))
         return float(np.linalg.norm(b - a))
@@ -147,6 +173,10 @@ class CentreOfMass(Reading):
 
     of: Component | list[Component]
 
+    @property
+    def quantity(self) -> str:
+        return "length"
+
     def __call__(self, system: System) -> Any:
         parts = self.of if isinstance(self.of, list) else [self.of]
         mass = sum(c.total_mass for c in parts)
@@ -161,6 +191,10 @@ class JointCoordinate(Measure):
 
     joint: Joint
     coordinate: Literal["angle", "stroke"] | None = None
+
+    @property
+    def quantity(self) -> str:
+        return "angle" if self.name == "angle" else "length"
 
     def __post_init__(self) -> None:
         self.joint.want(self.name)

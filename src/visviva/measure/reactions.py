@@ -56,6 +56,10 @@ class ReactionForce(Reading):
 
     joint: Joint
 
+    @property
+    def quantity(self) -> str:
+        return "force"
+
     def __call__(self, system: System) -> Array:
         """Present value."""
         return reaction(system, self.joint)[0]
@@ -66,6 +70,10 @@ class ReactionTorque(Reading):
     """Probe: torque (3,) that a joint exerts on its partner `b`, about the joint's point on b."""
 
     joint: Joint
+
+    @property
+    def quantity(self) -> str:
+        return "moment"
 
     def __call__(self, system: System) -> Array:
         """Present value."""

@@ -18,6 +18,7 @@ from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
 from visviva.load.support import SymmetryPlane
 from visviva.measure.measures import Reading
+from visviva.measure.names import parts_of, quantity_of
 from visviva.mesh.locate import locate
 
 if TYPE_CHECKING:
@@ -43,6 +44,10 @@ class Displacement(Reading):
     at: Vector3 | None = None
     direction: Vector3 | None = None
 
+    @property
+    def quantity(self) -> str:
+        return "length"
+
     def __call__(self, system: System) -> Any:
         place = point_of("Displacement", self.of, self.at).position
         return along(place.value(system.x) - place.value(system.model.initial[0]), self.direction)
@@ -55,6 +60,10 @@ class Velocity(Reading):
     of: Any
     at: Vector3 | None = None
     direction: Vector3 | None = None
+
+    @property
+    def quantity(self) -> str:
+        return "velocity"
 
     def __call__(self, system: System) -> Any:
         place = point_of("Velocity", self.of, self.at).position
@@ -88,6 +97,14 @@ class FieldAt(Reading):
     field: str = "von_mises"
     at: Vector3 = (0.0, 0.0, 0.0)
 
+    @property
+    def quantity(self) -> str:
+        return quantity_of(self.field)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return parts_of(self.field, width_of(self.solid, self.field))
+
     def __post_init__(self) -> None:
         width_of(self.solid, self.field)
         _ = self._place
@@ -117,6 +134,14 @@ class Extreme(Reading):
     field: str = "von_mises"
     which: Literal["max", "min"] = "max"
 
+    @property
+    def quantity(self) -> str:
+        return quantity_of(self.field)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return parts_of(self.field, width_of(self.solid, self.field))
+
     def __post_init__(self) -> None:
         width_of(self.solid, self.field)
 
@@ -145,6 +170,10 @@ class Volume(Reading):
 
     solid: MeshBody
 
+    @property
+    def quantity(self) -> str:
+        return "volume" if self.solid.dimension == 3 or self.solid.axisymmetric else "area"
+
     def __call__(self, system: System) -> float:
         return self.solid.volume(system.x)
 
@@ -166,6 +195,10 @@ class SupportForce(Reading):
 
     solid: MeshBody
     nodes: Nodes | None = None
+
+    @property
+    def quantity(self) -> str:
+        return "force"
 
     def __post_init__(self) -> None:
         if self.nodes is not None:
@@ -215,6 +248,10 @@ class SupportTorque(SupportForce):
 
     about: Vector3 = (0.0, 0.0, 0.0)
 
+    @property
+    def quantity(self) -> str:
+        return "moment"
+
     def __call__(self, system: System) -> Array:
         arms = self.solid.positions(system.x) - self.about
         torque: Array = np.cross(arms, self.by_node(system)).sum(axis=0)
@@ -243,6 +280,10 @@ class SectionForce(Reading):
     solid: MeshBody
     point: Vector3
     normal: Vector3
+
+    @property
+    def quantity(self) -> str:
+        return "force"
 
     def __post_init__(self) -> None:
         refuse_thin("SectionForce", "vv.Resultants gives the forces in sections of beams", self.solid)
@@ -297,6 +338,10 @@ class SectionTorque(SectionForce):
     """Probe: torque (3,) of the same forces about the mean of the section's nodes, or about a fixed point."""
 
     about: Vector3 | None = None
+
+    @property
+    def quantity(self) -> str:
+        return "moment"
 
     def __call__(self, system: System) -> Array:
         x = self.solid.positions(system.x)

@@ -37,6 +37,10 @@ class TemperatureAt(Reading):
     body: HeatCarrier
     at: Vector3 = (0.0, 0.0, 0.0)
 
+    @property
+    def quantity(self) -> str:
+        return "temperature"
+
     def __post_init__(self) -> None:
         _ = self._place
 

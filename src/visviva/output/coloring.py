@@ -24,6 +24,7 @@ class Coloring:
     name: str
     low: float
     high: float
+    title: str = ""
 
     @classmethod
     def of(cls, motion: Trajectory, name: str, limits: tuple[float, float] | None = None) -> Coloring:
@@ -51,7 +52,9 @@ class Coloring:
         low, high = _range(motion, name) if limits is None else limits
         if not low <= high:
             raise InputError(f"{motion.path}: colours of {name} cannot span {low} to {high}")
-        return cls(name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9)
+        return cls(
+            name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9, motion.labels.field(name)
+        )
 
     def values(self, motion: Trajectory, time: float) -> list[NDArray[np.float64] | None]:
         """Values (n,) on every surface at a time; None where a surface has none, or swims in what flows."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from visviva.base.errors import InputError
+from visviva.output.labels import Labels
 from visviva.output.lock import locked
 from visviva.output.safe_files import replacing, reporting
 
@@ -67,6 +68,16 @@ class RunDirectory:
         return self.path / "arguments.json"
 
     @property
+    def labels(self) -> Path:
+        """Names and units of what the files hold."""
+        return self.path / "labels.json"
+
+    @property
+    def probes_plot(self) -> Path:
+        """Plot of the probes."""
+        return self.path / "probes.png"
+
+    @property
     def energy_plot(self) -> Path:
         """Plot of the ledger."""
         return self.path / "energy.png"
@@ -108,8 +119,9 @@ class RunDirectory:
             self.state,
             self.states,
             self.arguments,
+            self.labels,
         )
-        return (*series, self.energy_plot, self.picture, self.movie)
+        return (*series, self.energy_plot, self.probes_plot, self.picture, self.movie)
 
     @classmethod
     def create(cls, path: str | Path, overwrite: bool = False) -> Self:
@@ -186,6 +198,14 @@ class RunDirectory:
     def read_summary(self) -> dict[str, Any]:
         """Read the figures of the run."""
         return self.read_json(self.summary)
+
+    def write_labels(self, labels: Labels) -> None:
+        """Note names and units of what the files hold."""
+        self.write_json(self.labels, labels.noted())
+
+    def read_labels(self) -> Labels:
+        """Names and units of what the files hold; none known in runs of earlier versions."""
+        return Labels.of(self.read_json(self.labels)) if self.labels.exists() else Labels()
 
     def write_json(self, path: Path, content: Mapping[str, Any]) -> None:
         """Replace a file of the run by one that holds `content`."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import math
 import os
 import struct
 import sys
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import RunError
+from visviva.output.labels import Labels
 from visviva.output.safe_files import write_at
 from visviva.output.surface import Surface
 
@@ -76,6 +78,7 @@ def create(
     point_data: Mapping[str, int],
     cell_data: Mapping[str, int],
     capacity: int,
+    labels: Labels | None = None,
 ) -> Layout:
     """Write a file with room for `capacity` steps and none in it yet.
 
@@ -89,10 +92,12 @@ def create(
         Numbers of components of further quantities per point and per cell.
     capacity
         Number of steps to reserve room for; the room is a hole in the file until it is written.
+    labels
+        Names and units of what is in it, for attributes.
     """
     # composed in memory, since HDF5 does not survive a full disk: h5py raises, and crashes later
     image = _Image()
-    streams, headers = _compose(image, surfaces, point_data, cell_data, capacity)
+    streams, headers = _compose(image, surfaces, point_data, cell_data, capacity, labels or Labels())
     with open(path, "wb") as file:
         file.write(image.getvalue())
         file.truncate(image.end)
@@ -119,6 +124,7 @@ def _compose(
     point_data: Mapping[str, int],
     cell_data: Mapping[str, int],
     capacity: int,
+    labels: Labels,
 ) -> tuple[dict[str, Stream], list[int]]:
     """Compose all but the values of the steps. Returns the streams and the addresses of two headers."""
     import h5py
@@ -141,10 +147,25 @@ def _compose(
         own.attrs["static"] = checksum_of_mesh(root, own)
         streamed["checksums"] = _reserve(own, "checksums", (capacity, len(streamed)), np.int64)
         counts[:] = n_points
+        _write_labels(root, own, labels)
         file.flush()
         image.head = len(image.getbuffer())  # all that follows is allocated and left as a hole
         streams = {name: _place(dataset, capacity) for name, dataset in streamed.items()}
         return streams, [h5py.h5o.get_info(dataset.id).addr for dataset in (values, counts)]
+
+
+def _write_labels(root: Any, own: Any, labels: Labels) -> None:
+    """Names and units: those of each field beside it, all of them for ourselves."""
+    data = root.get("PointData", {})
+    for name in (name for name in data if name in labels.fields):
+        data[name].attrs["long_name"] = labels.fields[name]
+        data[name].attrs["units"] = labels.field_units.get(name, "")
+    shown = {name: labels.fields[name] for name in data if name in labels.fields}
+    units = {name: labels.field_units[name] for name in shown if name in labels.field_units}
+    noted = replace(labels, columns={}, fields=shown, field_units=units).noted()
+    own.attrs["labels"] = json.dumps(noted)
+    root["Points"].attrs["units"] = labels.unit("length")
+    root["Steps/Values"].attrs["units"] = labels.unit("time")
 
 
 def checksums(values: Mapping[str, NDArray[Any]], n_steps: int) -> NDArray[np.int64]:

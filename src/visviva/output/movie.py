@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, RunError
 from visviva.output.coloring import Coloring
-from visviva.output.picture import time_label, trails_until
+from visviva.output.picture import trails_until
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.trajectory import Trajectory
@@ -104,7 +104,9 @@ def _frames(
             points = motion.points_at(time)
             values = scene.coloring.values(motion, time) if scene.coloring else ()
             streams = scene.coloring.streams(motion, time) if scene.coloring else NO_STREAMS
-            stage.place(points, trails_until(motion, paths, time, points), time_label(time), values, streams)
+            stage.place(
+                points, trails_until(motion, paths, time, points), motion.moment(time), values, streams
+            )
             yield stage.image()
             if progress is not None:
                 progress(k + 1, len(times))

@@ -111,7 +111,7 @@ def snapshot(
         passed = trails_until(motion, motion.centres(trails), moment, points)
         values = coloring.values(motion, moment) if coloring else ()
         streams = coloring.streams(motion, moment) if coloring else NO_STREAMS
-        _draw(scene, points, passed, time_label(moment), Path(png), values, streams)
+        _draw(scene, points, passed, motion.moment(moment), Path(png), values, streams)
 
 
 def trails_until(
@@ -120,11 +120,6 @@ def trails_until(
     """The parts of the paths passed before `time`, ending at the current points."""
     n_passed = int(np.searchsorted(motion.times, time, side="left"))
     return {k: np.vstack([path[:n_passed], points[k].mean(axis=0)]) for k, path in paths.items()}
-
-
-def time_label(time: float) -> str:
-    """How the time is written into a picture."""
-    return f"t = {time:.2f} s"
 
 
 def _draw(

@@ -7,6 +7,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -41,9 +42,10 @@ class Stage(Protocol):
 def open_stage(scene: Scene) -> Stage:
     """Prepare a scene for off-screen pictures: with PyVista where that works, with matplotlib elsewhere."""
     if can_render():
-        from visviva.output.stage_pyvista import PyVistaStage
+        with suppress(ImportError):  # one that was there when rendering was tried, and is not now
+            from visviva.output.stage_pyvista import PyVistaStage
 
-        return PyVistaStage(scene)
+            return PyVistaStage(scene)
     from visviva.output.stage_matplotlib import MatplotlibStage
 
     return MatplotlibStage(scene)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.output.labels import with_unit, without_unit
 from visviva.output.safe_files import replacing, reporting, write_at
 
 
@@ -27,7 +28,7 @@ class Table:
     path
         File to create; an existing one is replaced.
     columns
-        Names of the columns; the first is ``time``.
+        Names of the columns; the first is ``time``. A mapping gives each its unit, which stands behind it in the file.
 
     Attributes
     ----------
@@ -54,13 +55,13 @@ class Table:
     _last_time: float | None
     checksum: int
 
-    def __init__(self, path: str | Path, columns: Sequence[str]) -> None:
+    def __init__(self, path: str | Path, columns: Sequence[str] | Mapping[str, str]) -> None:
         self.path = Path(path).absolute()  # results read it later, maybe from another working directory
         self.columns = tuple(columns)
         _check_columns(self.columns)
+        header = _header(columns).encode()
         with reporting(self.path), replacing(self.path) as temporary:
-            temporary.write_text(_header(self.columns), encoding="utf-8")
-        header = _header(self.columns).encode()
+            temporary.write_bytes(header)
         self._open(rows_end=len(header), last_time=None, checksum=zlib.crc32(header))
 
     @classmethod
@@ -75,7 +76,7 @@ class Table:
         table = cls.__new__(cls)
         table.path, table.columns = Path(path).absolute(), tuple(columns)
         text = _complete_lines(table.path)
-        if not text.startswith(_header(table.columns).encode()):
+        if _names(text) != list(table.columns):
             raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
         lines = text.splitlines(keepends=True)
         kept = b"".join(lines[: rows + 1])
@@ -165,7 +166,7 @@ def read_table(path: str | Path) -> dict[str, NDArray[np.float64]]:
         If the file is missing or is no such table.
     """
     text = _complete_lines(Path(path))
-    names = text.split(b"\n", 1)[0].decode(errors="replace").split(",")
+    names = _names(text)
     if names[0] != "time":
         raise InputError(f"{path}: is no table of visviva, or damaged (its first column is not 'time')")
     values = _values(Path(path), text, len(names))
@@ -193,8 +194,14 @@ def _complete_lines(path: Path) -> bytes:
     return text[: text.rfind(b"\n") + 1]
 
 
-def _header(columns: Sequence[str]) -> str:
-    return ",".join(columns) + "\n"
+def _names(text: bytes) -> list[str]:
+    """Names of the columns, without their units."""
+    return [without_unit(name) for name in text.split(b"\n", 1)[0].decode(errors="replace").split(",")]
+
+
+def _header(columns: Sequence[str] | Mapping[str, str]) -> str:
+    named = [with_unit(*item) for item in columns.items()] if isinstance(columns, Mapping) else columns
+    return ",".join(named) + "\n"
 
 
 def _check_columns(columns: Sequence[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.output.labels import Labels
 from visviva.output.layout import FORMAT, WITHOUT_CHECKSUMS, checksum_of_mesh, checksums
 from visviva.output.surface import Surface
 
@@ -34,6 +36,8 @@ class Trajectory:
         In s.
     surfaces : tuple of Surface
         Reference points and cells of every component.
+    labels : Labels
+        Names and units of what it holds.
 
     Raises
     ------
@@ -76,6 +80,11 @@ class Trajectory:
         if self._checksums is not None and checksum_of_mesh(root, own) != own.attrs["static"]:
             raise InputError(f"{self.path}: is damaged (its mesh is not what was written)")
         self.surfaces = _surfaces(own, root, self._ends)
+        self.labels = Labels.of(json.loads(own.attrs.get("labels", "{}")))
+
+    def moment(self, time: float) -> str:
+        """How a time is written into a picture."""
+        return self.labels.moment(time, float(self.times[-1] - self.times[0]))
 
     def _read(self, stream: str, start: int, stop: int) -> NDArray[np.float64]:
         """What is stored of a stream for the steps from `start` to `stop`, if it is what was written."""

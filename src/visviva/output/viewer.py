@@ -10,7 +10,7 @@ from typing import Any
 
 from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring
-from visviva.output.picture import time_label, trails_until
+from visviva.output.picture import trails_until
 from visviva.output.trajectory import Trajectory
 from visviva.output.view import INK, NO_STREAMS, Scene
 
@@ -63,7 +63,7 @@ def build_viewer(
         points = motion.points_at(time)
         values = coloring.values(motion, time) if coloring else ()
         streams = coloring.streams(motion, time) if coloring else NO_STREAMS
-        stage.place(points, trails_until(motion, paths, time, points), time_label(time), values, streams)
+        stage.place(points, trails_until(motion, paths, time, points), motion.moment(time), values, streams)
 
     start, end = float(motion.times[0]), float(motion.times[-1])
     move(start)
@@ -72,7 +72,7 @@ def build_viewer(
             callback=move,
             rng=(start, end),
             value=start,
-            title="time in s",
+            title=motion.labels.axis("time"),
             pointa=(0.25, 0.08),
             pointb=(0.75, 0.08),
             interaction_event="always",

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
 from visviva.output import layout as _layout
+from visviva.output.labels import Labels
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
@@ -37,6 +38,8 @@ class TrajectoryWriter:
         One per component, in the order in which the points will come.
     n_steps
         Number of steps expected; saves copying while the file grows.
+    labels
+        Names and units of what will come.
 
     Raises
     ------
@@ -55,12 +58,14 @@ class TrajectoryWriter:
     [0.0, 0.1, 0.2]
     """
 
-    def __init__(self, path: str | Path, surfaces: Sequence[Surface], n_steps: int = 0) -> None:
+    def __init__(
+        self, path: str | Path, surfaces: Sequence[Surface], n_steps: int = 0, labels: Labels | None = None
+    ) -> None:
         self.path, self.surfaces, self.n_steps = Path(path), tuple(surfaces), 0
         names = [surface.name for surface in self.surfaces]
         if not names or len(set(names)) < len(names):
             raise InputError(f"{path}: a trajectory needs surfaces with different names, got {names}")
-        self._expected = n_steps
+        self._expected, self._labels = n_steps, labels
         self._widths: tuple[dict[str, int], dict[str, int]] = ({}, {})
         self._layout: _layout.Layout | None = None
         self._descriptor = -1
@@ -85,7 +90,7 @@ class TrajectoryWriter:
             If the file is missing or is no trajectory of visviva.
         """
         with Trajectory(path) as earlier:
-            writer = cls(path, earlier.surfaces, n_steps)
+            writer = cls(path, earlier.surfaces, n_steps, earlier.labels)
             writer._widths = earlier.widths("Point"), earlier.widths("Cell")
             n_kept = int(np.searchsorted(earlier.times, keep_until, side="right"))
             if n_kept:
@@ -209,7 +214,7 @@ class TrajectoryWriter:
         descriptor, n_steps = -1, 0
         try:
             with replacing(self.path) as temporary:
-                layout = _layout.create(temporary, self.surfaces, *self._widths, capacity)
+                layout = _layout.create(temporary, self.surfaces, *self._widths, capacity, self._labels)
                 descriptor = os.open(temporary, os.O_RDWR)
                 for values in blocks:
                     layout.write(descriptor, n_steps, values)

@@ -22,7 +22,11 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
     """The study that was asked for, with end time, step and scheme as given, and what its scene may do."""
     from visviva.scene.gallery import compose_example
 
-    if Path(model).suffix in SCENES or os.sep in model:
+    if Path(model).suffix == ".py":
+        from visviva.scene.gallery import compose_file
+
+        source = compose_file(model, parameters)
+    elif Path(model).suffix in SCENES or os.sep in model:
         from visviva.scene.reading import compose_scene
 
         source = compose_scene(model, parameters, **allowed)
@@ -102,20 +106,37 @@ def shown(trajectory: Path, field: str | None) -> str:
         return "von_mises" if "von_mises" in motion.fields else ""
 
 
-def execute(source: Source, directory: Path, **options: Any) -> int:
+def execute(
+    source: Source, directory: Path, *, pictures: bool = True, movies: bool = True, **options: Any
+) -> int:
     """Run a study with these options of `visviva.study.run`, and tell of it; returns the exit code."""
     from visviva.study.run import run
 
     try:
-        result = run(source.study, directory, **options)
+        result = run(source.study, directory, pictures=False, **options)
     except KeyboardInterrupt as interrupt:
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
         say(f"{where} (state and files are in {directory})")
         return exit_code(interrupt)
     result.audit()
     passed = report_check(source, result)
+    if pictures:
+        illustrate(source, directory, movies)
     print(f"files are in {directory}")
     return 0 if passed else FAILED
+
+
+def illustrate(source: Source, directory: Path, movies: bool) -> None:
+    """Draw plots, pictures and movie, and tell what could not be drawn."""
+    from visviva.output.directory import RunDirectory
+    from visviva.study import drawings
+
+    sys.stdout.flush()
+    try:
+        for complaint in drawings.draw_run(source.study, RunDirectory(directory), movies=movies):
+            say(complaint)
+    except KeyboardInterrupt:
+        say(f"drawing was stopped; the run is complete, visviva plot, picture and movie draw {directory}")
 
 
 def report_check(source: Source, result: Result) -> bool:

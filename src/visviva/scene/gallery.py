@@ -7,14 +7,19 @@ import pkgutil
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, get_type_hints
 
+from visviva.base.arguments import refuse_other
 from visviva.base.errors import InputError, nearest
 
 if TYPE_CHECKING:
     from visviva.results.result import Result
     from visviva.study.study import Study
+
+
+VARIABLE = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
 @dataclass(frozen=True)
@@ -49,14 +54,60 @@ def first_line(module: ModuleType) -> str:
 
 def compose_example(name: str, parameters: Mapping[str, Any]) -> Source:
     """An example with parameters, checked against the signature of its function `study`."""
-    module = example(name)
+    return compose_module(example(name), name, parameters)
+
+
+def compose_file(file: str, parameters: Mapping[str, Any]) -> Source:
+    """A user's Python file with a function `study`, with parameters like those of an example."""
+    from visviva.scene.user_file import load
+
+    return compose_module(load(file), Path(file).name, parameters)
+
+
+def compose_module(module: ModuleType, name: str, parameters: Mapping[str, Any]) -> Source:
+    """What the function `study` of a module gives."""
+    from visviva.study.study import Study
+
     known, hints = inspect.signature(module.study).parameters, get_type_hints(module.study)
     given = {}
     for key, value in parameters.items():
         if key not in known:
             raise InputError(f"{name}: there is no parameter {key!r}{nearest(key, known)}")
         given[key] = converted(f"{name}: {key}", value, hints.get(key, Any))
-    return Source(module.study(**given), name, given, getattr(module, "check", None))
+    for key, parameter in known.items():
+        if parameter.default is parameter.empty and parameter.kind not in VARIABLE and key not in given:
+            raise InputError(f"{name}: study needs a value for {key!r}: --set {key}=VALUE")
+    made = module.study(**given)
+    refuse_other(name, "what study() returns", made, Study, "a vv.Study")
+    return Source(made, name, given, getattr(module, "check", None))
+
+
+def parameters_of(module: ModuleType) -> list[tuple[str, str, str]]:
+    """Name, type and default of the parameters of a module's function `study`."""
+    found = []
+    for key, p in inspect.signature(module.study).parameters.items():
+        if p.kind in VARIABLE:
+            continue
+        kind = (
+            p.annotation
+            if isinstance(p.annotation, str)
+            else getattr(p.annotation, "__name__", str(p.annotation))
+        )
+        found.append(
+            (key, "" if p.annotation is p.empty else kind, "" if p.default is p.empty else f"{p.default!r}")
+        )
+    return found
+
+
+def described(module: ModuleType, name: str) -> str:
+    """What a model is, and its parameters with their types and defaults, for ``--set``."""
+    text = (module.study.__doc__ or module.__doc__ or "").strip()
+    rows = [(key, kind, default) for key, kind, default in parameters_of(module)]
+    if not rows:
+        return f"{name}: {text}\n\nIt takes no parameters."
+    width = max(len(key) for key, _, _ in rows)
+    lines = [f"  {key:{width}}  {kind} = {default}" for key, kind, default in rows]
+    return "\n".join([f"{name}: {text}", "", "Parameters (--set key=value):", *lines])
 
 
 def converted(what: str, value: Any, kind: Any) -> Any:

@@ -25,7 +25,7 @@ from visviva.thermal.heat import HeatLaw
 
 T = TypeVar("T")
 
-TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails", "fields")
+TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails", "fields", "units")
 RUN = ("until", "step", "scheme", "adaptive")
 ATTACHMENTS: dict[str, tuple[str, ...]] = {
     "point": ("X",),

@@ -13,6 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import ArgumentError, mistaken, plain_leaves, refuse_other, told
 from visviva.base.errors import InputError, nearest
+from visviva.base.unit_labels import Units
 from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.mesh.source_files import refuse_outside
@@ -102,6 +103,7 @@ def read_scene(
         fields=tuple(reader.value(("fields",), data.get("fields", list(FIELDS)), list[str])),
         title=reader.value(("title",), data.get("title", Path(file).stem), str),
         notes=reader.value(("notes",), data.get("notes", ""), str),
+        units=reader.units(data.get("probes") or {}),
     )
 
 
@@ -206,6 +208,15 @@ class Reader:
             return System(parts, newton)
         except InputError as error:
             raise self.document.error(("system",), str(error)) from None
+
+    def units(self, probes: Iterable[str]) -> Any:
+        """Names of units: a text, or names by quantity or probe."""
+        given = self.value(("units",), self.document.data.get("units"), str | dict[str, str] | None)
+        try:
+            Units.of(given).refuse_unknown(probes)
+        except InputError as error:
+            raise self.document.error(("units",), str(error)) from None
+        return given
 
     def probes(self) -> dict[str, Any]:
         """What is recorded."""

@@ -69,6 +69,7 @@ def scene_schema() -> Schema:
                 "probes": {"type": "object", "additionalProperties": ref("probe")},
                 "trails": {"type": "array", "items": TEXT},
                 "fields": {"type": "array", "items": TEXT},
+                "units": {"anyOf": [TEXT, {"type": "object", "additionalProperties": TEXT}]},
             },
             required=["system", "run"],
         ),

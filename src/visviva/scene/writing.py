@@ -76,6 +76,7 @@ def of_study(study: Study) -> dict[str, Any]:
         data["probes"][name] = value(f"probe {name}", probe)
     data["trails"] = list(study.trails)
     fields = {} if tuple(study.fields) == FIELDS else {"fields": list(study.fields)}
+    data["units"] = study.units if isinstance(study.units, str) else dict(study.system.units.names)
     return {key: item for key, item in data.items() if item} | fields
 
 

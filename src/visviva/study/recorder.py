@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -17,15 +16,17 @@ from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import whole
 from visviva.base.errors import InputError, RunError, VisvivaError
 from visviva.output.directory import RunDirectory
+from visviva.output.labels import Labels
 from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.results.ledger import Bookkeeper
+from visviva.results.naming import labels_of, ledger_units
 from visviva.results.result import Result, figures
 from visviva.study import restart
 from visviva.study.origin import Origin
 from visviva.study.progress import progress_bar
-from visviva.study.shown import draw, shown_field, trail_names
+from visviva.study.shown import draw
 from visviva.study.study import Study, measure, probe_columns
 
 Array = NDArray[np.float64]
@@ -110,11 +111,16 @@ class Recorder:
         recorder.cadence, recorder.notes = cadence, notes
         with files.beginning(), recorder.closed_on_failure():
             origin.write(files)
-            recorder.ledger = Table(files.ledger, books.ledger.names)
+            labels = recorder.write_labels(columns)
+            recorder.ledger = Table(
+                files.ledger, ledger_units(books.ledger.names, study.system.units, study.scheme)
+            )
             recorder.probes = Table(files.probes, columns)
             if recorder.drawing.surfaces:
                 n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
-                recorder.trajectory = TrajectoryWriter(files.trajectory, recorder.drawing.surfaces, n_frames)
+                recorder.trajectory = TrajectoryWriter(
+                    files.trajectory, recorder.drawing.surfaces, n_frames, labels
+                )
             first = result.records[0]
             recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
             result.kept = recorder.states
@@ -148,7 +154,8 @@ class Recorder:
         with recorder.closed_on_failure():
             rows, sums = recorder.rows, kept["checksums"]
             recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
-            recorder.probes = Table.reopen(files.probes, probe_columns(study), rows, sums["probes"])
+            columns = probe_columns(study)
+            recorder.probes = Table.reopen(files.probes, list(columns), rows, sums["probes"])
             books.ledger.file, shapes = recorder.ledger, [r.shape for r in result.records[0]]
             recorder.states = StateFile.reopen(
                 files.states, len(study.system.x), shapes, kept["states"], sums["states"]
@@ -164,7 +171,15 @@ class Recorder:
                     )
             if changed:  # last of all: what is refused leaves no trace
                 origin.write(files)
+            recorder.write_labels(columns)
         return recorder
+
+    def write_labels(self, columns: Mapping[str, str]) -> Labels:
+        """Note names and units of what the files hold."""
+        study = self.study
+        labels = labels_of(study.system.units, study.scheme, study.title, columns=columns)
+        self.files.write_labels(labels)
+        return labels
 
     @contextmanager
     def closed_on_failure(self) -> Iterator[None]:
@@ -283,33 +298,11 @@ class Recorder:
         self._cost = self._saved - start
 
     # --- the end --------------------------------------------------------------------------------------------
-    def finish(self, pictures: bool) -> None:
-        """Write summary and pictures of a complete run."""
+    def finish(self) -> None:
+        """Write the summary of a complete run."""
         files, study = self.files, self.study
         origin = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
         files.write_summary(summary(study, self.result, self.notes | origin))
-        if pictures:
-            self.draw()
-
-    def draw(self) -> None:
-        """Draw plot and picture of the run."""
-        from visviva.output.movie import movie
-        from visviva.output.picture import snapshot
-        from visviva.output.plot import energy_plot
-
-        files, study = self.files, self.study
-        energy_plot(files.ledger, files.energy_plot, error="imbalance", title=study.title)
-        if self.drawing.surfaces:
-            field = shown_field(study, self.drawing)
-            trails = trail_names(study, self.drawing)
-            snapshot(files.trajectory, files.picture, field=field, trails=trails)
-            for moment in study.moments:
-                if moment <= self.clock + 1e-6 * study.step:  # times add up with rounding
-                    png = files.picture_at(moment)
-                    snapshot(files.trajectory, png, time=moment, field=field, trails=trails)
-            if study.movie:
-                file = files.movie if find_spec("imageio_ffmpeg") else files.movie.with_suffix(".gif")
-                movie(files.trajectory, file, field=field, trails=trails)
 
 
 def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from visviva.base.errors import InputError
 from visviva.base.interrupt import deferred_interrupt
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
+from visviva.study import drawings
 from visviva.study.recorder import Cadence, Recorder
 from visviva.study.study import Study
 
@@ -29,6 +31,7 @@ def run(
     every: int | None = None,
     save_every: float = 5.0,
     pictures: bool = True,
+    movies: bool = True,
     project: bool = False,
     lock: bool = True,
     notes: Mapping[str, Any] | None = None,
@@ -36,9 +39,10 @@ def run(
     """Run a study and leave everything in a directory.
 
     The directory then holds ``trajectory.vtkhdf``, ``ledger.csv``, ``probes.csv``, ``state.h5``,
-    ``summary.json``, ``energy.png`` and ``picture.png``, with pictures of the study's moments and a movie if it wants
-    them. Ctrl-C and termination (SIGTERM) take effect between two steps; files are closed and the state saved before
-    `KeyboardInterrupt` goes on. One process at a time writes into a directory, others may read all the while.
+    ``summary.json``, ``labels.json`` (names and units), ``energy.png``, ``probes.png`` and ``picture.png``, with
+    pictures of the study's moments and a movie if it wants them. Ctrl-C and termination (SIGTERM) take effect between
+    two steps; files are closed and the state saved before `KeyboardInterrupt` goes on. One process at a time writes
+    into a directory, others may read all the while.
 
     Parameters
     ----------
@@ -62,7 +66,9 @@ def run(
     save_every : float
         Seconds of wall time between saves of the state.
     pictures : bool
-        Draw plot, pictures and movie at the end.
+        Draw plots, pictures and movie at the end. What cannot be drawn is warned of, and spoils nothing else.
+    movies : bool
+        Make the movie, too, if the study wants one: it often takes longer than the run.
     project : bool
         Accept an initial state that is moved far to fit the constraints; see `simulate`.
     lock : bool
@@ -114,7 +120,9 @@ def run(
             recorder = Recorder.start(study, files, cadence, said, project, overwrite)
         with recorder, deferred_interrupt() as interrupted:
             recorder.march(interrupted, progress, save_every)
-        recorder.finish(pictures)
+        recorder.finish()
+        for complaint in drawings.draw_run(study, files, movies=movies) if pictures else ():
+            warnings.warn(complaint, stacklevel=2)
     return recorder.result
 
 

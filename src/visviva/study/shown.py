@@ -1,4 +1,4 @@
-"""What a study shows: which points and trails are drawn, and the field that colours them."""
+"""What a study shows: which points are drawn."""
 
 from __future__ import annotations
 
@@ -20,13 +20,3 @@ def place_of(probe: Probe) -> Vector | None:
     if isinstance(probe, Position) and probe.direction is None:
         return probe.place
     return probe if isinstance(probe, Vector) else None
-
-
-def trail_names(study: Study, drawing: Drawing) -> list[str]:
-    """Which surfaces leave a trail: those named in the study."""
-    return [s.name for s in drawing.surfaces if s.name in study.trails]
-
-
-def shown_field(study: Study, drawing: Drawing) -> str:
-    """The field by which pictures are coloured: the first of the study that there is."""
-    return next((name for name in study.fields if name in drawing.stored), "")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
-
-import numpy as np
 
 from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import Named, finite, positive, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.component.component import refuse_absent
+from visviva.measure.names import columns_of, units_of
 from visviva.model.form import Form, Strain, Vector
 from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.system import System
@@ -61,6 +60,8 @@ class Study(metaclass=Named):
         Choices the source leaves open.
     adaptive : Adaptive, optional
         Chooses step sizes; `step` is then the first.
+    units : str or mapping, optional
+        Names of the units in which the model is written, see `System`; names of probes may be keys, too.
     """
 
     system: System
@@ -75,12 +76,16 @@ class Study(metaclass=Named):
     title: str = ""
     notes: str = ""
     adaptive: Adaptive | None = None
+    units: str | Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:
         for what, kind, wanted in TYPES:
             refuse_other("Study", what, getattr(self, what), kind, wanted)
         self.step = positive("Study", "step", self.step)
         self.until = finite("Study", "until", self.until)
+        if self.units is not None:
+            self.system.units = self.units
+        self.system.units.refuse_unknown(self.probes)
         refuse_absent("Study: probes", self.probes, {id(c) for c in self.system.components})
         unknown = [name for name in self.trails if name not in self.probes]
         if unknown:
@@ -94,18 +99,12 @@ def measure(system: System, probe: Probe) -> Any:
     return probe(system) if callable(probe) else system.value(probe)
 
 
-def probe_columns(study: Study) -> list[str]:
-    """Columns of the table of probes: vectors as name_x, name_y, name_z."""
-    return [
-        "time",
-        *(column for name, probe in study.probes.items() for column in columns_of(study, name, probe)),
-    ]
-
-
-def columns_of(study: Study, name: str, probe: Any) -> Iterator[str]:
-    """Columns of one probe, told by its present value."""
-    size = np.size(measure(study.system, probe))
-    if size == 1:
-        yield name
-    else:
-        yield from (f"{name}_{k}" for k in ("xyz" if size == 3 else range(size)))
+def probe_columns(study: Study) -> dict[str, str]:
+    """Columns of the table of probes with their units: vectors as name_x, name_y, name_z."""
+    units = study.system.units
+    found = {"time": units["time"] if study.scheme.has_inertia else ""}
+    for name, probe in study.probes.items():
+        value = measure(study.system, probe)
+        names, of = columns_of(name, probe, value), units_of(name, probe, value, units)
+        found |= dict(zip(names, of, strict=True))
+    return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from visviva.base.arguments import Named, finite, refuse_other
 from visviva.base.errors import InputError, RunError
 from visviva.base.renamed import Renamed
+from visviva.base.unit_labels import Units
 from visviva.component.component import Component, characteristic_length, name_components, refuse_loose
 from visviva.component.connected import lengths_of_parts
 from visviva.component.point import Attachable
@@ -58,6 +59,10 @@ class System(metaclass=Named):
         Bodies, joints, forces. Order does not matter for the physics.
     newton : Newton
         Options of the solver.
+    units : str or mapping, optional
+        Names of the units in which the numbers of the model are meant: ``"SI"``, ``"N-mm-t"`` (force, length, mass; the
+        time follows), or names by quantity, ``{"length": "mm", "force": "N", "stress": "MPa"}``. They are written into
+        plots, pictures, tables and files, and multiply nothing.
 
     Examples
     --------
@@ -69,11 +74,14 @@ class System(metaclass=Named):
     (3, 1)
     """
 
-    def __init__(self, components: Sequence[Component], newton: Newton | None = None) -> None:
+    def __init__(
+        self, components: Sequence[Component], newton: Newton | None = None, *, units: Any = None
+    ) -> None:
         refuse_other("System", "components", components, Iterable, "a list of components")
         refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
         self.components = list(components)
         self._newton = newton or Newton()
+        self.units = units
         self.stepper = Stepper()
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
@@ -111,6 +119,15 @@ class System(metaclass=Named):
         self.core.v[:] = np.concatenate([f.rates for f in fields])
         self._signals = np.zeros((4, max(len(self.model.signals), 1)))
         self._check_finite()
+
+    @property
+    def units(self) -> Units:
+        """Names of the units of its numbers, labels alone."""
+        return self._units
+
+    @units.setter
+    def units(self, units: Units | str | Mapping[str, str] | None) -> None:
+        self._units = Units.of(units)
 
     @property
     def newton(self) -> Newton:

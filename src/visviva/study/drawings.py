@@ -1,0 +1,94 @@
+"""Plots, pictures and movie of a finished run; what cannot be drawn is told and costs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from visviva.base.errors import InputError, shortened
+from visviva.output.directory import RunDirectory
+from visviva.output.labels import Labels
+from visviva.output.trajectory import Trajectory
+from visviva.study.progress import counting_bar
+from visviva.study.study import Study
+
+Counting = Callable[[int, int], None]
+
+
+def draw_run(study: Study, files: RunDirectory, *, movies: bool = True) -> list[str]:
+    """Draw energies, probes, pictures and, if the study wants one and `movies`, the movie.
+
+    Returns
+    -------
+    list of str
+        What could not be drawn and why, one line each; the run itself is complete without.
+    """
+    complaints: list[str] = []
+    draw_plots(files, files.read_labels(), complaints)
+    if files.trajectory.exists():
+        with spared("pictures", complaints):
+            draw_pictures(study, files, complaints, movies=movies)
+    return complaints
+
+
+def draw_plots(
+    files: RunDirectory,
+    labels: Labels,
+    complaints: list[str],
+    folder: Path | None = None,
+    kind: str = "png",
+) -> list[Path]:
+    """Energies, and all probes if there are some; the files that were written."""
+    from visviva.output.plot import energy_plot, probes_plot
+    from visviva.output.tables import read_table
+
+    energies, probes = (
+        (folder or files.path) / plot.with_suffix(f".{kind}").name
+        for plot in (files.energy_plot, files.probes_plot)
+    )
+    written = []
+    with spared(energies.name, complaints):
+        energy_plot(files.ledger, energies, labels=labels)
+        written.append(energies)
+    with spared(probes.name, complaints):
+        series = read_table(files.probes)
+        if len(series) > 1:
+            probes_plot(series, probes, labels=labels)
+            written.append(probes)
+    return written
+
+
+def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, movies: bool) -> None:
+    """The end, the moments that the study names, and the movie."""
+    from visviva.output.movie import movie
+    from visviva.output.picture import snapshot
+
+    with Trajectory(files.trajectory) as motion:
+        options: dict[str, Any] = {
+            "field": next((name for name in study.fields if name in motion.fields), ""),
+            "trails": [s.name for s in motion.surfaces if s.name in study.trails],
+        }
+        reached = float(motion.times[-1]) + 1e-6 * study.step  # times add up with rounding
+    due = [(files.picture, None), *((files.picture_at(m), m) for m in study.moments if m <= reached)]
+    with counting_bar("pictures") as show:
+        for k, (png, moment) in enumerate(due):
+            show(k, len(due))
+            with spared(png.name, complaints):
+                snapshot(files.trajectory, png, time=moment, **options)
+    if study.movie and movies:
+        file = files.movie if find_spec("imageio_ffmpeg") else files.movie.with_suffix(".gif")
+        with spared(file.name, complaints), counting_bar("movie") as show:
+            movie(files.trajectory, file, progress=show, **options)
+
+
+@contextmanager
+def spared(what: str, complaints: list[str]) -> Iterator[None]:
+    """Turn what goes wrong inside into a complaint: a picture that fails must not take a finished run with it."""
+    try:
+        yield
+    except Exception as error:
+        kind = "" if isinstance(error, InputError) else f"{type(error).__name__}: "
+        complaints.append(shortened(f"{what} could not be drawn ({kind}{' '.join(str(error).split())})"))
