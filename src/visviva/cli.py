@@ -145,7 +145,12 @@ def run(
     source = compose(model, parameters, given, trust=trust, allow_outside=allow_outside)
     introduce(source, project or resume)
     notes = {"study": source.name, "parameters": parameters, "given": given}
-    files: dict[str, Any] = {"every": every, "save_every": save_every, "overwrite": overwrite, "lock": not no_lock}
+    files: dict[str, Any] = {
+        "every": every,
+        "save_every": save_every,
+        "overwrite": overwrite,
+        "lock": not no_lock,
+    }
     going_on = {"resume": resume, "force": force, "project": project}
     drawn = {"pictures": not no_pictures, "movies": not no_movie}
     return execute(source, directory, notes=notes, **drawn, **files, **going_on)
@@ -194,17 +199,15 @@ def plot(
         Path | None, Parameter(help="Directory for the plots; that of the run if not given.")
     ] = None,
     format: Annotated[Literal["png", "pdf", "svg"], Parameter(help="What is written.")] = "png",
-) -> int:
+) -> None:
     """Plot energies, the error of the balance and all probes of a run."""
     from visviva.output.directory import RunDirectory
-    from visviva.study.drawings import draw_plots
+    from visviva.study.drawings import plot_energies, plot_probes
 
-    files, complaints = RunDirectory.open(directory), list[str]()
-    for file in draw_plots(files, files.read_labels(), complaints, out, format):
-        print(file)
-    for complaint in complaints:
-        say(complaint)
-    return FAILED if complaints else 0
+    files = RunDirectory.open(directory)
+    for file in (plot_energies(files, out, format), plot_probes(files, out, format)):
+        if file is not None:
+            print(file)
 
 
 @app.command

@@ -10,7 +10,6 @@ from typing import Any
 
 from visviva.base.errors import InputError, shortened
 from visviva.output.directory import RunDirectory
-from visviva.output.labels import Labels
 from visviva.output.trajectory import Trajectory
 from visviva.study.progress import counting_bar
 from visviva.study.study import Study
@@ -27,38 +26,36 @@ def draw_run(study: Study, files: RunDirectory, *, movies: bool = True) -> list[
         What could not be drawn and why, one line each; the run itself is complete without.
     """
     complaints: list[str] = []
-    draw_plots(files, files.read_labels(), complaints)
+    with spared(files.energy_plot.name, complaints):
+        plot_energies(files)
+    with spared(files.probes_plot.name, complaints):
+        plot_probes(files)
     if files.trajectory.exists():
         with spared("pictures", complaints):
             draw_pictures(study, files, complaints, movies=movies)
     return complaints
 
 
-def draw_plots(
-    files: RunDirectory,
-    labels: Labels,
-    complaints: list[str],
-    folder: Path | None = None,
-    kind: str = "png",
-) -> list[Path]:
-    """Energies, and all probes if there are some; the files that were written."""
-    from visviva.output.plot import energy_plot, probes_plot
+def plot_energies(files: RunDirectory, folder: Path | None = None, kind: str = "png") -> Path:
+    """Energies and the error of their balance; the file that was written."""
+    from visviva.output.plot import energy_plot
+
+    file = (folder or files.path) / files.energy_plot.with_suffix(f".{kind}").name
+    energy_plot(files.ledger, file, labels=files.read_labels())
+    return file
+
+
+def plot_probes(files: RunDirectory, folder: Path | None = None, kind: str = "png") -> Path | None:
+    """All probes; the file that was written, none if there are no probes."""
+    from visviva.output.plot import probes_plot
     from visviva.output.tables import read_table
 
-    energies, probes = (
-        (folder or files.path) / plot.with_suffix(f".{kind}").name
-        for plot in (files.energy_plot, files.probes_plot)
-    )
-    written = []
-    with spared(energies.name, complaints):
-        energy_plot(files.ledger, energies, labels=labels)
-        written.append(energies)
-    with spared(probes.name, complaints):
-        series = read_table(files.probes)
-        if len(series) > 1:
-            probes_plot(series, probes, labels=labels)
-            written.append(probes)
-    return written
+    series = read_table(files.probes)
+    if len(series) < 2:
+        return None
+    file = (folder or files.path) / files.probes_plot.with_suffix(f".{kind}").name
+    probes_plot(series, file, labels=files.read_labels())
+    return file
 
 
 def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, movies: bool) -> None:
