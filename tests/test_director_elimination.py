@@ -11,7 +11,7 @@ from catalogue.beams import panel, swaying
 from conftest import SCHEMES
 
 import visviva as vv
-from visviva.model.model import Model
+from visviva.model.reductions import Reductions
 
 STEPS, STEP = 8, 0.02
 SOLVERS = {
@@ -83,7 +83,7 @@ def test_solution_is_that_with_multipliers(
     """Unknowns, the multipliers that have left among them, agree to round-off under every scheme."""
     found = run(CASES[case](), scheme, SOLVERS[solver])
     assert found.core.n_lengths > 0
-    monkeypatch.setattr(Model, "keep_length", lambda *_: None)
+    monkeypatch.setattr(Reductions, "eliminate_director", lambda *_: None)
     whole = run(CASES[case](), scheme, SOLVERS[solver])
     assert whole.core.n_lengths == 0
     apart, moves = np.abs(whole.x - found.x), whole.order > 0

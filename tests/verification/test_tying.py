@@ -368,7 +368,7 @@ def test_elimination_changes_nothing(build: Any, monkeypatch: pytest.MonkeyPatch
     states = []
     for eliminated in (True, False):
         if not eliminated:
-            monkeypatch.setattr(vv.model.model.Model, "depend", lambda *_: None)
+            monkeypatch.setattr(vv.model.reductions.Reductions, "eliminate", lambda *_: None)
         parts = build()
         if not any(isinstance(c, vv.Fixed) for c in parts):
             parts += [

@@ -67,8 +67,9 @@ def test_the_force_on_the_grip_falls_by_the_table() -> None:
     vv.quasi_static(system, until=JUMP, step=JUMP / 4)
     grip = vv.SupportForce(solid=body, nodes="x1")
 
-    def watch(s: vv.System) -> None:
-        found[s.time] = grip(s)[0] * 2.0
+    def watch(s: vv.System) -> None:  # where the table is read
+        if any(abs(s.time - t) < 1.5 * h for t in table):
+            found[s.time] = grip(s)[0] * 2.0
 
     vv.simulate(system, until=5.02, step=h, observe=watch)
     times = np.array(sorted(found))
@@ -116,11 +117,12 @@ def test_harmonic_moduli_are_those_of_a_zener_solid(omega: float, storage: float
     grip, t, force = vv.SupportForce(solid=body, nodes="x1"), [], []
 
     def watch(s: vv.System) -> None:
-        t.append(s.time), force.append(grip(s)[0] / TINY)
+        if s.time > (cycles - 1) * period + h / 2:  # the last one
+            t.append(s.time), force.append(grip(s)[0] / TINY)
 
     vv.simulate(system, until=cycles * period, step=h, observe=watch)
-    last = slice(-50, None)
-    phase, sigma = omega * np.array(t)[last], np.array(force)[last]
+    assert len(t) == 50
+    phase, sigma = omega * np.array(t), np.array(force)
     real, imaginary = 2 * np.mean(sigma * np.sin(phase)), 2 * np.mean(sigma * np.cos(phase))
     assert real == pytest.approx(storage, rel=1e-3)
     assert imaginary == pytest.approx(loss, rel=5e-3)

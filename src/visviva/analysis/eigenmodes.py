@@ -168,7 +168,7 @@ def found_roots(linear: Linearized, n: int) -> tuple[NDArray[np.complex128], NDA
     """Roots and vectors; real ones where forces have a potential and none is gyroscopic."""
     system, C = linear.at.system, gyroscopic(linear.at)
     refuse_unfit("modes", system)
-    rubs = system.model.has_servo or any(c.rubs for c in system.components)
+    rubs = system.model.driving.has_servo or any(c.rubs for c in system.components)
     if rubs or (C is None and is_symmetric(linear)):
         refuse_lossy("modes", linear)
         if C is None:

@@ -173,7 +173,7 @@ class Beam(DirectorBody):
             model.constrain(self, self._multipliers, RIGIDITY, first=6 * k, shift=self.motion.start + 12 * k)
             if not held[k]:
                 u, m = self.motion.start + 12 * k, self._multipliers.start + 6 * k
-                model.rigid.append([*range(u, u + 12), *range(m, m + 6)])
+                model.reductions.rigid.append([*range(u, u + 12), *range(m, m + 6)])
         self._heated = model.announced(self, Straining)
         smooth = np.all(self.line.turns == np.eye(3), axis=(1, 2, 3))
         for cells in parted(np.stack([smooth, self._law]).T):

@@ -162,7 +162,7 @@ class RigidBody(Attachable):
 
     def contribute(self, model: Model) -> None:
         self._multipliers = model.multipliers(self, "rigidity", 6, stage=0, block=self._field.block)
-        model.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
+        model.reductions.rigid.append([*self._field.unknowns, *self._multipliers.unknowns])
         model.inertia(self, self._field.start, self.mass_matrix(), (True, False, False, False))
         model.constrain(self, self._multipliers, RIGIDITY, shift=self._field.start)
 

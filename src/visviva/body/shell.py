@@ -155,7 +155,7 @@ class Shell(DirectorBody):
         for k in np.flatnonzero(~self.unheld(model)).tolist():
             d = Vector.of(self.motion.start + 6 * k + 3)
             model.constrain(self, self._multipliers, [0.5 * dot(d, d) - 0.5], first=k)
-            model.keep_length(self.motion.start + 6 * k + 3, self._multipliers.start + k)
+            model.reductions.eliminate_director(self.motion.start + 6 * k + 3, self._multipliers.start + k)
         if len(self._kinked):
             self._join(model, clamped)
         unknowns = self.vector_unknowns()

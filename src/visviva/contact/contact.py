@@ -267,7 +267,7 @@ class Contact(Component):
         (body,) = mesh_bodies(self.first)
         nodes = body.node_unknowns(body.faces(self.first_faces).nodes)
         for pressure, node in zip(self.pressure.unknowns, nodes, strict=True):
-            model.press(int(pressure), int(node), self._surface.dimension)
+            model.reductions.condense_multiplier(int(pressure), int(node), self._surface.dimension)
 
     def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)

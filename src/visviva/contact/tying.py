@@ -258,7 +258,7 @@ class Tie(Component):
         if self.multipliers == "dual" and self._follows:
             unknowns = self.first.node_unknowns(self._nodes)[:, None] + np.arange(self.first.dimension)
             for pair in zip(unknowns[self._active], self._number[self._active], strict=True):
-                model.depend(*map(int, pair))
+                model.reductions.eliminate(*map(int, pair))
 
     # --- results --------------------------------------------------------------------------------------------
     def forces(self, x: Array) -> Array:

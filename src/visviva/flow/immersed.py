@@ -154,7 +154,7 @@ class Immersed(Carried):
             ~follows.reshape(-1, d)[self._nodes],
         )
         for k in np.flatnonzero(follows if not self.leaves else []):  # what leaves has equations of its own
-            model.depend(int(motion.start + k), int(self.force.start + k))
+            model.reductions.eliminate(int(motion.start + k), int(self.force.start + k))
         self._displace(model)
         self._compare_sizes(places.cells)
 

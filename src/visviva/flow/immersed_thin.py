@@ -131,7 +131,7 @@ class ImmersedThin(Carried):
             ~follows[nodes],
         )
         for k, of in zip(*np.nonzero(follows), strict=True):
-            model.depend(int(motion.start + numbers[k, of]), int(self.force.start + d * k + of))
+            model.reductions.eliminate(int(motion.start + numbers[k, of]), int(self.force.start + d * k + of))
         self._displace(model)
 
     @property

@@ -210,7 +210,8 @@ class SupportForce(Reading):
 
     def _forces(self, system: System) -> Array:
         """Residual by unknown: means over the last step, by which momenta change, unless what is driven spoils them."""
-        if system.solves_means and system.has_inertia and (system.model.is_driven or system.model.prescribed):
+        driving = system.model.driving
+        if system.solves_means and system.has_inertia and (driving.is_driven or driving.prescribed):
             return system.present.holding_forces()
         return system.holding_forces()
 

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.base.timefunction import TimeFunction
 from visviva.model.batch import along, book, strain_batch
+from visviva.model.driving import Driving
 from visviva.model.field import Field, Owner, Prescription, Role
 from visviva.model.form import Form, Strain, strain
 from visviva.model.law import Law, LawKind
+from visviva.model.reductions import Reductions
 
 if TYPE_CHECKING:
     from visviva.model.term import Term
@@ -61,20 +62,11 @@ class Model:
     batches: list[_core.Term] = field(default_factory=list)
     functions: list[Callable[..., Any]] = field(default_factory=list)
     accounts: list[Account] = field(default_factory=list)
-    signals: list[TimeFunction] = field(default_factory=list)
-    rated: set[int] = field(default_factory=set)
-    prescribed: list[Prescription] = field(default_factory=list)
-    kinks: dict[float, set[int]] = field(default_factory=dict)  # of drives: times, and whose accounts
-    drives: list[tuple[int, int]] = field(default_factory=list)  # multipliers of what is driven, accounts
-    dependences: list[tuple[int, int]] = field(default_factory=list)
-    held_lengths: list[tuple[int, int]] = field(default_factory=list)
-    nodal_multipliers: list[tuple[int, int, int]] = field(default_factory=list)
-    rigid: list[list[int]] = field(default_factory=list)
+    driving: Driving = field(default_factory=Driving)
+    reductions: Reductions = field(default_factory=Reductions)
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components
-    is_driven: bool = False  # by functions of time in constraints
-    has_servo: bool = False
     _announced: dict[int, list[object]] = field(default_factory=dict)  # by number of the component
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
@@ -201,7 +193,7 @@ class Model:
         k = np.asarray(numbers, dtype=int)
         if np.any(moved.fixed[k]):
             first = int(k[np.argmax(moved.fixed[k])])
-            others = [p.component.label for p in self.prescribed if moved.start + first in p.unknowns]
+            others = [p.component.label for p in self.driving.prescribed if moved.start + first in p.unknowns]
             raise InputError(
                 f"{component.label} prescribes {moved.name}[{first}] of {moved.component.label}, which "
                 f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
@@ -211,12 +203,14 @@ class Model:
         self._remember(moved)
         account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
-        self.prescribed.append(Prescription(component, unknowns, values, rates, account, moved.supply))
-        self._bend(kinks, account)
+        self.driving.prescribed.append(
+            Prescription(component, unknowns, values, rates, account, moved.supply)
+        )
+        self.driving.bend(kinks, account)
 
     def supplied(self) -> tuple[NDArray[np.int32], ...]:
         """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
-        rows = [(int(u), p.account, p.supply) for p in self.prescribed for u in p.unknowns]
+        rows = [(int(u), p.account, p.supply) for p in self.driving.prescribed for u in p.unknowns]
         moving = {u for u, _, _ in rows}
         for f in self.fields:
             still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
@@ -271,12 +265,7 @@ class Model:
 
         Loads need its values alone; where its rate is needed too, it is asked for times around those of steps.
         """
-        if function is None:
-            return -1
-        if has_rate:
-            self.rated.add(len(self.signals))
-        self.signals.append(TimeFunction(function))
-        return len(self.signals) - 1
+        return self.driving.signal(function, has_rate)
 
     # --- physics -------------------------------------------------------------------------------------------
     def inertia(self, component: Owner, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
@@ -370,41 +359,11 @@ class Model:
             component, "drive" if driven else "constraint", "work" if driven else "constraint"
         )
         law = Law(LawKind.CONSTRAINT) if law is None else law
-        if law.kind is LawKind.SERVO:
+        servo = law.kind is LawKind.SERVO
+        if servo:
             account = self.account(component, "servo", "work")
-            self.has_servo = True
-        else:
-            self.drives += [(u, account) for u, s in zip(numbers, signals, strict=True) if s >= 0]
-        self.is_driven = self.is_driven or driven or self.has_servo
-        self._bend((t for s in signals if s >= 0 for t in self.signals[s].kinks), account)
+        self.driving.drive(numbers, signals, account, servo)
         self._element(component, strains, law, numbers, signals, account, shift)
-
-    def _bend(self, times: Iterable[float], account: int) -> None:
-        """Note at which times what is driven gets another rate at once, by the work of an account."""
-        for t in times:
-            self.kinks.setdefault(t, set()).add(account)
-
-    def depend(self, unknown: int, multiplier: int) -> None:
-        """Let an unknown leave the equations with a multiplier whose constraint, linear in it, gives it by others.
-
-        The constraint must be that of a term of its own, and linear in the multiplier too.
-        """
-        self.dependences.append((unknown, multiplier))
-
-    def keep_length(self, unknown: int, multiplier: int) -> None:
-        """Let a multiplier that holds the length of the vector at three unknowns, and no more, leave the equations.
-
-        The vector leaves with what of it is no motion on the sphere: two of its three unknowns stay.
-        """
-        self.held_lengths.append((unknown, multiplier))
-
-    def press(self, multiplier: int, unknown: int, size: int) -> None:
-        """Let a multiplier leave the equations by the momentum of a node, its first unknown and how many it has.
-
-        The multiplier's force must act on that node more than on those of other such multipliers; it may be no other
-        one's.
-        """
-        self.nodal_multipliers.append((multiplier, unknown, size))
 
     def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""

@@ -76,7 +76,7 @@ def _columns(rows: Sequence[Sequence[float]], dtype: type = np.float64) -> NDArr
 def strain_terms(model: Model) -> list[_core.Term]:
     """Batches of equal stencils, in order of first appearance."""
     groups: dict[tuple[Any, ...], list[tuple[Stencil, Element]]] = defaultdict(list)
-    rigidity = {unknown for body in model.rigid for unknown in body[12:]}
+    rigidity = {unknown for body in model.reductions.rigid for unknown in body[12:]}
     compiled: dict[int, tuple[Stencil, tuple[Any, ...]]] = {}  # by identity: many elements share strains
     for element in model.elements:
         known = compiled.get(id(element.strains))

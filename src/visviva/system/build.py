@@ -11,6 +11,7 @@ from visviva import _core
 from visviva.model.stencil import inertia_terms, strain_terms
 
 if TYPE_CHECKING:
+    from visviva.model.driving import Driving
     from visviva.model.model import Model
     from visviva.system.system import System
 
@@ -29,25 +30,36 @@ def build_core(system: System) -> _core.System:
     core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
     for term in terms:
         core.add(term)
-    core.set_signal_count(max(len(model.signals), 1))
-    core.set_driven(model.is_driven)
     core.set_blocks(*blocks(model))
     core.set_nodes(nodes(model))
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
+    hand_driving(core, model.driving)
     core.set_prescribed(*supplied)
-    if model.drives:
-        core.set_drives(*columns(model.drives))
-    if (system.local >= 0).any():
-        core.condense_elements(system.local)
-    if model.dependences and not system.newton.null_space:  # which takes constraints block by block
-        core.eliminate_slaves(*columns(model.dependences))
-    if model.nodal_multipliers:  # pressures that leave the equations by the momentum of their nodes
-        core.condense_contact(*columns(model.nodal_multipliers))
-    if model.held_lengths:
-        core.eliminate_directors(*columns(model.held_lengths))
+    hand_reductions(core, system)
     core.finalize()
     return core
+
+
+def hand_driving(core: _core.System, driving: Driving) -> None:
+    """What functions of time drive."""
+    core.set_signal_count(max(len(driving.signals), 1))
+    core.set_driven(driving.is_driven)
+    if driving.drives:
+        core.set_drives(*columns(driving.drives))
+
+
+def hand_reductions(core: _core.System, system: System) -> None:
+    """What leaves the equations before they are solved."""
+    reductions = system.model.reductions
+    if (system.local >= 0).any():
+        core.condense_elements(system.local)
+    if reductions.slaves and not system.newton.null_space:  # which takes constraints block by block
+        core.eliminate_slaves(*columns(reductions.slaves))
+    if reductions.pressures:  # of contact, by the momentum of their nodes
+        core.condense_contact(*columns(reductions.pressures))
+    if reductions.directors:
+        core.eliminate_directors(*columns(reductions.directors))
 
 
 def columns(rows: Any) -> Ints:
@@ -72,7 +84,7 @@ def blocks(model: Model) -> tuple[Ints, ...]:
                 stages.append(f.stage)
             block[f.start + k : f.start + k + part] = numbers[key]
         multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
-    rigid = np.array(model.rigid, dtype=np.int32).reshape(-1, 18)
+    rigid = np.array(model.reductions.rigid, dtype=np.int32).reshape(-1, 18)
     return block, np.array(stages, dtype=np.int32), multiplier, rigid
 
 

@@ -250,7 +250,7 @@ def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Arr
     with returning(system):
         system.x[at.multipliers] = 0.0
         force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
-        if system.model.prescribed and not still:
+        if system.model.driving.prescribed and not still:
             force = force + at.prescribed_inertia()
     right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
     return at.solve_consistent(-force, right)
@@ -289,7 +289,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
         system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
         system.v[moves] += time * now[moves]
         system.time += time
-        for p in system.model.prescribed:
+        for p in system.model.driving.prescribed:
             system.x[p.unknowns], system.v[p.unknowns] = (
                 p.values(system.time),
                 p.rates(system.time, system.clock.step),
@@ -317,7 +317,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     Returns
     -------
     array
-        Work of what is driven by functions of time as the rates change, of each of ``system.model.drives``.
+        Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.drives``.
     """
     at = Instant(system)
     impulse = np.zeros(len(at.coordinates))
@@ -346,7 +346,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
 
 def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:
     """Among the multipliers, those of what functions of time drive."""
-    drives = [u for u, _ in system.model.drives]
+    drives = [u for u, _ in system.model.driving.drives]
     return np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives], dtype=np.int64)
 
 

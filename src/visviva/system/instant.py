@@ -130,10 +130,7 @@ class Instant:
         return r
 
     def _signal_curvatures(self) -> Array:
-        model, time, step = self.system.model, self.system.time, self.system.clock.step
-        return np.array(
-            [f.curvature(time, step) if k in model.rated else 0.0 for k, f in enumerate(model.signals)]
-        )
+        return self.system.model.driving.curvatures(self.system.time, self.system.clock.step)
 
     def _by_signals(self, rate: Array) -> Array:
         h = self.moment
@@ -152,9 +149,9 @@ class Instant:
     def drift(self) -> Array:
         """Partial time derivative (m,) of the constraints."""
         system, total = self.system, np.zeros(len(self.multipliers))
-        if system.model.signals:
+        if system.model.driving.signals:
             total = self._by_signals(system.signals(instant(system.time))[3].copy())
-        if system.model.prescribed:
+        if system.model.driving.prescribed:
             h = self.moment
             along = h * self.prescribed(lambda p: system.v[p.unknowns])
             total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
@@ -191,9 +188,9 @@ class Instant:
         total: Array = np.zeros(len(self.reach))
         if np.any(v):
             total = difference(lambda s: self.gradient_along(v, shift=s), self._span(v))
-        if system.model.signals:
+        if system.model.driving.signals:
             total = total + self._by_signals(self._signal_curvatures())
-        if system.model.prescribed:
+        if system.model.driving.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
             d = self.moment
@@ -210,7 +207,7 @@ class Instant:
     def prescribed(self, of: Callable[[Prescription], Array]) -> Array:
         """A vector of all unknowns with what `of` gives for the prescribed ones, zero elsewhere."""
         full = np.zeros(len(self.system.x))
-        for p in self.system.model.prescribed:
+        for p in self.system.model.driving.prescribed:
             full[p.unknowns] = of(p)
         return full
 

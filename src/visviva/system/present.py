@@ -72,7 +72,7 @@ def by_the_equations(system: System) -> Found:
     """For systems of any kind."""
     at = Instant(system)
     at.factor()
-    for p in system.model.prescribed:
+    for p in system.model.driving.prescribed:
         system.v[p.unknowns] = p.rates(system.time, system.clock.step)
     if len(at.multipliers):
         v = system.v[at.coordinates]
@@ -95,7 +95,7 @@ def is_plain(system: System) -> bool:
     """Whether the core solves for rates, and constraints depend on unknowns and functions of time alone."""
     model = system.model
     looks_at_clock = model.terms or any(e.law.callback is not None for e in model.elements)
-    return bool(system.core.projects_rates and not model.prescribed and not looks_at_clock)
+    return bool(system.core.projects_rates and not model.driving.prescribed and not looks_at_clock)
 
 
 def in_the_core(system: System) -> Found | None:
@@ -119,7 +119,7 @@ def in_the_core(system: System) -> Found | None:
     along = Motion(system, spins)
     force = system.residual(instant(system.time, theta=1.0, rates=True)) + inertia(system, spins)
     system.core.solve_instant(step, signals, np.where(constraint, along.second_rate(), force), solution)
-    of_bodies = [unknowns[12:] for unknowns in system.model.rigid]
+    of_bodies = [unknowns[12:] for unknowns in system.model.reductions.rigid]
     of = np.setdiff1d(np.flatnonzero(constraint), np.ravel(of_bodies))
     return system.v.copy(), spins + np.where(constraint, 0.0, solution), (of, solution[of])
 
@@ -127,8 +127,8 @@ def in_the_core(system: System) -> Found | None:
 def turn_rigidly(system: System) -> Array:
     """Give the directors of rigid bodies rates ``w x d``; returns the accelerations (n,) ``w x (w x d)``."""
     a = np.zeros(len(system.x))
-    if system.model.rigid:
-        numbers = np.array([unknowns[3:12] for unknowns in system.model.rigid], dtype=int)
+    if system.model.reductions.rigid:
+        numbers = np.array([unknowns[3:12] for unknowns in system.model.reductions.rigid], dtype=int)
         d, rates = (u[numbers].reshape(-1, 3, 3) for u in (system.x, system.v))
         w = 0.5 * np.cross(d, rates).sum(axis=1)[:, None, :]
         turned = np.cross(w, d)
@@ -155,9 +155,9 @@ class Motion:
         self._step = instant(system.time)
         self._signals = system.signals(self._step).copy()
         self._rates = np.zeros((2, self._signals.shape[1]))
-        for k in system.model.rated:
-            curvature = system.model.signals[k].curvature(system.time, system.clock.step)
-            self._rates[:, k] = self._signals[3, k], curvature
+        if system.model.driving.signals:
+            curvatures = system.model.driving.curvatures(system.time, system.clock.step)
+            self._rates[:] = self._signals[3], curvatures
 
     def _values(self, s: float) -> Array:
         signals = self._signals.copy()

@@ -35,16 +35,16 @@ def uses_null_space(system: System) -> bool:
     sizes = np.bincount(blocks(model)[0], weights=free)
     small = bool(np.all((sizes > 0) & (sizes <= LARGEST_BLOCK)))
     small = small and not any(f.is_local for f in model.fields)
-    others = model.has_servo or any(c.touches for c in system.components)
+    others = model.driving.has_servo or any(c.touches for c in system.components)
     others = others or any(f.role in CARRIED for f in model.fields)
-    return small and not model.terms and not others and not model.dependences
+    return small and not model.terms and not others and not model.reductions.slaves
 
 
 def problem_of(system: System) -> Problem:
     """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
     core, model = system.core, system.model
     fields = [f for f in model.fields if not f.is_local]
-    condensed = core.n_exchanged or len(model.nodal_multipliers)  # before anything is near
+    condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
     symmetric = not any(f.role in CARRIED for f in fields)
     has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
@@ -56,7 +56,7 @@ def problem_of(system: System) -> Problem:
         definite=all(f.role.has_least_energy or f.multiplier for f in fields),
         n_multipliers=system.n_constraints - core.n_eliminated - core.n_lengths,
         has_modes=any(f.node > 1 for f in fields)
-        and not model.held_lengths
+        and not model.reductions.directors
         and all(f.order > 0 or f.multiplier for f in fields),
         n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
         n_condensed=condensed,
@@ -110,7 +110,7 @@ def hand_solvers(system: System) -> str:
 
 def project_in_core(system: System, by_blocks: bool) -> None:
     """Let the core project the rates of motion, the equations of which are symmetric: mass and constraints."""
-    if not system.has_lasting_constraints or np.any(system.order == 1) or system.model.has_servo:
+    if not system.has_lasting_constraints or np.any(system.order == 1) or system.model.driving.has_servo:
         return
     constraint = system.is_lasting_constraint.astype(np.int32)
     regularization = system.newton.regularization

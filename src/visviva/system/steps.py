@@ -42,7 +42,7 @@ def take(system: System, h: float, scheme: Scheme) -> Any:
         attempt = solved(system, step)
         accept(system, attempt, scheme)
         return attempt.report
-    signals = system.signals(step).copy() if system.model.signals else None
+    signals = system.signals(step).copy() if system.model.driving.signals else None
     report = _solve(system, system.core.advance, step, signals)
     _arrive(system, step, system.signals(step) if signals is None else signals, scheme)
     return report
@@ -85,11 +85,11 @@ def _keep_factor(system: System) -> float:
 
 def _arrive(system: System, step: Any, signals: Array, scheme: Scheme) -> None:
     system.stepper.arrive(step, signals, scheme)
-    if system.model.kinks and scheme.keeps_swinging:
+    if scheme.keeps_swinging:
         near = system.clock.rounding(system.time)
-        passed = [t for t in system.model.kinks if system.time - step.h + near < t <= system.time + near]
-        if passed:
-            _follow_kinks(system, set().union(*(system.model.kinks[t] for t in passed)))
+        bent = system.model.driving.bent(system.time - step.h + near, system.time + near)
+        if bent:
+            _follow_kinks(system, bent)
 
 
 def _follow_kinks(system: System, accounts: set[int]) -> None:
@@ -111,7 +111,7 @@ def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) ->
 
     work = project_step(system, step, scheme.motion(step.h), x0, x0 + dx)
     _evaluate_ledger_again(system)
-    for (_, account), part in zip(system.model.drives, work, strict=True):
+    for (_, account), part in zip(system.model.driving.drives, work, strict=True):
         system.core.work[account] += part
 
 

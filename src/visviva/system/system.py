@@ -117,7 +117,6 @@ class System(metaclass=Named):
         self.choose_linear()
         self.core.x[:] = np.concatenate([f.values for f in fields])
         self.core.v[:] = np.concatenate([f.rates for f in fields])
-        self._signals = np.zeros((4, max(len(self.model.signals), 1)))
         self._check_finite()
 
     @property
@@ -285,19 +284,11 @@ class System(metaclass=Named):
     @cached_property
     def kinks(self) -> list[float]:
         """All known kinks of prescribed functions, of loads too, in order."""
-        return sorted({t for f in self.model.signals for t in f.kinks} | set(self.model.kinks))
+        return self.model.driving.all_kinks()
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
-        s, length = self._signals, step.h if step.has_length else self.clock.step
-        for k, f in enumerate(self.model.signals):
-            s[:, k] = f(step.t0), f(step.te), f(step.t1), 0.0
-            if k in self.model.rated:
-                s[3, k] = (f.rate_after if f.kinks and not step.has_length else f.rate)(step.t1, length)
-        if self.model.signals and not np.all(np.isfinite(s)):
-            k = int(np.argmin(np.isfinite(s).all(axis=0)))
-            raise RunError(f"a prescribed function of time gave {s[:, k].tolist()} near t = {step.t1:g}")
-        return s
+        return self.model.driving.values(step, step.h if step.has_length else self.clock.step)
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
@@ -318,7 +309,7 @@ class System(metaclass=Named):
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
-        for p in self.model.prescribed:
+        for p in self.model.driving.prescribed:
             values = p.values(step.t1)
             if not np.isfinite(values).all():
                 raise RunError(f"{p.component.label}: its motion is not finite at t = {step.t1:g}")
@@ -326,7 +317,7 @@ class System(metaclass=Named):
 
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
-        for p in self.model.prescribed:
+        for p in self.model.driving.prescribed:
             self.v[p.unknowns] = p.rates(self.time, self.clock.step)
         self.invalidate()
 
@@ -341,7 +332,7 @@ class System(metaclass=Named):
         """Whether constraints act on motion alone: flows and servos keep the rates that the scheme gives."""
         from visviva.system.instant import Instant
 
-        if not self.n_constraints or self.model.has_servo:
+        if not self.n_constraints or self.model.driving.has_servo:
             return False
         with undisturbed(self):
             at = Instant(self)
@@ -417,7 +408,7 @@ class System(metaclass=Named):
 
         Statics and schemes that balance forces at the end of a step have them in their unknowns.
         """
-        in_unknowns = not self.solves_means or not self.has_inertia or self.model.has_servo
+        in_unknowns = not self.solves_means or not self.has_inertia or self.model.driving.has_servo
         return self.x if in_unknowns or not self.has_lasting_constraints else self.present.x
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
