@@ -5,19 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from sizes import added, defined
 
 import visviva as vv
 from visviva.body.mesh_body import MeshBody
-
-
-def defined(cls: type) -> set[str]:
-    """Public names that stand in the body of a class: arguments, methods, attributes."""
-    return {name for name in {*vars(cls), *vars(cls).get("__annotations__", {})} if not name.startswith("_")}
-
-
-def added(cls: type) -> set[str]:
-    """Those of them that no base of it has."""
-    return defined(cls) - {name for base in cls.__mro__[1:] for name in defined(base)}
 
 
 def composed() -> list[Any]:

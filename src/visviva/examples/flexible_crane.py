@@ -30,58 +30,29 @@ def study(
     step: float = 0.01,
 ) -> vv.Study:
     """`count` elements in the girder and the trolley at `stroke` from the axis; the torque acts for two seconds."""
-    there = (stroke, 0.0, 0.0)
-    ground = vv.Ground()
-    box = vv.BoxSection(width=0.1, height=0.12, thickness=0.004, young=70e9, poisson=0.33, density=2700.0)
-    line = vv.LineMesh(points=[(BACK, 0, 0), (FRONT, 0, 0)], count=count, cell="line3")
-    girder = vv.Beam(mesh=line, section=box, first=(0, 1, 0), name="girder")
-    trolley = vv.RigidBody(
-        mass=50, euler=(1.0417,) * 3, position=there, shape=vv.Box((0.5, 0.5, 0.3)), name="trolley"
-    )
-    drum = vv.RigidBody(
-        mass=3,
-        euler=(0.01, 0.01, 0.25),
-        rotation=ACROSS,
-        position=there,
-        shape=vv.Cylinder(0.18, 0.7),
-        name="winch",
-    )
-    load = vv.PointMass(mass=10, position=(stroke, 0.0, -length), name="load")
-    slewing = vv.Revolute(a=ground, b=girder, at=(0, 0, 0), axis=Z, first=X, angle=True, name="slewing")
-    seat = vv.Rigid(a=girder, b=trolley, at=there, name="seat")
-    axle = vv.Revolute(a=trolley, b=drum, at=there, axis=(0, 1, 0), angle=True, name="axle")
-    rope = vv.RopeOverWinch(
-        a=drum.point(), b=load.point(), winch=axle, radius=0.1, length=length, name="rope"
-    )
-    parts: list[Any] = [ground, girder, trolley, drum, load, slewing, seat, axle, rope]
+    bodies, joints = crane(count, stroke, length)
+    slewing, _, axle, _ = joints
+    girder, trolley, load = bodies["girder"], bodies["trolley"], bodies["load"]
     probes: dict[str, Any] = {
         "crane_angle": vv.JointCoordinate(joint=slewing),
         "trolley": vv.Position(of=trolley),
         "load": vv.Position(of=load),
         "bending": vv.Resultants(beam=girder, at=-BACK + 0.5),
     }
-    scheme: vv.Scheme = vv.EnergyMomentum()
+    scheme: vv.Scheme = vv.GeneralizedAlpha(rho=0.0) if servo else vv.EnergyMomentum()
     if servo:
-        drive = vv.Servo(
-            output=[slewing, vv.Position(of=load, direction=Z)],
-            follows=[
-                lambda t: TURN * travel(t / until),
-                lambda t: -length + LIFT * travel(t / until),
-            ],
-            actuators=[slewing, axle],
-            name="servo",
-        )
-        parts.append(drive)
+        height = vv.Position(of=load, direction=Z)
+        path = [lambda t: TURN * travel(t / until), lambda t: -length + LIFT * travel(t / until)]
+        drive = vv.Servo(output=[slewing, height], follows=path, actuators=[slewing, axle], name="servo")
+        drives: list[Any] = [drive]
         probes["inputs"] = vv.ServoInputs(servo=drive)
-        scheme = vv.GeneralizedAlpha(rho=0.0)
     else:
-        parts += [
+        times = f"{torque} * (smoothstep(4*t) - smoothstep(4*t - 7))"
+        drives = [
             vv.Motor(joint=axle, motion=0.0, name="brake"),
-            vv.JointForce(
-                joint=slewing, force=f"{torque} * (smoothstep(4*t) - smoothstep(4*t - 7))", name="drive"
-            ),
+            vv.JointForce(joint=slewing, force=times, name="drive"),
         ]
-    system = vv.System([*parts, vv.Gravity()])
+    system = vv.System([*bodies.values(), *joints, *drives, vv.Gravity()])
     return vv.Study(
         system,
         until,
@@ -93,6 +64,29 @@ def study(
         title="Flexible crane",
         notes=__doc__,
     )
+
+
+def crane(count: int, stroke: float, length: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
+    """Bodies by name, and what joins them: slewing axis, the trolley's seat, the winch's axle, the rope."""
+    there = (stroke, 0.0, 0.0)
+    box = vv.BoxSection(width=0.1, height=0.12, thickness=0.004, young=70e9, poisson=0.33, density=2700.0)
+    line = vv.LineMesh(points=[(BACK, 0, 0), (FRONT, 0, 0)], count=count, cell="line3")
+    cart, spool = vv.Box((0.5, 0.5, 0.3)), vv.Cylinder(0.18, 0.7)
+    ground = vv.Ground()
+    girder = vv.Beam(mesh=line, section=box, first=(0, 1, 0), name="girder")
+    trolley = vv.RigidBody(mass=50, euler=(1.0417,) * 3, position=there, shape=cart, name="trolley")
+    drum = vv.RigidBody(
+        mass=3, euler=(0.01, 0.01, 0.25), rotation=ACROSS, position=there, shape=spool, name="winch"
+    )
+    load = vv.PointMass(mass=10, position=(stroke, 0.0, -length), name="load")
+    slewing = vv.Revolute(a=ground, b=girder, at=(0, 0, 0), axis=Z, first=X, angle=True, name="slewing")
+    seat = vv.Rigid(a=girder, b=trolley, at=there, name="seat")
+    axle = vv.Revolute(a=trolley, b=drum, at=there, axis=(0, 1, 0), angle=True, name="axle")
+    rope = vv.RopeOverWinch(
+        a=drum.point(), b=load.point(), winch=axle, radius=0.1, length=length, name="rope"
+    )
+    bodies = {"ground": ground, "girder": girder, "trolley": trolley, "winch": drum, "load": load}
+    return bodies, (slewing, seat, axle, rope)
 
 
 def check(result: vv.Result) -> None:

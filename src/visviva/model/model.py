@@ -208,16 +208,6 @@ class Model:
         )
         self.driving.bend(kinks, account)
 
-    def supplied(self) -> tuple[NDArray[np.int32], ...]:
-        """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
-        rows = [(int(u), p.account, p.supply) for p in self.driving.prescribed for u in p.unknowns]
-        moving = {u for u, _, _ in rows}
-        for f in self.fields:
-            still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
-            rows += [(u, self.account(f.component, "supply", "work"), f.supply) for u in still]
-        table = np.array(rows, dtype=np.int32).reshape(-1, 3)
-        return tuple(np.ascontiguousarray(column) for column in table.T)
-
     @property
     def initial(self) -> tuple[Array, Array]:
         """Initial values and rates of all unknowns made so far."""

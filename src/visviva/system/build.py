@@ -26,7 +26,7 @@ def build_core(system: System) -> _core.System:
     core = _core.System(order, fixed, system.scale)
     terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
     terms += [term.build(model, component) for term, component in model.terms]
-    supplied = model.supplied()
+    held = supplied(model)
     core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
     for term in terms:
         core.add(term)
@@ -35,7 +35,7 @@ def build_core(system: System) -> _core.System:
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
     hand_driving(core, model.driving)
-    core.set_prescribed(*supplied)
+    core.set_prescribed(*held)
     hand_reductions(core, system)
     core.finalize()
     return core
@@ -60,6 +60,16 @@ def hand_reductions(core: _core.System, system: System) -> None:
         core.condense_contact(*columns(reductions.pressures))
     if reductions.directors:
         core.eliminate_directors(*columns(reductions.directors))
+
+
+def supplied(model: Model) -> tuple[Ints, ...]:
+    """Held unknowns that take in work or heat: their numbers, accounts, and what they take in."""
+    rows = [(int(u), p.account, p.supply) for p in model.driving.prescribed for u in p.unknowns]
+    moving = {u for u, _, _ in rows}
+    for f in model.fields:
+        still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
+        rows += [(u, model.account(f.component, "supply", "work"), f.supply) for u in still]
+    return tuple(np.ascontiguousarray(column) for column in np.array(rows, dtype=np.int32).reshape(-1, 3).T)
 
 
 def columns(rows: Any) -> Ints:
