@@ -227,6 +227,8 @@ def load(text: str) -> tuple[Any, dict[Key, int]]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         told = " ".join(f"{error.context or ''} {error.problem or ''}".split())
+        if "maximum nesting depth" in told:  # newer parsers have a limit of their own
+            told = f"it is nested more than {MAX_DEPTH} deep"
         raise Unreadable(told, mark.line + 1 if mark else None) from None
     except yaml.YAMLError as error:
         raise Unreadable(" ".join(str(error).split())) from None
