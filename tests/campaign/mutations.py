@@ -257,7 +257,7 @@ def used(found: vv.Mesh) -> None:
 
 def mesh_file(random: Random, folder: Path) -> Case:
     """A mesh in a file of which something was cut out or put in."""
-    ending = random.choice(["inp", "msh", "vtk", "vtu", "stl", "obj", "xdmf", "geo", "med", "step"])
+    ending = random.choice(["inp", "msh", "vtk", "vtu", "stl", "obj", "xdmf", "geo", "med", "step", "iges"])
     path = folder / f"mesh.{ending}"
     if ending in ("inp", "msh", "vtk", "vtu"):
         vv.BoxMesh(size=(1, 1, 1), counts=(2, 1, 1)).build().write(path)
@@ -273,7 +273,8 @@ def mesh_file(random: Random, folder: Path) -> Case:
     path.write_bytes(data)
     if ending in ("stl", "obj", "step"):
         return Case(f"mesh file *.{ending}", False, call=lambda: vv.SurfaceMesh(file=path))
-    return Case(f"mesh file *.{ending}", False, call=lambda: used(vv.MeshFile(path).build()))
+    size = 1.0 if ending == "iges" else None
+    return Case(f"mesh file *.{ending}", False, call=lambda: used(vv.MeshFile(path, size=size).build()))
 
 
 # --- command lines ----------------------------------------------------------------------------------------------

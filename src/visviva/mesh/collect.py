@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Array, Ints
@@ -69,7 +70,7 @@ class Collection:
         return Mesh(self._flat(dimension), cells, node_sets, face_sets, cell_sets)
 
     def part(self, name: str) -> Collection:
-        """What is left without cells that are not in a group, but for those of lower dimension.
+        """What is left without cells that are not in a group, but for those of lower dimension between its nodes.
 
         Raises
         ------
@@ -80,13 +81,21 @@ class Collection:
             raise InputError(f"there is no group of cells {name!r} in it{nearest(name, self.groups)}")
         dimensions = np.repeat([dimension_of(t) for t in self.types], list(map(len, self.blocks)))
         chosen = np.isin(np.arange(len(dimensions)), self.groups[name])
-        kept = chosen | (dimensions < dimensions[chosen].max())
+        kept = chosen | ((dimensions < dimensions[chosen].max()) & self._between_nodes_of(chosen))
         new = np.cumsum(kept) - 1
         starts = np.cumsum([0, *map(len, self.blocks)])
         blocks = [rows[kept[k : k + len(rows)]] for rows, k in zip(self.blocks, starts, strict=False)]
         types = [kind for kind, rows in zip(self.types, blocks, strict=True) if len(rows)]
         groups = {label: new[entries[kept[entries]]] for label, entries in self.groups.items()}
         return Collection(self.points, types, [rows for rows in blocks if len(rows)], groups, self.node_sets)
+
+    def _between_nodes_of(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """For every cell, whether all of its nodes belong to chosen ones."""
+        starts = np.cumsum([0, *map(len, self.blocks)])
+        used = np.zeros(len(self.points), dtype=bool)
+        for rows, k in zip(self.blocks, starts, strict=False):
+            used[rows[chosen[k : k + len(rows)]]] = True
+        return np.concatenate([used[rows].all(axis=1) for rows in self.blocks])
 
     def _cells(self, dimension: int) -> tuple[dict[str, Ints], Ints]:
         """Cells by type, the same cell once, and the number of the cell for every entry or -1."""

@@ -1,4 +1,4 @@
-"""Meshes in files: Gmsh, Abaqus, VTK and what meshio knows, with their sets."""
+"""Meshes in files: Gmsh, Abaqus, VTK and what meshio knows, with their sets; CAD files, which are meshed."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import unquote
 
 import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.mesh import cad
 from visviva.mesh.abaqus import Reader
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
-from visviva.mesh.generate import CONFIG, MeshSource
+from visviva.mesh.generate import CONFIG, Length, MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.source_files import existing, refuse_outside
 from visviva.mesh.write_mesh import load_meshio
@@ -40,12 +41,20 @@ class MeshFile(MeshSource):
     path : path
         ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
         ``.vtk``, where whole-numbered arrays of zeros and ones are sets; whatever else meshio reads; ``.geo``
-        of Gmsh, a script which is run and meshed, if it is trusted.
+        of Gmsh, a script which is run and meshed, if it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and
+        ``.brep``, shapes which Gmsh meshes by tetrahedra, and shapes without volume by triangles.
     drop_orphans : bool
         Whether nodes that belong to no cell are left out, such as centres of circles.
     trust : bool
         Run the script of a ``.geo`` file. Such scripts can run any command of the system: read them before. A scene
         file cannot say this; `read_scene` takes `trust`, the command line ``--trust``.
+    size : length, optional
+        Of cells, for CAD files, which need it; cells are smaller where edges are shorter.
+    order : {1, 2}, optional
+        Of the cells of CAD files, 2 by default; those have their nodes on curved faces, and do not lock as tet4 do.
+    unit : {"mm", "cm", "m", "in", "ft"}
+        Of length that the mesh of a STEP or IGES file shall have, whatever that of the file; millimetres by default.
+        Files of BREP have none.
     part : str, optional
         Name of a group of cells which alone is the mesh, such as the stiffeners of a hull, without nodes of others.
     within : path, optional
@@ -56,11 +65,15 @@ class MeshFile(MeshSource):
     ------
     InputError
         By `build`, with the path, if the file cannot be read, is a script that is not trusted, holds unknown cells,
-        or faces that no cell has.
+        or faces that no cell has; if a CAD file is not of the format that its ending says.
 
     Notes
     -----
-    Needs the package meshio, but for Abaqus files: ``pip install "visviva[mesh]"``; for ``.geo`` also gmsh:
+    CAD files are read by their named format alone, and no script in them is run. Sets of their faces and solids have
+    their names in the file, if no other has the same, else ``face1``, ``solid1`` and so on (``edge1`` of shapes without
+    volume). Solids that touch each other are not connected: take them one by one, by `part`, and tie them.
+
+    Needs the package meshio, but for Abaqus files: ``pip install "visviva[mesh]"``; for ``.geo`` and CAD also gmsh:
     ``pip install "visviva[gmsh]"``.
 
     Examples
@@ -76,6 +89,9 @@ class MeshFile(MeshSource):
     path: Path
     drop_orphans: bool = False
     trust: bool = False
+    size: Length | None = None
+    order: Literal[1, 2] | None = None
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = None
     part: str | None = None
     within: Path | None = None
 
@@ -91,6 +107,9 @@ class MeshFile(MeshSource):
 
     def _collection(self) -> Collection:
         suffix = self.path.suffix.lower()
+        if suffix in cad.FORMATS:
+            return self._cad()
+        self._refuse_sizes()
         if suffix == ".inp":
             return Reader(self.within).read(self.path)
         if suffix == ".geo":
@@ -107,6 +126,21 @@ class MeshFile(MeshSource):
             read.point_data = {unquote(name): data for name, data in read.point_data.items()}
             read.cell_data = {unquote(name): data for name, data in read.cell_data.items()}
         return _of_meshio(read)
+
+    def _cad(self) -> Collection:
+        with tempfile.TemporaryDirectory() as folder:
+            made = cad.meshed(
+                self.path, Path(folder) / "mesh.msh", size=self.size, order=self.order or 2, unit=self.unit,
+                alone=self.within is not None,
+            )  # fmt: skip
+            return _of_meshio(_meshio_read(made))
+
+    def _refuse_sizes(self) -> None:
+        given = [name for name in ("size", "order", "unit") if getattr(self, name) is not None]
+        if given:
+            raise InputError(
+                f"{' and '.join(given)} only tell how CAD files ({', '.join(cad.FORMATS)}) are meshed"
+            )
 
     def _refuse_untrusted(self) -> None:
         if not self.trust:
