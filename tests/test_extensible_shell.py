@@ -175,6 +175,7 @@ RIGID = vv.NeoHooke(shear=1.0, poisson=0.5)
         (lambda: shell_of(EVERY["user"], EVERY["Yeoh"]), "stands alone in a shell"),
         (lambda: shell_of(EVERY["Yeoh"], thickness=3.0, mesh=ROUND), "exceeds the radius of curvature in cell"),
         (lambda: vv.SolidSection(material=RIGID, thickness=-1.0), "thickness"),
+        (lambda: shell_of(EVERY["Yeoh"], membrane="enhanced"), "is for vv.Shell"),
     ],
 )  # fmt: skip
 def test_refused(make: Any, message: str) -> None:

@@ -117,6 +117,34 @@ def test_sections_beside_the_mesh() -> None:
     np.testing.assert_allclose(np.abs(found), bent, rtol=1e-3)
 
 
+def test_stresses_of_layers() -> None:
+    """Bent to one curvature, a sandwich has stresses E z kappa in each layer; in the faces the largest."""
+    plies = tuple(
+        vv.Ply(thickness=t, young=young, poisson=0.0) for t, young in ((0.01, 1e6), (0.08, 1e4), (0.01, 2e6))
+    )
+    shell = vv.Shell(
+        mesh=vv.RectangleMesh(size=(1, 0.2), counts=(16, 1)),
+        section=vv.Laminate(plies=plies),
+        first=(1, 0, 0),
+    )
+    system = vv.System([shell])
+    x, kappa = system.x.copy(), 1e-5
+    at = shell.node_unknowns(np.arange(shell.grid.n_nodes))
+    along = shell.points[:, 0]
+    x[at + 2] = 0.5 * kappa * along**2
+    x[at + 3] = -kappa * along
+    for layer, (z, young) in enumerate(((-0.05, 1e6), (-0.04, 1e4), (0.04, 2e6))):
+        (found,) = shell.layer_stresses(x, layer)
+        thick = plies[layer].thickness
+        np.testing.assert_allclose(found[..., 0, 0], -young * z * kappa, rtol=1e-3)
+        np.testing.assert_allclose(found[..., 1, 0], -young * (z + thick) * kappa, rtol=1e-3)
+    assert shell.smoothed(["upper_stress"], x)["upper_stress"][5, 0] == pytest.approx(
+        -2e6 * 0.05 * kappa, rel=1e-3
+    )
+    with pytest.raises(vv.InputError, match="layer 3 is not one of the 3"):
+        shell.layer_stresses(x, 3)
+
+
 # --- moments ------------------------------------------------------------------------------------------------
 def test_a_moment_about_the_director_is_spread_over_a_patch() -> None:
     """The patch turns, and the clamped side takes the moment."""

@@ -212,6 +212,12 @@ BEAMS = [
         Entry(f"shell, {cell}", lambda cell=cell: sheet_of(cell), ALL, steps=60)
         for cell in ("quad9", "tri3", "tri6")
     ),
+    Entry(
+        "shell of enhanced membrane",
+        lambda: panel(velocity=swaying, angular_velocity=(0.3, 0.6, 1.0), membrane="enhanced"),
+        ALL,
+        steps=60,
+    ),
     Entry("shell of three panels, rigid", lambda: star("rigid"), ALL, steps=60),
     Entry("shell of three panels, hinged", lambda: star("hinged"), ALL, steps=60),
     Entry("shell with a moment at its edge", bent_sheet, NOTHING, h=0.01, steps=60),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.mesh.faces import Faces
 
 Array = NDArray[np.float64]
 
@@ -55,18 +56,21 @@ def linear(shell: vv.Shell, *others: Any) -> vv.System:
 
 
 # --- the linear obstacle course: what is found, by its reference ------------------------------------------------
-def scordelis_lo(n: int, cell: str) -> float:
+def scordelis_lo(n: int, cell: str, **options: Any) -> float:
     """A roof under its weight; deep shells 0.3006, MacNeal & Harder 0.3024."""
-    shell = vv.Shell(mesh=part_of_cylinder(25.0, 25.0, np.radians(40), n, cell), section=sheet(0.25, 4.32e8))
+    shell = vv.Shell(
+        mesh=part_of_cylinder(25.0, 25.0, np.radians(40), n, cell), section=sheet(0.25, 4.32e8), **options
+    )
     diaphragm = vv.Fixed(solid=shell, nodes="x0", directions=(True, False, True))
     weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -90e-4))
     system = linear(shell, diaphragm, *symmetric(shell, y="x1", x="y0"), weight)
     return -1e4 * float(shell.displacements(system.x)[corner(shell, "x1", "y1"), 2]) / 0.3024
 
 
-def pinched_cylinder(n: int, cell: str) -> float:
+def pinched_cylinder(n: int, cell: str, **options: Any) -> float:
     """An eighth of it, between diaphragms: 1.82488e-5 (Lindberg et al. 1969)."""
-    shell = vv.Shell(mesh=part_of_cylinder(300.0, 300.0, np.pi / 2, n, cell), section=sheet(3.0, 3e6, 0.3))
+    mesh = part_of_cylinder(300.0, 300.0, np.pi / 2, n, cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(3.0, 3e6, 0.3), **options)
     diaphragm = vv.Fixed(solid=shell, nodes="x0", directions=(True, False, True))
     top = corner(shell, "x1", "y0")
     pinch = vv.Force(on=shell.point(shell.points[top]), force=(0, 0, -0.25))
@@ -74,15 +78,14 @@ def pinched_cylinder(n: int, cell: str) -> float:
     return -float(shell.displacements(system.x)[top, 2]) / 1.82488e-5
 
 
-def hemisphere(n: int, cell: str) -> float:
+def hemisphere(n: int, cell: str, **options: Any) -> float:
     """With a hole, pulled and pushed at its rim, it bends without stretching: 0.0940 (MacNeal & Harder)."""
 
     def to(a: Array, b: Array) -> Array:
         return 10.0 * np.stack([np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)], axis=1)
 
-    shell = vv.Shell(
-        mesh=bent((np.pi / 2, np.radians(72)), (n, n), to, cell), section=sheet(0.04, 6.825e7, 0.3)
-    )
+    mesh = bent((np.pi / 2, np.radians(72)), (n, n), to, cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(0.04, 6.825e7, 0.3), **options)
     pulled, pushed = corner(shell, "x0", "y0"), corner(shell, "x1", "y0")
     system = linear(
         shell,
@@ -94,7 +97,7 @@ def hemisphere(n: int, cell: str) -> float:
     return 1e3 * float(shell.displacements(system.x)[pulled, 0]) / 0.0940
 
 
-def twisted(n: int, cell: str, axis: int, thickness: float = 0.32) -> float:
+def twisted(n: int, cell: str, axis: int, thickness: float = 0.32, **options: Any) -> float:
     """A cantilever twisted by 90 degrees, n by n / 6 nodes, loaded along y or z at its end (Zupan & Saje)."""
     thick = thickness > 0.1
     load, expected = (
@@ -107,7 +110,9 @@ def twisted(n: int, cell: str, axis: int, thickness: float = 0.32) -> float:
         return np.stack([x, (y - 0.55) * np.cos(a), (y - 0.55) * np.sin(a)], axis=1)
 
     across = max(2, n // 6)
-    shell = vv.Shell(mesh=bent((12.0, 1.1), (n, across), to, cell), section=sheet(thickness, 29e6, 0.22))
+    shell = vv.Shell(
+        mesh=bent((12.0, 1.1), (n, across), to, cell), section=sheet(thickness, 29e6, 0.22), **options
+    )
     force = np.zeros(3)
     force[axis] = load
     pull = vv.Force(on=shell.point((12.0, 0.0, 0.0)), force=tuple(force))
@@ -116,7 +121,7 @@ def twisted(n: int, cell: str, axis: int, thickness: float = 0.32) -> float:
     return float(found) / load * scale / expected[axis]
 
 
-def raasch(n: int, cell: str) -> float:
+def raasch(n: int, cell: str, **options: Any) -> float:
     """A hook of two arcs, clamped, sheared at its end along its width: 5.022012648672."""
     radii, angles = (14.0, 46.0), (np.radians(60), np.radians(150))
     lengths = [r * a for r, a in zip(radii, angles, strict=True)]
@@ -138,22 +143,22 @@ def raasch(n: int, cell: str) -> float:
         inner = np.where(t < 0.25, t / 0.25 * share, share + (t - 0.25) / 0.75 * (1 - share))
         return to(inner * sum(lengths), y)
 
-    shell = vv.Shell(
-        mesh=bent((sum(lengths), 20.0), (n, max(2, n // 4)), spaced, cell), section=sheet(2.0, 3300.0, 0.35)
-    )
+    mesh = bent((sum(lengths), 20.0), (n, max(2, n // 4)), spaced, cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(2.0, 3300.0, 0.35), **options)
     shear = vv.Traction(solid=shell, faces="x1", traction=(0, 1e-3 / 20, 0))
     system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), shear)
     end = shell.nodes("x1")
     return 1e3 * float(shell.displacements(system.x)[end, 1].mean()) / 5.022012648672
 
 
-def curved_cantilever(n: int, cell: str, axis: int) -> float:
-    """A quarter of a flat ring, n nodes along and a cell or two across, loaded in its plane or across it (MacNeal)."""
+def curved_cantilever(n: int, cell: str, axis: int, across: int = 2, **options: Any) -> float:
+    """A quarter of a flat ring, n nodes along and two across, loaded in its plane or across it (MacNeal)."""
 
     def to(a: Array, r: Array) -> Array:
         return np.stack([(4.12 + r) * np.sin(a), (4.12 + r) * np.cos(a), 0 * a], axis=1)
 
-    shell = vv.Shell(mesh=bent((np.pi / 2, 0.2), (n, 2), to, cell), section=sheet(0.1, 1e7, 0.25))
+    mesh = bent((np.pi / 2, 0.2), (n, across), to, cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(0.1, 1e7, 0.25), **options)
     force = np.zeros(3)
     force[axis] = 1e-3
     tip = (4.22, 0.0, 0.0)
@@ -164,13 +169,97 @@ def curved_cantilever(n: int, cell: str, axis: int) -> float:
     return 1e3 * float(found) / {0: 0.08734, 2: 0.5022}[axis]
 
 
-def hypar(n: int, cell: str, thickness: float) -> float:
+def straight_cantilever(n: int, cell: str, axis: int, **options: Any) -> float:
+    """A strip of 6 x 0.2 x 0.1, n nodes along and a cell across, by what a slender beam gives (MacNeal & Harder)."""
+    across = 2 if cell in ("quad9", "tri6") else 1
+    mesh = bent((6.0, 0.2), (n, across), lambda x, y: np.stack([x, y, 0 * x], axis=1), cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(0.1, 1e7, 0.3), **options)
+    force = np.zeros(3)
+    force[axis] = 1e-4
+    pull = vv.Traction(solid=shell, faces="x1", traction=tuple(force / 0.2))
+    system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), pull)
+    found = shell.displacements(system.x)[shell.nodes("x1"), axis].mean()
+    return 1e4 * float(found) / {0: 3e-5, 1: 0.1081, 2: 0.4321}[axis]
+
+
+def closed_hemisphere(n: int, cell: str, **options: Any) -> float:
+    """A quarter of it as three patches of n / 2 cells, pulled and pushed at its rim: 0.0924."""
+    corners = np.eye(3)
+    middle, m = np.ones(3), n // 2
+    points, cells = [], []
+    s, t = (g.ravel() for g in np.meshgrid(*[np.linspace(0, 1, m + 1)] * 2, indexing="ij"))
+    for k in range(3):
+        a, b, c = corners[k], corners[k] + corners[(k + 1) % 3], corners[k] + corners[k - 1]
+        a, b, c, d = (v / np.linalg.norm(v) for v in (a, b, c, middle))
+        w = np.stack([(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t], axis=1)
+        first = k * (m + 1) ** 2 + np.arange((m + 1) ** 2).reshape(m + 1, m + 1)
+        points.append(w @ [a, b, c, d])
+        cells.append(np.stack([first[:-1, :-1], first[1:, :-1], first[1:, 1:], first[:-1, 1:]], axis=-1))
+    places = np.concatenate(points)
+    _, keep, new = np.unique(np.round(places, 9), axis=0, return_index=True, return_inverse=True)
+    mesh = vv.Mesh(places[keep], {"quad4": new.ravel()[np.concatenate(cells).reshape(-1, 4)]})
+    mesh = mesh.quadratic(cell) if cell == "quad9" else mesh
+    on_sphere = 10.0 * mesh.points / np.linalg.norm(mesh.points, axis=1)[:, None]
+    on_sphere[np.abs(on_sphere) < 1e-9] = 0.0
+    shell = vv.Shell(mesh=vv.Mesh(on_sphere, mesh.cells), section=sheet(0.04, 6.825e7, 0.3), **options)
+    pulled, pushed, pole = (int(np.argmax(shell.points[:, k])) for k in range(3))
+    planes = [
+        vv.SymmetryPlane(solid=shell, nodes=np.flatnonzero(shell.points[:, k] == 0), normal=tuple(corners[k]))
+        for k in range(2)
+    ]
+    system = linear(
+        shell,
+        *planes,
+        vv.Fixed(solid=shell, nodes=[pole], directions=(False, False, True)),
+        vv.Force(on=shell.point(shell.points[pulled]), force=(1e-3, 0, 0)),
+        vv.Force(on=shell.point(shell.points[pushed]), force=(0, -1e-3, 0)),
+    )
+    return 1e3 * float(shell.displacements(system.x)[pulled, 0]) / 0.0924
+
+
+def z_section(n: int, cell: str, **options: Any) -> float:
+    """A Z section of flanges of 1 and a web of 2, twisted at its end: -108 MPa at a flange (NAFEMS LE5)."""
+
+    def to(x: Array, s: Array) -> Array:
+        y = np.where(s < 1, s - 1, np.where(s > 3, s - 3, 0.0))
+        return np.stack([x, y, np.clip(s - 2, -1, 1)], axis=1)
+
+    shell = vv.Shell(
+        mesh=bent((10.0, 4.0), (2 * n, n), to, cell),
+        section=sheet(0.1, 210e9, 0.3),
+        kinks="rigid",
+        first=(1, 0, 0),
+        **options,
+    )
+    end = shell.faces("x1")
+    loads = []
+    for side in (-1.0, 1.0):
+        ((kind, nodes),) = end.cells.items()
+        there = np.all(np.abs(shell.points[nodes][..., 2] - side) < 1e-6, axis=1)
+        flange = Faces({kind: nodes[there]}, {kind: end.owners[kind][there]})
+        loads.append(vv.Traction(solid=shell, faces=flange, traction=(0, side * 60.0, 0)))
+    system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), *loads)
+    return stress_at_flange(shell, system) * 1e4 / -108e6
+
+
+def stress_at_flange(shell: vv.Shell, system: vv.System) -> float:
+    """Along the flange above, at its edge a quarter along, from the linear stress of the points near it."""
+    (part,) = shell.parts
+    X = np.einsum("qk,mkc->mqc", part.N, shell.points[part.cells]).reshape(-1, 3)
+    stress = shell.resultants(system.x)[..., 0].ravel() / 0.1
+    near = (X[:, 2] > 1 - 1e-9) & (np.abs(X[:, 0] - 2.5) < 1.26)
+    x, y = X[near, 0] - 2.5, X[near, 1] - 1.0
+    return float(np.linalg.lstsq(np.stack([1 + 0 * x, x, y, x * y], axis=1), stress[near], rcond=None)[0][0])
+
+
+def hypar(n: int, cell: str, thickness: float, **options: Any) -> float:
     """A clamped hyperbolic paraboloid under its weight: the energy of half of it (Bathe et al. 2000)."""
 
     def to(x: Array, y: Array) -> Array:
         return np.stack([x - 0.5, y, (x - 0.5) ** 2 - y**2], axis=1)
 
-    shell = vv.Shell(mesh=bent((1.0, 0.5), (2 * n, n), to, cell), section=sheet(thickness, 2e11, 0.3))
+    mesh = bent((1.0, 0.5), (2 * n, n), to, cell)
+    shell = vv.Shell(mesh=mesh, section=sheet(thickness, 2e11, 0.3), **options)
     scale = {1e-2: 1e-3, 1e-3: 1e-4, 1e-4: 1e-6}[thickness]
     load = 8000.0 * thickness * scale
     weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -load))
@@ -192,6 +281,7 @@ CASES: dict[str, tuple[Callable[..., float], dict[str, Any]]] = {
     "Scordelis-Lo roof": (scordelis_lo, {}),
     "pinched cylinder": (pinched_cylinder, {}),
     "hemisphere with a hole": (hemisphere, {}),
+    "closed hemisphere": (closed_hemisphere, {}),
     "twisted beam, in its plane": (twisted, {"axis": 2}),
     "twisted beam, across": (twisted, {"axis": 1}),
     "thin twisted beam, in its plane": (twisted, {"axis": 2, "thickness": 0.0032}),
@@ -199,6 +289,10 @@ CASES: dict[str, tuple[Callable[..., float], dict[str, Any]]] = {
     "Raasch's hook": (raasch, {}),
     "curved cantilever, in its plane": (curved_cantilever, {"axis": 0}),
     "curved cantilever, across": (curved_cantilever, {"axis": 2}),
+    "straight cantilever, along": (straight_cantilever, {"axis": 0}),
+    "straight cantilever, in its plane": (straight_cantilever, {"axis": 1}),
+    "straight cantilever, across": (straight_cantilever, {"axis": 2}),
+    "Z section, stress": (z_section, {}),
     "hypar, 1/100": (hypar, {"thickness": 1e-2}),
     "hypar, 1/1000": (hypar, {"thickness": 1e-3}),
     "hypar, 1/10000": (hypar, {"thickness": 1e-4}),

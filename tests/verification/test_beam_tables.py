@@ -1,4 +1,4 @@
-"""Beams along whole tables: cantilevers that shear, helix, frequencies of all ends, free flight, spin-up, flexible four-bars."""
+"""Beams along whole tables: cantilevers that shear, helix, frequencies, free flight, spin-up, flexible four-bars."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_cantilever_that_shears_and_does_not_stretch(shear: float, expected: t
 
 
 def test_helix_of_three_turns() -> None:
-    """A moment about a fixed axis and a force along it: a table of the path to three of the ten turns (Ibrahimbegovic)."""
+    """A moment about a fixed axis and a force along it: the path to three of the ten turns (Ibrahimbegovic)."""
     table = np.loadtxt(DATA / "helix_tip.csv", delimiter=",", comments="#")
     section = vv.GivenSection(stiffness=(1e4, 1e4, 1e4, 100, 100, 100))
     beam = vv.Beam(mesh=straight(10.0, 24, "line4"), section=section, first=(0, 1, 0))
@@ -136,9 +136,7 @@ def four_bar(n: int, step: float) -> tuple[vv.Result, Array]:
     def section(*C: float, mass: float, moment: float) -> vv.GivenSection:
         return vv.GivenSection(stiffness=C, mass=mass, moments=(moment, moment, 0))
 
-    stiff = section(
-        1.68803e7, 1.68803e7, 5.2992e7, 1130.5, 1130.5, 733.488, mass=1.9968, moment=4.25984e-5
-    )
+    stiff = section(1.68803e7, 1.68803e7, 5.2992e7, 1130.5, 1130.5, 733.488, mass=1.9968, moment=4.25984e-5)
     soft = section(4.22008e6, 4.22008e6, 1.3248e7, 70.656, 70.656, 45.843, mass=0.4992, moment=2.6624e-6)
     A, B, C, D = (0, 0, 0), (0, 0, 0.12), (0.24, 0, 0.12), (0.24, 0, 0)
     crank, coupler, rocker = (
@@ -175,8 +173,8 @@ def test_a_four_bar_with_a_hinge_askew() -> None:
 def test_two_long_steps_of_a_soft_cantilever() -> None:
     """moofeKIT's tests of ten linear elements, by the limit of fine meshes, which cells of two to four nodes share.
 
-    Of those four elements, whose tips differ by percents, Stander & Stein's is nearest: the limit is within 1.4 % of its
-    displacement along and 0.2 % of the others.
+    Of those four elements, whose tips differ by percents, Stander & Stein's is nearest: the limit is within 1.4 % of
+    its displacement along and 0.2 % of the others.
     """
     radius, young, density, shear = 0.186, 184000.0, 920.0, 6 / 7 * 184000 / 2.6
     area, second = np.pi * radius**2, np.pi * radius**4 / 4

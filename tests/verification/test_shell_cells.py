@@ -38,11 +38,12 @@ def node(shell: vv.Shell, x: float, y: float) -> int:
     return int(np.argmin(np.linalg.norm(shell.points[:, :2] - (x, y), axis=1)))
 
 
+@pytest.mark.parametrize("membrane", ["compatible", "enhanced"])
 @pytest.mark.parametrize("kind", PATCHES)
-def test_membrane_patch(kind: str) -> None:
+def test_membrane_patch(kind: str, membrane: Any) -> None:
     """Moved evenly at the border, the inner nodes follow, and forces are constant."""
     A = 1e-3 * np.array([(1.0, 0.5), (0.5, 1.0)])
-    shell = vv.Shell(mesh=PATCHES[kind], section=sheet(0.001, 1e6, 0.25), first=(1, 0, 0))
+    shell = vv.Shell(mesh=PATCHES[kind], section=sheet(0.001, 1e6, 0.25), first=(1, 0, 0), membrane=membrane)
     border = shell.faces("all").nodes
 
     def motion(t: float, X: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
+from verification.shell_cases import corner, part_of_cylinder
 from verification.solids import Array, displacement
 from visviva.examples import snap_roof
 
@@ -163,3 +164,24 @@ def test_hinged_roof(case: str, plies: snap_roof.Plies) -> None:
     inside = table[:, 0] < 1.0
     found = np.interp(table[inside, 1], down, result.times)
     np.testing.assert_allclose(found, table[inside, 0], atol=0.02)
+
+
+def test_half_cylinder_of_plies_folds_over() -> None:
+    """Down by 180 of a radius of 101.6: Sze, Liu & Lo (2004), 3.7, plies 0/90/0; 1 % of the full load."""
+    mesh = part_of_cylinder(101.6, 304.8, np.pi / 2, 24)
+    elastic = {"thickness": 1.0, "young": 2068.5, "across": 517.125, "poisson": 0.3, "shear": 795.6}
+    plies = tuple(vv.Ply(angle=angle, **elastic) for angle in (0, 90, 0))
+    shell = vv.Shell(mesh=mesh, section=vv.Laminate(plies=plies), first=(0, 1, 0))
+    sides = [
+        vv.SymmetryPlane(solid=shell, nodes=np.setdiff1d(shell.nodes(edge), shell.nodes("x0")), normal=normal)
+        for edge, normal in (("y0", (1, 0, 0)), ("y1", (0, 0, 1)))
+    ]
+    top = corner(shell, "x1", "y0")
+    load = vv.Force(on=shell.point(shell.points[top]), force=(0, 0, -1000.0), times="t")
+    system = vv.System([shell, vv.Clamped(solid=shell, nodes="x0"), *sides, load])
+    result = vv.arc_length(system, step=0.02, until=0.5, scheme=vv.ArcLength(longest=1.5))
+    down = [-shell.displacements(x)[top, 2] for x in result.states]
+    assert np.all(np.diff(down) > 0)
+    table = ((0.1, 37.92), (0.15, 93.433), (0.2, 141.562), (0.3, 162.896), (0.5, 180.68))
+    for share, deflection in table:
+        assert np.interp(deflection, down, result.times) == pytest.approx(share, abs=0.01)

@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.formulation import STIFFEST
-from visviva.body.shell import Shell
+from visviva.body.shell import FIELDS, Shell
 from visviva.body.shell_layers import (
     EDGES,
     N_RAW,
@@ -89,6 +89,8 @@ class ExtensibleShell(Shell):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.membrane != "compatible":
+            raise InputError(f"{self.label}: membrane='enhanced' is for vv.Shell, whose energy is quadratic")
         if [part.kind for part in self.parts] != ["quad4"] or self.kinks != "refused":
             raise InputError(
                 f"{self.label}: directors stretch in smooth surfaces of quad4 alone; take vv.Shell for others"
@@ -284,7 +286,7 @@ class ExtensibleShell(Shell):
         return [total]
 
     def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "thickness": 1}
+        return {**FIELDS, "thickness": 1}
 
     def at_points(self, name: str, x: Array) -> Array:
         if name != "thickness":

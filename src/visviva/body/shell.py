@@ -14,6 +14,7 @@ from visviva.base.errors import InputError
 from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_points import FacePoints, in_space
 from visviva.body.shell_checks import refuse_thick, say_gaps
+from visviva.body.shell_membrane import enhanced_strains
 from visviva.body.shell_section import ShellSection
 from visviva.body.shell_surface import ShellSurface, place, shell_surfaces, unit
 from visviva.body.touching import Skin, both_sides, looks_up, reversed_order
@@ -35,6 +36,8 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 SIDES = ("lower", "upper")
 FIELDS = {"membrane_force": 3, "bending_moment": 3, "shear_force": 2}
+FACES = {"lower_stress": (0, 0), "upper_stress": (-1, 1)}
+"""Layer, and which of its faces."""
 PARTS = {"membrane_force": slice(0, 3), "bending_moment": slice(3, 6), "shear_force": slice(6, 8)}
 
 
@@ -55,6 +58,9 @@ class Shell(DirectorBody):
         What is done where cells meet at more than 45 degrees, in sharper folds than about them and in branches: refused
         (folds under 45 degrees are said), or each smooth part has a director of its own there, which keeps its angles
         to the others, or none: a hinge.
+    membrane : {'compatible', 'enhanced'}
+        Of four-node cells: with enhanced strains (Simo & Rifai 1990) they bend in their own plane as they should, where
+        compatible ones are too stiff by far. Others do so anyway.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
     angular_velocity : (3,)
         Initial rotation about the centre of mass, of the directors as well; with `velocity` alone they start at rest.
@@ -79,6 +85,7 @@ class Shell(DirectorBody):
     section: ShellSection | tuple[ShellSection, ...]
     first: VectorOrFunction | None = None
     kinks: Literal["refused", "rigid", "hinged"] = "refused"
+    membrane: Literal["compatible", "enhanced"] = "compatible"
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
 
@@ -107,6 +114,17 @@ class Shell(DirectorBody):
         sizes = self.by_type(np.diff(self.by_cell(lambda s: s.heights), axis=1)[:, 0])
         every = zip(self.parts, self.by_type(self.stiffness), sizes, strict=True)
         return [part.relieved(C, size) for part, C, size in every]
+
+    @cached_property
+    def _strains_of_samples(self) -> list[Array]:
+        """What makes strains of the sections (m, q, 8, n) of those sampled, type by type."""
+        every = zip(self.parts, self._stiffness_of_parts, strict=True)
+        return [
+            enhanced_strains(part, C)
+            if part.kind == "quad4" and self.membrane == "enhanced"
+            else part.section_strains
+            for part, C in every
+        ]
 
     @property
     def modulus(self) -> float:
@@ -159,9 +177,10 @@ class Shell(DirectorBody):
         if len(self._kinked):
             self._join(model, clamped)
         unknowns = self.vector_unknowns()
-        for number, (part, C) in enumerate(zip(self.parts, self._stiffness_of_parts, strict=True)):
+        every = zip(self.parts, self._stiffness_of_parts, self._strains_of_samples, strict=True)
+        for number, (part, C, A) in enumerate(every):
             slots = unknowns[self.cell_vectors(number)].transpose(0, 2, 1).reshape(len(part.cells), -1)
-            add_assumed(model, self, part.assumed, slots, part.stiffness(C), part.reference)
+            add_assumed(model, self, part.assumed, slots, part.stiffness(C, A), part.reference)
         self.add_inertia(model)
 
     def _join(self, model: Model, clamped: Mask) -> None:
@@ -185,7 +204,10 @@ class Shell(DirectorBody):
         n = 2 * self.grid.n_nodes
         vectors = x[at]
         directors = np.concatenate([vectors[1:n:2], vectors[n:]])
-        return [part.strains(vectors[:n:2], directors) for part in self.parts]
+        changes = [part.change(vectors[:n:2], directors) for part in self.parts]
+        return [
+            (A @ e[:, None, :, None])[..., 0] for A, e in zip(self._strains_of_samples, changes, strict=True)
+        ]
 
     def resultants_of_parts(self, x: Array) -> list[Array]:
         """Membrane forces, moments and shear forces (m, q, 8) per length, of the cells of each type."""
@@ -199,6 +221,27 @@ class Shell(DirectorBody):
     def resultants(self, x: Array) -> Array:
         """Membrane forces, moments and shear forces (m, q, 8) per length, in the order of the strains."""
         return self._alone(self.resultants_of_parts(x))
+
+    def layer_stresses(self, x: Array, layer: int) -> list[Array]:
+        """Stresses 11, 22, 12 (m, q, 2, 3) at the lower and upper face of a layer, of the cells of each type.
+
+        Along the directions of the section; layers are counted from the lower face, or with -1 from the upper one.
+
+        Raises
+        ------
+        InputError
+            If a section has no such layer.
+        """
+        counts = [len(section.sheets()) for section in self.sections]
+        if not all(-n <= layer < n for n in counts):
+            raise InputError(f"{self.label}: layer {layer} is not one of the {min(counts)} of its sections")
+        moduli = self.by_type(self.by_cell(lambda s: s.sheets()[layer].moduli))
+        heights = self.by_type(self.by_cell(lambda s: s.sheets()[layer][:2]))
+        found = []
+        for Q, z, e in zip(moduli, heights, self.strains_of_parts(x), strict=True):
+            at_faces = e[:, :, None, :3] + z[:, None, :, None] * e[:, :, None, 3:6]
+            found.append(np.einsum("mij,mqfj->mqfi", Q, at_faces))
+        return found
 
     def _alone(self, parts: list[Array]) -> Array:
         if len(parts) > 1:
@@ -349,9 +392,12 @@ class Shell(DirectorBody):
         return total
 
     def widths(self) -> Mapping[str, int]:
-        return FIELDS
+        return FIELDS | dict.fromkeys(FACES, 3)
 
     def at_points(self, name: str, x: Array) -> Array:
+        if name in FACES:
+            layer, face = FACES[name]
+            return np.concatenate([S[:, :, face].reshape(-1, 3) for S in self.layer_stresses(x, layer)])
         values = [r[..., PARTS[name]].reshape(-1, FIELDS[name]) for r in self.resultants_of_parts(x)]
         return np.concatenate(values)
 

@@ -47,6 +47,18 @@ class ShellSection(Section):
     def heights(self) -> tuple[float, float]:
         """Of the lower and the upper face."""
 
+    def sheets(self) -> tuple[Sheet, ...]:
+        """Layers from the lower to the upper face, for their stresses; none if it has no such."""
+        return ()
+
+
+class Sheet(NamedTuple):
+    """A layer in plane stress: heights of its faces, and its moduli (3, 3) along the directions of the shell."""
+
+    lower: float
+    upper: float
+    moduli: Array
+
 
 class Layer(metaclass=Validated):
     """What lies between two heights of a shell."""
@@ -144,15 +156,17 @@ class Laminate(ShellSection):
         half = sum(ply.thickness for ply in self.plies) / 2
         return self.offset - half, self.offset + half
 
+    def sheets(self) -> tuple[Sheet, ...]:
+        z = self.heights[0] + np.concatenate([[0.0], np.cumsum([ply.thickness for ply in self.plies])])
+        return tuple(Sheet(z[k], z[k + 1], ply.plane()) for k, ply in enumerate(self.plies))
+
     def stiffness_matrix(self) -> Array:
-        C, z = np.zeros((8, 8)), self.heights[0]
-        for ply in self.plies:
-            top, Q = z + ply.thickness, ply.plane()
+        C = np.zeros((8, 8))
+        for ply, (z, top, Q) in zip(self.plies, self.sheets(), strict=True):
             C[:3, :3] += Q * ply.thickness
             C[:3, 3:6] += Q * (top**2 - z**2) / 2
             C[3:6, 3:6] += Q * (top**3 - z**3) / 3
             C[6:, 6:] += self.shear_factor * ply.thickness * ply.across_thickness()
-            z = top
         C[3:6, :3] = C[:3, 3:6].T
         return C
 
@@ -201,6 +215,9 @@ class HomogeneousSection(ShellSection):
     @property
     def heights(self) -> tuple[float, float]:
         return self._laminate.heights
+
+    def sheets(self) -> tuple[Sheet, ...]:
+        return self._laminate.sheets()
 
     def stiffness_matrix(self) -> Array:
         return self._laminate.stiffness_matrix()

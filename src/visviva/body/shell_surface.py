@@ -109,15 +109,20 @@ class ShellSurface:
         return np.asarray(self.rule.weights * np.linalg.norm(np.cross(g1, g2), axis=2))
 
     # --- strains -------------------------------------------------------------------------------------------
-    @cached_property
-    def section_strains(self) -> Array:
-        """Strains along the section's directions at the points (m, q, 8, n), of those sampled in the cells."""
+    @property
+    def plane_turns(self) -> Array:
+        """What makes strains 11, 22, 2 x 12 along the section's directions (m, q, 3, 3) of those along coordinates."""
         (a, b), (c, d) = np.moveaxis(self.back, (2, 3), (0, 1))
         plane = np.array(
             [(a * a, b * b, a * b), (c * c, d * d, c * d), (2 * a * c, 2 * b * d, a * d + b * c)]
         )
+        return np.moveaxis(plane, (0, 1), (2, 3))
+
+    @cached_property
+    def section_strains(self) -> Array:
+        """Strains along the section's directions at the points (m, q, 8, n), of those sampled in the cells."""
         turn = np.zeros((*self.areas.shape, 8, 8))
-        turn[..., :3, :3] = turn[..., 3:6, 3:6] = np.moveaxis(plane, (0, 1), (2, 3))
+        turn[..., :3, :3] = turn[..., 3:6, 3:6] = self.plane_turns
         turn[..., 6:, 6:] = self.back
         return turn @ self.assumed.shares
 
@@ -130,10 +135,9 @@ class ShellSurface:
         """Those of the reference (m, n)."""
         return self.sampled(self.points, self.directors)
 
-    def strains(self, phi: Array, d: Array) -> Array:
-        """Strains (m, q, 8) along the section's directions less those of the reference."""
-        change = self.sampled(phi, d) - self.reference
-        return np.asarray((self.section_strains @ change[:, None, :, None])[..., 0])
+    def change(self, phi: Array, d: Array) -> Array:
+        """Strains sampled (m, n) less those of the reference."""
+        return self.sampled(phi, d) - self.reference
 
     def relieved(self, C: Array, thickness: Array) -> Array:
         """Sections' stiffness (m, 8, 8) with that of shear that suits cells (m,) so thick."""
@@ -144,9 +148,8 @@ class ShellSurface:
         C[:, 6:, 6:] *= factor[:, None, None]
         return C
 
-    def stiffness(self, C: Array) -> Array:
-        """Of the cells by the strains sampled (m, n, n), of that of their sections (m, 8, 8)."""
-        A = self.section_strains
+    def stiffness(self, C: Array, A: Array) -> Array:
+        """Of cells by the strains sampled (m, n, n), of sections (m, 8, 8) that see strains A (m, q, 8, n) of them."""
         CA = self.areas[..., None, None] * (C[:, None] @ A)
         m, n = len(A), A.shape[-1]
         total: Array = A.reshape(m, -1, n).transpose(0, 2, 1) @ CA.reshape(m, -1, n)
