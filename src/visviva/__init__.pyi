@@ -123,6 +123,7 @@ from .system.system import System
 from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemperature, Radiation
 from .thermal.fluid_heat import FluidHeat
 from .thermal.heat import Heat
+from .thermal.heat_tie import HeatTie
 from .thermal.thermal_body import ThermalBody
 from .thermal.thermoelastic_solid import ThermoelasticSolid
 from .user.servo import Servo, ServoInputs
@@ -198,6 +199,7 @@ __all__ = [
     "HeatFlow",
     "HeatFlux",
     "HeatSource",
+    "HeatTie",
     "Hencky",
     "HollowCylinderMesh",
     "HollowTorusMesh",

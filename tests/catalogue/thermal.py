@@ -118,9 +118,34 @@ def warm_stream(cell: str, **options: Any) -> Components:
     ]
 
 
+def tied(*kinds: str, conductance: float | None = None) -> Components:
+    """Two bodies that stand still, or deform, beside each other with other meshes."""
+    parts: Components = []
+    for number, kind in enumerate(kinds):
+        mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 2 - number, 1), origin=(number, 0, 0))
+        if kind == "body":
+            parts.append(vv.ThermalBody(mesh=mesh, conductivity=2.0, temperature=20.0 + number))
+        else:
+            material = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
+            solid = vv.ThermoelasticSolid(
+                mesh=mesh, material=material, density=1.0, heat=HEAT, temperature=21.0 - number
+            )
+            parts.append(solid)
+    first, second = parts
+    tie = vv.HeatTie(first=first, first_faces="x1", second=second, second_faces="x0", conductance=conductance)
+    return [first, second, tie, vv.HeatFlux(body=first, faces="x0", flux="3 + t")]
+
+
 THERMAL = [
     Entry("thermal body, held", held_slab, NOTHING, steps=30),
     Entry("heat without functions", plain, NOTHING, steps=30),
+    *[
+        Entry(
+            f"heat from {a} to {b}{', jump' * bool(c)}", partial(tied, a, b, conductance=c), NOTHING, steps=20
+        )
+        for a, b in (("body", "body"), ("solid", "solid"), ("body", "solid"))
+        for c in (None, 2.0)
+    ],
     Entry("warm box without functions", warm_box, NOTHING, steps=20),
     Entry("thermal body, heated", heated, NOTHING, steps=30),
     *[

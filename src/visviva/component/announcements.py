@@ -46,6 +46,22 @@ class Guiding:
     nodes: NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Conducting:
+    """What lets heat pass between two bodies; it is announced about the first.
+
+    Attributes
+    ----------
+    bodies : (Component, Component)
+    """
+
+    bodies: tuple[Component, Component]
+
+    def joins(self, *others: Component | None) -> bool:
+        """Whether it is between these two."""
+        return {id(body) for body in self.bodies} == {id(body) for body in others}
+
+
 class Straining(Component):
     """What gives a beam strains of its own, as heat does; it announces itself about the beam."""
 

@@ -27,7 +27,7 @@ from visviva.contact.contact_check import (
 from visviva.contact.contact_fields import record
 from visviva.contact.contact_layer import Layer
 from visviva.contact.contact_pair import FRAME, GapFunctions, Pair
-from visviva.contact.contact_remarks import remarks_of
+from visviva.contact.contact_remarks import conducted, remarks_of
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
@@ -184,6 +184,7 @@ class Contact(Component):
             model.index(self.second)
         check_sides(self)
         refuse_doubles(self, model)
+        self.conducts = conducted(model, self.first, self.second)
         self._started = False
         self._find_surface(splits=self.initial != "resolve")  # nodes are moved by one gap each
         self.moved = 0.0  # how far a node was moved at most so that nothing overlaps

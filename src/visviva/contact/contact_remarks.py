@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from visviva.component.announcements import Conducting
 from visviva.contact.contact_surface import mesh_bodies
 from visviva.contact.creases import bluntest
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
     from visviva.contact.contact_surface import Surface
+    from visviva.model.model import Model
 
 FELT = 5.0
 """Degrees of an edge below which half of it, by which friction acts askew, does not matter."""
@@ -21,7 +23,7 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
     """Sentences about a contact whose first surface is this one."""
     label, first = contact.label, contact.first.label
     rigid = contact.enforcement == "multipliers" and not mesh_bodies(contact.first, contact.second)
-    found = insulated(label, contact.first, contact.second)
+    found = insulated(label, contact.conducts, contact.first, contact.second)
     if contact.friction > 0 and (edge := bluntest(surface)) > FELT:
         found.append(
             f"{label}: edges of {first} of up to {edge:.0f} degrees count as round, so that friction beside them acts "
@@ -41,11 +43,18 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
     return found
 
 
-def insulated(label: str, *bodies: Any) -> list[str]:
-    """That no heat passes, if more than one of the bodies carries it."""
+def insulated(label: str, conducts: bool, *bodies: Any) -> list[str]:
+    """That no heat passes, if more than one of the bodies carries it and nothing `conducts`."""
     carriers = [body.label for body in bodies if body is not None and body.carries_heat]
-    if len(carriers) < 2:
+    if len(carriers) < 2 or conducts:
         return []
     return [
-        f"{label}: no heat passes between {' and '.join(carriers)}, which are insulated from each other there"
+        f"{label}: no heat passes between {' and '.join(carriers)}, which are insulated from each other there; give "
+        "them a vv.HeatTie or a vv.HeatContact"
     ]
+
+
+def conducted(model: Model, first: Any, second: Any) -> bool:
+    """Whether something lets heat pass between two bodies."""
+    about = [body for body in (first, second) if body is not None]
+    return any(c.joins(first, second) for body in about for c in model.announced(body, Conducting))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,20 @@ BEYOND = {"line3": 1 / 6, "tri6": 1 / 6, "quad8": 0.3, "quad9": 1 / 6}
 
 
 NO_FACETS = np.zeros((0, 4), dtype=np.int64)
+
+
+class Faced(Protocol):
+    """What has a surface of faces of a mesh."""
+
+    @property
+    def dimension(self) -> int:
+        """Of space: 2 or 3."""
+        ...
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether a plane mesh stands for a revolution."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -244,7 +258,7 @@ def where_of(corners: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(sorted(map(tuple, corners.tolist())))
 
 
-def of_points(body: MeshBody, own: Skin, forms: list[list[tuple[int, float]]]) -> Surface:
+def of_points(body: Faced, own: Skin, forms: list[list[tuple[int, float]]]) -> Surface:
     """The surface of a body whose points of the skin, as far as it has faces there, are these forms."""
     points = own.used
     number = np.full(len(own.points), -1)

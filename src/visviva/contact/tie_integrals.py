@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.body.mesh_body import MeshBody
 from visviva.body.touching import Skin
-from visviva.contact.contact_surface import SUBFACETS, of_points, skin
+from visviva.contact.contact_surface import SUBFACETS, Faced, of_points, skin
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 
@@ -142,7 +141,7 @@ class MortarSurfaces:
     """Two surfaces and what is integrated over both; facets farther apart than `reach` do not see each other."""
 
     def __init__(
-        self, first: tuple[MeshBody, Skin], second: tuple[MeshBody, Skin], reach: float | None = None
+        self, first: tuple[Faced, Skin], second: tuple[Faced, Skin], reach: float | None = None
     ) -> None:
         self.first, self.second = (of_points(*side, numbered(side[1].faces)) for side in (first, second))
         self.parents = Parents.of(first[1].faces), Parents.of(second[1].faces)
@@ -170,6 +169,49 @@ class MortarSurfaces:
         if not faces:
             return Integrals(np.zeros((0, 2), int), np.zeros((0, 9, 9)), np.zeros((0, 9, 9)), covered)
         return Integrals(np.concatenate(faces), np.concatenate(own), np.concatenate(other), covered)
+
+    def shared_points(self) -> Iterator[tuple[tuple[Ints, Ints], tuple[Array, Array], Array]]:
+        """Points that both surfaces share, by pairs of faces of each pair of types.
+
+        Vertices (m, k1) and (m, k2) of the faces, shape functions (m, q, k1) and (m, q, k2) there, and areas (m, q),
+        zero of points that only other pairs have.
+        """
+        faces, size, first, second = self._by_point()
+        pairs, number = np.unique(faces, axis=0, return_inverse=True)
+        order = np.argsort(number, kind="stable")
+        number = number[order]
+        place = np.arange(len(number)) - np.searchsorted(number, number)
+        kinds = [np.zeros(len(p.nodes), dtype=int) for p in self.parents]
+        for kind, parent in zip(kinds, self.parents, strict=True):
+            kind[parent.face] = parent.kind
+        types = np.stack([kind[pairs[:, s]] for s, kind in enumerate(kinds)], axis=1)
+        for a, b in np.unique(types, axis=0):
+            mine = np.flatnonzero((types == (a, b)).all(axis=1))
+            row = np.full(len(pairs), -1)
+            row[mine] = np.arange(len(mine))
+            here = row[number] >= 0
+            at, q = row[number[here]], place[here]
+            k = [CELLS[p.kinds[t]].n_nodes for p, t in zip(self.parents, (a, b), strict=True)]
+            area = np.zeros((len(mine), int(q.max()) + 1))
+            N = [np.zeros((*area.shape, n)) for n in k]
+            area[at, q] = size[order][here]
+            for shape, values, n in zip(N, (first, second), k, strict=True):
+                shape[at, q] = values[order][here][:, :n]
+            nodes = [
+                p.nodes[pairs[mine, s]][:, :n] for s, (p, n) in enumerate(zip(self.parents, k, strict=True))
+            ]
+            yield (nodes[0], nodes[1]), (N[0], N[1]), area
+
+    def _by_point(self) -> tuple[Ints, Array, Array, Array]:
+        """Faces (n, 2) of all points, their areas, and the shape functions (n, 9) of both faces."""
+        faces, size, shapes = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((2, 0, 9))]
+        for pairs, pair, weight, N1, N2 in self._points(self._near(2 * self.reach)):
+            first, second = pairs[pair, 0], pairs[pair, 1] - len(self.first.facets)
+            shapes.append(np.stack([self.parents[0].shapes(first, N1), self.parents[1].shapes(second, N2)]))
+            faces.append(np.column_stack([self.parents[0].face[first], self.parents[1].face[second]]))
+            size.append(weight)
+        both = np.concatenate(shapes, axis=1)
+        return np.concatenate(faces), np.concatenate(size), both[0], both[1]
 
     def distance(self) -> float:
         """Smallest distance between vertices of the surfaces."""

@@ -15,7 +15,7 @@ from visviva.body.touching import Skin
 from visviva.component.announcements import Guiding, Holding
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
-from visviva.contact.contact_remarks import insulated
+from visviva.contact.contact_remarks import conducted, insulated
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.mesh.faces import Faces
 from visviva.model.batch import book
@@ -141,6 +141,7 @@ class Tie(Component):
 
     def declare(self, model: Model) -> None:
         model.index(self.first), model.index(self.second)
+        self._conducts = conducted(model, self.first, self.second)
         self._active = self._tied[:, None] & ~self._held(model)
         self._move(model)
         n = int(self._active.sum())
@@ -227,7 +228,7 @@ class Tie(Component):
         return float(self._shift.max(initial=0.0))
 
     def remarks(self) -> list[str]:
-        return insulated(self.label, self.first, self.second)
+        return insulated(self.label, self._conducts, self.first, self.second)
 
     def contribute(self, model: Model) -> None:
         import scipy.sparse as sp

@@ -92,7 +92,7 @@ class PrescribedTemperature(Component):
 
     def __post_init__(self) -> None:
         try:
-            self._chosen = self.body.nodes(self.nodes)
+            self.chosen = self.body.nodes(self.nodes)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self._values = Values(self.label, "value", self.value)
@@ -100,7 +100,7 @@ class PrescribedTemperature(Component):
 
     @property
     def _places(self) -> Array:
-        return self.body.points[self._chosen]
+        return self.body.points[self.chosen]
 
     def _temperatures(self, time: float) -> Array:
         return self._values.at(time, self._places)
@@ -109,11 +109,14 @@ class PrescribedTemperature(Component):
         if self._values.by_place:
             rates: Array = forward_rate(self._temperatures, time, step)
             return rates
-        return np.full(len(self._chosen), self._values.given.rate_after(time, step))
+        return np.full(len(self.chosen), self._values.given.rate_after(time, step))
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.body, self)
 
     def contribute(self, model: Model) -> None:
         model.index(self.body)
-        given = GivenTemperatures(self._chosen, self._temperatures, self._rates, self._values.kinks)
+        given = GivenTemperatures(self.chosen, self._temperatures, self._rates, self._values.kinks)
         self.body.hold_temperatures(model, self, given)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.body.mesh_points import FacePoints, Points
+from visviva.body.touching import Skin
 from visviva.component.component import Component
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
@@ -58,6 +59,7 @@ class HeatCarrier(Component):
     grid: Mesh
     start_temperatures: Array
     carries_heat = True
+    balances_entropy = False  # or heat, in the unknowns of order 1
 
     @property
     @abstractmethod
@@ -68,6 +70,16 @@ class HeatCarrier(Component):
     @abstractmethod
     def dimension(self) -> int:
         """Of space: 2 or 3."""
+
+    @property
+    @abstractmethod
+    def thickness(self) -> float:
+        """Of a plane body."""
+
+    @property
+    @abstractmethod
+    def axisymmetric(self) -> bool:
+        """Whether a plane mesh stands for a revolution."""
 
     @abstractmethod
     def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
@@ -84,6 +96,31 @@ class HeatCarrier(Component):
     @abstractmethod
     def face_points(self, faces: Faces) -> Iterator[FacePoints]:
         """Quadrature points of faces, type by type."""
+
+    @abstractmethod
+    def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        """The unknown of the temperature of each node at which heat passes in a step."""
+
+    def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        """The unknown of each node whose equation balances heat, or entropy."""
+        return self.temperature_unknowns(nodes)
+
+    def heat_skin(self, chosen: str | Faces) -> Skin:
+        """Faces through which heat passes.
+
+        Raises
+        ------
+        InputError
+            If there are none of that name.
+        """
+        import scipy.sparse as sp
+
+        n, faces = len(self.points), self.faces(chosen)
+        every = np.arange(n)
+        eye = sp.eye_array(n, format="csr")
+        return Skin(
+            lambda: self.temperature_unknowns(every), eye, self.points, every, faces, faces, self.dimension
+        )
 
     @abstractmethod
     def temperatures(self, x: Array) -> Array:

@@ -108,6 +108,9 @@ class FluidHeat(HeatCarrier):
         self._zero = float(self.start_temperatures.mean()) if self.reference is None else self.reference
 
     # --- its mesh ------------------------------------------------------------------------------------------
+    thickness = 1.0
+    axisymmetric = False
+
     @property
     def points(self) -> Array:
         return self.fluid.points

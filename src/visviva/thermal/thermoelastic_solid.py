@@ -106,6 +106,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     heat: Heat
     temperature: NumberOrFunction | None = None
+    balances_entropy = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -173,6 +174,12 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self._elements.append(self._made(model, cell, nodes, first))
             first += len(nodes)
         self.volumes = [elements.volume for elements in self._elements]
+
+    def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return np.asarray(self.algorithmic.start + nodes, dtype=np.int32)
+
+    def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return np.asarray(self.entropy.start + nodes, dtype=np.int32)
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
         nodes, values = given.nodes, given.values
