@@ -92,6 +92,7 @@ void bind_point(nb::module_& m) {
             nb::arg("reference").none())
         .def("set_callback", [](PointTerm& t, nb::object f,
                                 const std::vector<double>& start) { t.set_callback(law_callback(f), start); })
+        .def("limit", &PointTerm::limit)
         .def("history", &history)
         .def_prop_ro("n_strains", &PointTerm::n_strains)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {

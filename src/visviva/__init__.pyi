@@ -106,7 +106,11 @@ from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .model.term import Term
+from .phase.allen_cahn import AllenCahn
+from .phase.cahn_hilliard import CahnHilliard
 from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, RegularSolution, UserFreeEnergy
+from .phase.mobility import DegenerateMobility, UserMobility
+from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
 from .results.result import Result
 from .scheme.schemes import (
     BDF2,
@@ -132,6 +136,7 @@ from .user.terms import Constraint, GeneralizedForce, Potential, UserTerm
 __all__ = [
     "BDF2",
     "Adaptive",
+    "AllenCahn",
     "ArcLength",
     "ArcMesh",
     "Automatic",
@@ -144,9 +149,11 @@ __all__ = [
     "BoxSection",
     "Buckling",
     "Bushing",
+    "CahnHilliard",
     "Capsule",
     "CentreOfMass",
     "Clamped",
+    "ConcentrationSource",
     "Cone",
     "Constraint",
     "Contact",
@@ -160,6 +167,7 @@ __all__ = [
     "CylinderMesh",
     "Cylindrical",
     "Damper",
+    "DegenerateMobility",
     "Direct",
     "Direction",
     "DirectorProduct",
@@ -246,6 +254,7 @@ __all__ = [
     "Position",
     "Potential",
     "Prescribed",
+    "PrescribedConcentration",
     "PrescribedTemperature",
     "Pressure",
     "Prismatic",
@@ -307,6 +316,7 @@ __all__ = [
     "Universal",
     "UserFreeEnergy",
     "UserMaterial",
+    "UserMobility",
     "UserSection",
     "UserTerm",
     "VariationalMidpoint",
@@ -315,6 +325,7 @@ __all__ = [
     "ViscoelasticSolid",
     "VisvivaError",
     "Volume",
+    "Wetting",
     "Yeoh",
     "arc_length",
     "buckling",

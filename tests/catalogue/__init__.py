@@ -10,12 +10,13 @@ from catalogue.contact import CONTACT
 from catalogue.entry import Components, Entry
 from catalogue.flow import FLOW
 from catalogue.instances import INSTANCES
+from catalogue.phase import PHASE
 from catalogue.rigid import RIGID
 from catalogue.solids import SOLIDS
 from catalogue.thermal import THERMAL
 from catalogue.thin_contacts import THIN_CONTACTS
 from catalogue.viscous import VISCOUS
 
-CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *VISCOUS, *INSTANCES]
+CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *PHASE, *VISCOUS, *INSTANCES]
 
 __all__ = ["CATALOGUE", "Components", "Entry"]

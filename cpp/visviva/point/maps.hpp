@@ -102,6 +102,51 @@ struct ScalarMap : Layout<ScalarMap> {
     }
 };
 
+/// Values as they are, of several groups.
+template <class Map, int n>
+struct PlainMap : Layout<Map> {
+    static constexpr int n_local = n, n_strains = n;
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        for (int k = 0; k < n; ++k) e[k] = y[k];
+    }
+};
+
+/// (c, grad c, load): one load for all elements
+struct LoadedScalarMap : PlainMap<LoadedScalarMap, 5> {
+    static constexpr int n_groups = 2, n_components = 2;
+    static constexpr Group groups[] = {{1, 4, 1}, {1, 1, 0, true}};
+};
+
+/// (c, grad c, laplace c)
+struct SmoothScalarMap : PlainMap<SmoothScalarMap, 5> {
+    static constexpr int n_groups = 1, n_components = 1;
+    static constexpr Group groups[] = {{1, 5, 1}};
+};
+
+/// (c, mu) and c of a wall
+struct WallMap : PlainMap<WallMap, 2> {
+    static constexpr int n_groups = 2, n_components = 2;
+    static constexpr Group groups[] = {{1, 1, 1}, {1, 1, 0, true}};
+};
+struct OrderWallMap : PlainMap<OrderWallMap, 1> {
+    static constexpr int n_groups = 1, n_components = 1;
+    static constexpr Group groups[] = {{1, 1, 1}};
+};
+
+/// (C, c, grad c, mu, grad mu) in a plane, where nothing strains across
+struct PlaneMixtureMap : Layout<PlaneMixtureMap> {
+    static constexpr int n_groups = 3, n_components = 4, n_local = 12, n_strains = 14;
+    static constexpr Group groups[] = {{2, 2, 2}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int j) { return j < 4 ? PlaneMap::origin(j) : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        PlaneMap::strains(y, e);
+        for (int k = 0; k < 8; ++k) e[6 + k] = y[4 + k];
+    }
+};
+
 /// (c, grad c, mu, grad mu)
 struct ConcentrationMap : Layout<ConcentrationMap> {
     static constexpr int n_groups = 2, n_components = 2, n_local = 8, n_strains = 8;

@@ -8,6 +8,7 @@ namespace visviva {
 
 enum class PhysicsKind : int {
 #define VISVIVA_PHYSICS(physics, ...) physics,
+#include "visviva/point/phase_list.hpp"
 #include "visviva/point/physics_list.hpp"
 #undef VISVIVA_PHYSICS
 };
@@ -18,10 +19,16 @@ struct PhysicsTraits {
 };
 inline constexpr PhysicsTraits physics_traits[] = {
 #define VISVIVA_PHYSICS(physics, python, ...) {PhysicsKind::physics, #python},
+#include "visviva/point/phase_list.hpp"
 #include "visviva/point/physics_list.hpp"
 #undef VISVIVA_PHYSICS
 };
-inline constexpr int n_physics = static_cast<int>(std::size(physics_traits));
+#define VISVIVA_PHYSICS(physics, ...) +1
+inline constexpr int n_phase_physics = 0
+#include "visviva/point/phase_list.hpp"
+    ;
+#undef VISVIVA_PHYSICS
+inline constexpr int n_physics = static_cast<int>(std::size(physics_traits)) - n_phase_physics;
 
 /// What a physics expects.
 struct PointShape {

@@ -166,6 +166,15 @@ struct PointElement {
     void own_stress(int q, Point& p) const {
         if (v.called_s) return called<tangent>(q, p);
         const Energy energy(p.par);
+        if constexpr (requires { energy.is_defined(p.z1); }) {
+            const VI defined = energy.is_defined(p.z1);
+            for (int l = 0; l < active(); ++l)
+                if (!defined[l]) v.lost_way[block * P8 + lane + l] = 1;
+        }
+        if constexpr (requires(V* a) { energy.template discrete_gradient<tangent>(a, a, a, a); }) {
+            if (step.stress == Stress::discrete_gradient)
+                return energy.template discrete_gradient<tangent>(p.z0, p.z1, p.s, p.T);
+        }
         if constexpr (n_h > 0) {
             const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T);
             for (int l = 0; l < W; ++l)

@@ -1,6 +1,7 @@
 #include "visviva/point/point_term.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace visviva {
@@ -118,9 +119,43 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
 Refusal PointTerm::refuse(const Context&) {
     for (int e = 0; e < view_.n; ++e)
         if (lost_way_[e])
-            return {slots_.unknown(e, 0), name + ": internal variables at a point of its element " +
-                                              std::to_string(e) + " find no end of so long a step"};
+            return {slots_.unknown(e, 0),
+                    name + (kernels_.shape.n_history > 0
+                                ? ": internal variables at a point of its element " + std::to_string(e) +
+                                      " find no end of so long a step"
+                                : ": at a point of its element " + std::to_string(e) +
+                                      " the composition leaves the domain of the free "
+                                      "energy's logarithms, from 0 to 1")};
     return {};
+}
+
+double PointTerm::share(const double* x1, const double* d) const {
+    constexpr double most = 0.9;
+    const PointView& v = view_;
+    const PointGroup& g = v.group[limited_];
+    const int columns = kernels_.shape.group[limited_].columns;
+    double share = 1;
+    for (int e = 0; e < v.n; ++e) {
+        const int block = e / L8, lane = e % L8;
+        const int* slots =
+            v.index + (static_cast<std::int64_t>(block) * v.n_slots + g.first_slot) * L8 + lane;
+        for (int q = 0; q < v.n_points; ++q) {
+            const std::int64_t point = static_cast<std::int64_t>(block) * v.n_points + q;
+            const double* w = g.weights + point * g.n_nodes * columns * L8 + lane;
+            const double* par = v.par + point * v.n_par * L8 + lane;
+            double c = 0, down = 0;
+            for (int a = 0; a < g.n_nodes; ++a) {
+                c += w[a * columns * L8] * x1[slots[a * L8]];
+                down += w[a * columns * L8] * d[slots[a * L8]];
+            }
+            if (std::abs(down) > reach_ && std::isfinite(down))
+                share = std::min(share, reach_ / std::abs(down));
+            if (par[0] != 0 && c > 0 && down > most * c) share = std::min(share, most * c / down);
+            if (par[L8] != 0 && c < 1 && -down > most * (1 - c))
+                share = std::min(share, most * (1 - c) / -down);
+        }
+    }
+    return share;
 }
 
 // The internal variables at the end are those of the accepted step: whatever was looked at since its last

@@ -28,7 +28,11 @@ struct PointData {
     const double *volume, *par, *reference;  // [element][point], [..][parameter], [..][strain] or null
 };
 
-class PointTerm : public Term, public MeshAssembly, public TermMemory, public TermHistory {
+class PointTerm : public Term,
+                  public MeshAssembly,
+                  public TermMemory,
+                  public TermHistory,
+                  public IterationLimit {
   public:
     /// Throws std::invalid_argument if groups or parameters are not those of the physics.
     explicit PointTerm(const PointData& data);
@@ -37,7 +41,14 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory, public Te
     /// [variable].
     void set_callback(LawCallback f, const std::vector<double>& start);
 
-    TermCapabilities capabilities() override { return {this, nullptr, this, this}; }
+    /// The value of a group (its first column) changes by `reach` at most in an iteration; and where its
+    /// parameters have logarithms (mixture.hpp), goes nine tenths of the way to their ends at most.
+    void limit(int group, double reach) { limited_ = group, reach_ = reach; }
+    double share(const double* x1, const double* d) const override;
+
+    TermCapabilities capabilities() override {
+        return {this, nullptr, this, this, limited_ < 0 ? nullptr : this};
+    }
     void couple(Pattern& pattern) const override { slots_.couple(pattern); }
     void connect(const Pattern& pattern) override;
     void residual(const Context&, double* r) override;
@@ -68,7 +79,8 @@ class PointTerm : public Term, public MeshAssembly, public TermMemory, public Te
     void start(const Context&);
     void call_back(const Context&, bool want_tangent);
 
-    int n_history_ = 0;
+    int n_history_ = 0, limited_ = -1;
+    double reach_ = 0;
     std::vector<char> lost_way_;
     double lost_ = 0;  // by internal variables in the step
     Slots slots_;

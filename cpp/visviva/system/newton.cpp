@@ -159,7 +159,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());
             acceleration.apply(d_, inverse_scale_);
         }
-        size = std::max(size, iterate(step));
+        const double share = limit_correction();
+        size = std::max(size, iterate(step) / share);
         report.increments.push_back(size);
         report.iterations = k + 1;
         if (const std::string why = lost(step, size); !why.empty())

@@ -168,6 +168,14 @@ void System::update_rates(const Step& step) {
 }
 
 // Add the increment; its largest entry relative to the unknowns' scales.
+double System::limit_correction() {
+    double share = 1;
+    for (const auto& [term, can] : terms_)
+        if (can.limit) share = std::min(share, can.limit->share(x1_.data(), d_.data()));
+    for (int i = 0; share < 1 && i < n_; ++i) d_[i] *= share;
+    return share;
+}
+
 double System::iterate(const Step& step) {
     const double size =
         vector_kernels().update(n_, d_.data(), inverse_scale_.data(), x.data(), dx.data(), x1_.data());

@@ -235,6 +235,7 @@ class System {
     int worst() const;
     double extent() const;
     double iterate(const Step&);
+    double limit_correction();  // shortens d_ by the share that it returns
     void weigh_constraints();
     double constraint_error() const;
     double in_roundings(const double* residual) const;

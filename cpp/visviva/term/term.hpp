@@ -110,12 +110,21 @@ class TermHistory {
     virtual void return_to(Past) = 0;
 };
 
+// Of terms that know how far an iteration may go at once, or beyond what it may not go.
+class IterationLimit {
+  public:
+    virtual ~IterationLimit() = default;
+    // The share, at most 1, of the correction d that may be subtracted from x1.
+    virtual double share(const double* x1, const double* d) const = 0;
+};
+
 // What a term can besides; none by default.
 struct TermCapabilities {
     MeshAssembly* mesh = nullptr;
     NeighbourSearch* search = nullptr;
     TermMemory* memory = nullptr;
     TermHistory* history = nullptr;
+    IterationLimit* limit = nullptr;
 };
 
 // A term has to couple its unknowns, to find their places, and to give residual, tangent and its share of the

@@ -20,7 +20,6 @@ from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
 from visviva.flow.location import Location, Place
 from visviva.flow.overlap import refuse_dry
-from visviva.flow.periodic import Periods, numbering
 from visviva.flow.sheet import SIGHT, normals
 from visviva.flow.transfer import Transfer
 from visviva.load.force import guarded
@@ -28,6 +27,7 @@ from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.periodic import Periods, numbering
 from visviva.model.field import Role
 
 if TYPE_CHECKING:

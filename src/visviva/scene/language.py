@@ -20,6 +20,7 @@ from visviva.material.material import Material
 from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
 from visviva.phase.free_energy import FreeEnergy
+from visviva.phase.mobility import Mobility
 from visviva.scheme.schemes import Scheme
 from visviva.thermal.heat import HeatLaw
 
@@ -45,6 +46,7 @@ CHOICES: dict[str, type[Any]] = {
     "layer": Layer,
     "heat": HeatLaw,
     "free energy": FreeEnergy,
+    "mobility": Mobility,
     "linear": LinearOptions,
 }
 """Kinds of values among which an argument chooses, by their names in the schema."""

@@ -1,4 +1,4 @@
-"""Periodic fluids: nodes of opposite faces share their unknowns, and places beyond them are those of their images."""
+"""Periodic meshes: nodes of opposite faces share their unknowns, and places beyond them are those of their images."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def partners(mesh: Mesh, first: str, second: str, label: str) -> Ints:
     if len(a) != len(b) or distance.max() > 1e-8 * size or len(np.unique(near)) < len(b):
         raise InputError(
             f"{label}: the nodes of {first!r} ({len(a)}) moved by {shift.round(6).tolist()} do not meet those of "
-            f"{second!r} ({len(b)}); a periodic fluid needs equal meshes on both faces"
+            f"{second!r} ({len(b)}); periodic faces need equal meshes"
         )
     return np.column_stack([a, b[near]])
 

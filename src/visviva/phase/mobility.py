@@ -1,0 +1,148 @@
+"""Mobilities: how fast a mixture follows its potential, by composition."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.arguments import Validated
+from visviva.base.errors import InputError
+from visviva.component.component import settings
+from visviva.component.values import Function, Number
+from visviva.phase.free_energy import COEFFICIENTS
+
+Array = NDArray[np.float64]
+
+
+class Mobility(metaclass=Validated):
+    """Base of mobilities ``M(c)``: polynomials of degree 7 at most, cut at zero."""
+
+    centre: float = 0.0
+    polynomial: Polynomial
+
+    def constants(self) -> list[float]:
+        """Of the core, see ``visviva/point/mixture.hpp``."""
+        p = self.polynomial.coef
+        return [self.centre, *p, *[0.0] * (COEFFICIENTS - len(p))]
+
+    def values(self, c: Array) -> Array:
+        """Mobilities (...) at compositions (...)."""
+        return np.asarray(np.maximum(self.polynomial(c - self.centre), 0.0))
+
+
+@dataclass(config=settings, kw_only=True)
+class DegenerateMobility(Mobility):
+    """A mobility that vanishes in pure phases: ``4 scale (c - low) (high - c) / (high - low)^2``.
+
+    Parameters
+    ----------
+    scale : float
+        In the middle, where it is largest.
+    low, high : float
+        The pure phases.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> float(vv.DegenerateMobility(scale=2.0).values(0.5)), float(vv.DegenerateMobility(scale=2.0).values(1.1))
+    (2.0, 0.0)
+    """
+
+    scale: Number
+    low: Number = 0.0
+    high: Number = 1.0
+
+    def __post_init__(self) -> None:
+        if not (self.scale > 0 and self.high > self.low):
+            raise InputError(
+                f"DegenerateMobility: scale = {self.scale:g} is not positive, or high = {self.high:g} not above low = "
+                f"{self.low:g}"
+            )
+        self.centre = 0.5 * (self.low + self.high)
+        self.polynomial = self.scale * Polynomial([1.0, 0.0, -4 / (self.high - self.low) ** 2])
+
+
+@dataclass(config=settings, kw_only=True)
+class UserMobility(Mobility):
+    """The user's own mobility: a function of compositions (n,), taken as its Chebyshev polynomial of degree 7.
+
+    Parameters
+    ----------
+    function : callable
+        Positive or zero from low to high.
+    low, high : float
+        The compositions that occur.
+    tolerance : float
+        By how much of its largest value the polynomial may be off.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> import numpy as np
+    >>> M = vv.UserMobility(function=lambda c: np.exp(-c))
+    >>> bool(abs(M.values(0.3) - np.exp(-0.3)) < 1e-9)
+    True
+    """
+
+    function: Function
+    low: Number = 0.0
+    high: Number = 1.0
+    tolerance: Number = 1e-3
+
+    def __post_init__(self) -> None:
+        if not self.high > self.low:
+            raise InputError(f"UserMobility: high = {self.high:g} is not above low = {self.low:g}")
+        c = np.linspace(self.low, self.high, 201)
+        given = np.asarray(self.function(c), dtype=float)
+        if given.shape != c.shape or not np.all(np.isfinite(given)):
+            raise InputError(
+                f"UserMobility: the function gives shape {given.shape}, or what is not finite, for compositions "
+                f"{c.shape}"
+            )
+        if given.min() < 0:
+            raise InputError(
+                f"UserMobility: it is {given.min():g} at c = {c[given.argmin()]:g}; it must not be negative"
+            )
+        series = Chebyshev.interpolate(self.function, COEFFICIENTS - 1, domain=[self.low, self.high])
+        self.centre = 0.5 * (self.low + self.high)
+        half = 0.5 * (self.high - self.low)
+        plain: Array = np.asarray(Chebyshev(series.coef).convert(kind=Polynomial).coef, dtype=float)
+        self.polynomial = Polynomial(plain / half ** np.arange(len(plain)))
+        off = float(np.abs(self.values(c) - given).max())
+        if off > self.tolerance * np.abs(given).max():
+            raise InputError(
+                f"UserMobility: a polynomial of degree {COEFFICIENTS - 1} is off by {off:.2g}, more than "
+                f"{self.tolerance:g} of the largest value; give the range of compositions, or a smoother function"
+            )
+
+
+@dataclass(config=settings, kw_only=True)
+class ConstantMobility(Mobility):
+    """The same at all compositions."""
+
+    scale: Number
+
+    def __post_init__(self) -> None:
+        if not self.scale > 0:
+            raise InputError(f"mobility = {self.scale:g} is not positive")
+        self.polynomial = Polynomial([self.scale])
+
+
+def mobility_of(label: str, given: Any) -> Mobility:
+    """A number as a constant mobility, or the mobility that is given.
+
+    Raises
+    ------
+    InputError
+        If it is not positive.
+    """
+    if isinstance(given, Mobility):
+        return given
+    try:
+        return ConstantMobility(scale=given)
+    except InputError as error:
+        raise InputError(f"{label}: {error}") from None

@@ -1,0 +1,235 @@
+"""Bodies with a scalar field that separates into phases, on meshes that stand still."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from visviva.base.errors import InputError, nearest
+from visviva.component.meshed import Meshed
+from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
+from visviva.mesh.generate import MeshSource
+from visviva.mesh.mesh import Mesh
+from visviva.model.callback import Function
+from visviva.model.field import Field
+from visviva.model.points import Group
+from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy, interface
+from visviva.phase.space import MeshSpace, ScalarSpace, Table
+
+if TYPE_CHECKING:
+    pass
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class PhaseBody(Meshed):
+    """Base of bodies with a concentration or an order parameter.
+
+    Attributes
+    ----------
+    phase : Field
+        Its coefficients, once it is part of a system.
+    space : ScalarSpace
+    start_values : array (n,)
+        At the nodes, at the start.
+    """
+
+    mesh: Mesh | MeshSource
+    free_energy: FreeEnergy
+    gradient_energy: Number | Matrix
+    periodic: Any
+    thickness: Number
+    phase: Field
+    space: ScalarSpace
+    start_values: Array
+    quantity: str
+
+    def _prepare(self, given: NumberOrFunction) -> None:
+        """Mesh, space, start values, and what is refused of them."""
+        self._tensor = gradient_tensor(self.label, self.gradient_energy)
+        if not self.thickness > 0:
+            raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
+        try:
+            self.space = self._space()
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        self.grid = self.space.grid
+        self.start_values = self._sampled(given)
+        self._refuse_outside()
+        self._refuse_thin_interfaces()
+
+    def _space(self) -> ScalarSpace:
+        grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
+        pairs = [tuple(pair) for pair in self.periodic]
+        for pair in pairs:
+            if len(pair) != 2 or pair[0] == pair[1]:
+                raise InputError(f"periodic has {pair!r}, which is no pair of two sets of faces")
+        return MeshSpace(grid, pairs, self.thickness, label=self.label)
+
+    def _sampled(self, given: NumberOrFunction) -> Array:
+        found = given(self.points) if callable(given) else given
+        values = np.asarray(found, dtype=float)
+        if values.shape not in ((), (self.grid.n_nodes,)) or not np.all(np.isfinite(values)):
+            raise InputError(
+                f"{self.label}: its {self.quantity} has shape {values.shape}, or is not finite, for "
+                f"{self.grid.n_nodes} places (n, 3); it must give n finite numbers"
+            )
+        return np.array(np.broadcast_to(values, (self.grid.n_nodes,)))
+
+    def _refuse_outside(self) -> None:
+        low, high = self.free_energy.domain
+        off = np.flatnonzero((self.start_values <= low) | (self.start_values >= high))
+        if len(off):
+            at = ", ".join(f"{x:.4g}" for x in self.points[off[0]])
+            raise InputError(
+                f"{self.label}: its {self.quantity} is {self.start_values[off[0]]:g} at ({at}), outside of the "
+                f"logarithms of {type(self.free_energy).__name__}, which hold "
+                f"between {low:g} and {high:g}; start a little inside"
+            )
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Of values that phases are looked for in."""
+        low, high = self.free_energy.domain
+        least, most = float(self.start_values.min()), float(self.start_values.max())
+        wells = [getattr(self.free_energy, k, None) for k in ("low", "high")]
+        bounds = [b for b in (*wells, 0.0, 1.0, least, most) if b is not None]
+        return max(low + 1e-9, min(bounds)), min(high - 1e-9, max(bounds))
+
+    def interface(self) -> Interface | None:
+        """The flat interface between its phases, across the direction of the least gradient energy."""
+        return interface(self.free_energy, float(np.linalg.eigvalsh(full(self._tensor)).min()), self.range)
+
+    def _refuse_thin_interfaces(self) -> None:
+        found = self.interface()
+        if found is not None and found.width < 2 * self.space.spacing * (1 - 1e-9):
+            raise InputError(
+                f"{self.label}: an interface is {found.width:.3g} wide, the distance of its nodes "
+                f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
+                "gradient_energy of "
+                f"{float(np.max(self._tensor)) * (2 * self.space.spacing / found.width) ** 2:.3g} at least"
+            )
+
+    # --- its mesh ------------------------------------------------------------------------------------------
+    def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:
+        """Nodes (k,) by the name of a set of nodes or faces, 'all', `Faces`, or their numbers."""
+        return chosen_nodes(self.grid, chosen, self.label)
+
+    def faces(self, chosen: str | Faces) -> Faces:
+        """Faces (edges if plane) by the name of their set, 'all' for the whole boundary, or as given."""
+        return chosen_faces(self.grid, chosen, self.label)
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    @property
+    def scale(self) -> float:
+        """A large change of the field."""
+        low, high = self.range
+        return high - low
+
+    def constants(self) -> list[float]:
+        """Of energy and mobility, see ``visviva/point/mixture.hpp``."""
+        return [*self.free_energy.constants(), *self._tensor, *self._mobility_constants()]
+
+    @abstractmethod
+    def _mobility_constants(self) -> list[float]: ...
+
+    def _user_energy(self) -> Function | None:
+        """The energy of value and gradient where it is the user's."""
+        if not isinstance(self.free_energy, UserFreeEnergy):
+            return None
+        K, f = full(self._tensor), self.free_energy.function
+
+        def energy(e: Any) -> Any:
+            return f(e[0]) + 0.5 * np.einsum("an,ab,bn->n", e[1:], K, e[1:])
+
+        return Function(energy, 4, 1, f"{self.label}: its free energy")
+
+    def group(self, field: Field, table: Table, weights: Array) -> Group:
+        """Unknowns of a field with their weights."""
+        return Group(field.start + table.numbers, weights)
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def coefficients(self, field: Field, x: Array) -> Array:
+        """Those of a field among the unknowns `x` of the system."""
+        return np.array(x[field.start : field.start + field.size])
+
+    def values(self, x: Array) -> Array:
+        """The concentration or order parameter (n,) at the nodes."""
+        return self.space.at_nodes(self.coefficients(self.phase, x))
+
+    def integral(self, x: Array) -> float:
+        """Of the concentration or order parameter over the body, at the unknowns `x`."""
+        c = self.coefficients(self.phase, x)
+        return float(sum((t.size * t.at(c)).sum() for t in self.space.cells()))
+
+    def energies(self, x: Array) -> tuple[float, float]:
+        """Chemical energy and gradient energy at the unknowns `x`."""
+        c, K, bulk, gradient = self.coefficients(self.phase, x), full(self._tensor), 0.0, 0.0
+        for t in self.space.cells():
+            bulk += float((t.size * self.free_energy.values(t.at(c))).sum())
+            g = t.slopes(c)
+            gradient += 0.5 * float(np.einsum("mq,mqa,ab,mqb->", t.size, g, K, g))
+        return bulk, gradient
+
+    def positions(self, x: Array) -> Array:
+        return self.points
+
+    def velocities(self, x: Array, v: Array) -> Array:
+        return np.zeros_like(self.points)
+
+    def widths(self) -> Mapping[str, int]:
+        return {self.quantity: 1}
+
+    def _shown(self, name: str, x: Array) -> Array:
+        return self.values(x)
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        for name in names:
+            if name not in self.widths():
+                raise InputError(f"{self.label} has no field {name!r}{nearest(name, self.widths())}")
+        return {name: self._shown(name, x) for name in names}
+
+    def trouble(self, x: Array) -> str:
+        low, high = self.free_energy.domain
+        c = self.values(x)
+        worst = int(np.argmax(np.maximum(low - c, c - high)))
+        if low < c[worst] < high:
+            return ""
+        at = ", ".join(f"{X:.4g}" for X in self.points[worst])
+        return (
+            f"{self.label} has a {self.quantity} of {c[worst]:.4g} at node {worst} near ({at}), outside of the "
+            f"logarithms of {type(self.free_energy).__name__}; shorter steps stay inside"
+        )
+
+
+def full(tensor: Array) -> Array:
+    """(3, 3) of components 11, 22, 33, 12, 23, 31."""
+    return np.asarray(tensor[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
+
+
+def gradient_tensor(label: str, given: Any) -> Array:
+    """Six components 11, 22, 33, 12, 23, 31 of a gradient energy.
+
+    Raises
+    ------
+    InputError
+        If it is not symmetric and positive.
+
+    Examples
+    --------
+    >>> gradient_tensor("", 2.0).tolist()
+    [2.0, 2.0, 2.0, 0.0, 0.0, 0.0]
+    """
+    k = np.asarray(given, dtype=float)
+    K = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (3,)))
+    if not np.allclose(K, K.T, rtol=1e-12, atol=0):
+        raise InputError(f"{label}: gradient_energy = {K.tolist()} is not symmetric")
+    if not np.linalg.eigvalsh(K).min() > 0:
+        raise InputError(f"{label}: gradient_energy = {np.asarray(given).tolist()} is not positive")
+    return np.asarray(K[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])

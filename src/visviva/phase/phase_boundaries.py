@@ -1,0 +1,227 @@
+"""What happens to mixtures and order parameters at walls and from outside: wetting, given values, sources."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
+from visviva.model.field import Field
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.model.term import Stencils, Term
+from visviva.phase.allen_cahn import AllenCahn
+from visviva.phase.cahn_hilliard import CahnHilliard
+from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
+from visviva.phase.space import Table
+from visviva.thermal.boundaries import Values
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Wetting(Component):
+    """A wall with an energy per area of the concentration there, and so an angle at which interfaces meet it.
+
+    Parameters
+    ----------
+    body : CahnHilliard or AllenCahn
+    faces : str or Faces
+    angle : float, optional
+        In degrees, measured in the phase of the higher concentration (Young): below 90 it wets the wall.
+    energy : FreeEnergy, optional
+        Polynomial, per area; instead of an angle.
+
+    Notes
+    -----
+    An angle gives the energy ``-tension cos(angle) (3 s^2 - 2 s^3)``, where s is 0 in the phase of low and 1 in that of
+    high concentration. For a double well this leaves the flat interface its profile up to the wall.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> drop = vv.CahnHilliard(
+    ...     mesh=vv.RectangleMesh(size=(8, 8), counts=(16, 16)),
+    ...     free_energy=vv.DoubleWell(barrier=1.0),
+    ...     gradient_energy=1.0,
+    ...     concentration=0.5,
+    ... )
+    >>> wall = vv.Wetting(body=drop, faces="y0", angle=60.0)
+    >>> round(float(wall.wall_energy.values(0.0) - wall.wall_energy.values(1.0)) / drop.interface().tension, 3)
+    0.5
+    """
+
+    body: CahnHilliard | AllenCahn
+    faces: FaceSet
+    angle: Number | None = None
+    energy: FreeEnergy | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            self._faces = self.body.faces(self.faces)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        if (self.angle is None) == (self.energy is None):
+            raise InputError(f"{self.label}: give either an angle or an energy")
+        if self.angle is not None and not 0 <= self.angle <= 180:
+            raise InputError(f"{self.label}: angle = {self.angle:g} is not between 0 and 180 degrees")
+        if self.energy is not None and (any(self.energy.logs) or not self.energy.polynomial.coef.any()):
+            raise InputError(
+                f"{self.label}: the energy of a wall is a polynomial of the core; take vv.PolynomialEnergy"
+            )
+        self.wall_energy = self._by_angle(self.angle) if self.energy is None else self.energy
+
+    def _by_angle(self, angle: Any) -> FreeEnergy:
+        found = self.body.interface()
+        if found is None:
+            raise InputError(
+                f"{self.label}: the free energy of {self.body.label} has no two phases, and so no angle"
+            )
+        centre, apart = 0.5 * (found.low + found.high), found.high - found.low
+        s = Polynomial([0.5, 1 / apart])
+        share = -found.tension * np.cos(np.radians(angle)) * (3 * s**2 - 2 * s**3)
+        return PolynomialEnergy(coefficients=tuple(float(a) for a in share.coef), centre=centre)
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.body)
+        mixture = isinstance(self.body, CahnHilliard)
+        kind = PhysicsKind.MIXTURE_WALL if mixture else PhysicsKind.ORDER_WALL
+        fields = [self.body.phase, *([self.body.potential] if isinstance(self.body, CahnHilliard) else [])]
+        for table in self.body.space.walls(self._faces):
+            groups = [Group(f.start + table.numbers, table.columns(gradients=False)) for f in fields]
+            add_points(model, self, kind, groups, table.size, self.wall_energy.constants())
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class PrescribedConcentration(Component):
+    """Places whose concentration is given: what flows in or out there is a result.
+
+    Parameters
+    ----------
+    body : CahnHilliard
+    nodes : str or int array
+        Name of a set of nodes or faces, 'all', or numbers.
+    value : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+
+    Notes
+    -----
+    The ledger books what the inflow brings, its potential times its amount, as "supply".
+    """
+
+    body: CahnHilliard
+    nodes: Nodes
+    value: OfTimeAndPlace
+
+    def __post_init__(self) -> None:
+        try:
+            self._chosen = self.body.nodes(self.nodes)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        self._values = Values(self.label, "value", self.value)
+        self._values.checked(self.body.points[self._chosen])
+
+    def declare(self, model: Model) -> None:
+        model.index(self.body)
+        self._held = self.body.space.held(self._chosen)
+        self.inflow = model.multipliers(self, "inflow", len(self._held), instantaneous=False)
+
+    def wanted(self, time: float) -> Array:
+        """Coefficients (k,) of what is held."""
+        values = np.zeros(self.body.grid.n_nodes)
+        values[self._chosen] = self._values.at(time, self.body.points[self._chosen])
+        return np.asarray(self.body.space.fitted(values)[self._held])
+
+    def contribute(self, model: Model) -> None:
+        unknowns = [f.start + self._held for f in (self.body.phase, self.body.potential)]
+        unknowns.append(self.inflow.start + np.arange(len(self._held)))
+        model.term(self, Inflow(np.stack(unknowns, axis=1).astype(np.int32), self))
+
+
+class Inflow(Term):
+    """Multipliers that hold concentrations: unknowns are the concentration, the potential and the inflow."""
+
+    kind = "supply"
+
+    def __init__(self, unknowns: NDArray[np.int32], given: PrescribedConcentration) -> None:
+        super().__init__()
+        self.unknowns, self.order, self.given = unknowns, np.array([1, 0, 0], dtype=np.int32), given
+
+    def residual(self, s: Stencils) -> Array:
+        found = np.zeros_like(s.x1)
+        found[:, 0], found[:, 2] = -s.x1[:, 2], self.given.wanted(s.step.t1) - s.x1[:, 0]
+        return found
+
+    def tangent(self, s: Stencils) -> Array:
+        K = np.zeros((3, 3))
+        K[0, 2] = K[2, 0] = -1.0
+        return np.broadcast_to(K, (len(s.x1), 3, 3))
+
+    def work(self, s: Stencils) -> Array:
+        return np.asarray(s.step.h * s.x1[:, 1] * s.x1[:, 2])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ConcentrationSource(Component):
+    """What reactions or radiation add to a mixture, per volume and time.
+
+    Parameters
+    ----------
+    body : CahnHilliard or AllenCahn
+    rate : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
+        Of an order parameter: a force, which adds to ``-(f' - div(K grad c))``.
+    """
+
+    body: CahnHilliard | AllenCahn
+    rate: OfTimeAndPlace
+
+    def __post_init__(self) -> None:
+        self._values = Values(self.label, "rate", self.rate)
+        self._values.checked(self.body.points)
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.body)
+        potential = self.body.potential if isinstance(self.body, CahnHilliard) else None
+        for table in self.body.space.cells():
+            model.term(self, Source(self.body.phase, potential, table, self._values))
+
+
+class Source(Term):
+    """Adds to the balance of a concentration, whose potential may follow among the unknowns."""
+
+    kind = "source"
+
+    def __init__(self, field: Field, potential: Field | None, table: Table, values: Values) -> None:
+        super().__init__()
+        k, parts = table.numbers.shape[1], [field.start + table.numbers]
+        if potential is not None:
+            parts.append(potential.start + table.numbers)
+        self.unknowns = np.hstack(parts).astype(np.int32)
+        self.order = np.array([1] * k + [0] * (self.unknowns.shape[1] - k), dtype=np.int32)
+        self.k, self.has_potential, self.table, self.values = k, potential is not None, table, values
+
+    def loads(self, s: Stencils) -> Array:
+        """What comes in (m, k) per time, by coefficients."""
+        t = self.table
+        return np.asarray(np.einsum("mq,mq,mqk->mk", t.size, self.values.at(s.step.te, t.X), t.N))
+
+    def residual(self, s: Stencils) -> Array:
+        found = np.zeros_like(s.x1)
+        found[:, : self.k] = -self.loads(s)
+        return found
+
+    def tangent(self, s: Stencils) -> Array:
+        n = s.x1.shape[1]
+        return np.zeros((len(s.x1), n, n))
+
+    def work(self, s: Stencils) -> Array:
+        by = s.step.h * s.x1[:, self.k :] if self.has_potential else s.x1 - s.x0
+        return np.asarray((self.loads(s) * by).sum(axis=1))

@@ -1,0 +1,89 @@
+"""Phase fields that are refused, and runs that leave their domain."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+SQUARE = vv.RectangleMesh(size=(4, 4), counts=(8, 8))
+
+
+def body(**options: Any) -> vv.CahnHilliard:
+    given = {
+        "mesh": SQUARE,
+        "free_energy": vv.DoubleWell(barrier=1.0),
+        "gradient_energy": 2.0,
+        "concentration": 0.5,
+        "name": "alloy",
+        **options,
+    }
+    return vv.CahnHilliard(**given)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: body(mobility=-2.0), "CahnHilliard 'alloy': mobility = -2 is not positive"),
+        (lambda: body(gradient_energy=-1.0), "CahnHilliard 'alloy': gradient_energy = -1.0 is not positive"),
+        (
+            lambda: body(gradient_energy=[1.0, 1.0, -2.0]),
+            "gradient_energy = [1.0, 1.0, -2.0] is not positive",
+        ),
+        (lambda: body(gradient_energy=0.01), "an interface is 0.283 wide, the distance of its nodes 0.5"),
+        (lambda: body(concentration=lambda X: X), "its concentration has shape (81, 3)"),
+        (
+            lambda: body(free_energy=vv.FloryHuggins(chi=3.0), concentration=lambda X: X[:, 0]),
+            "its concentration is 0 at (0, 0, 0), outside of the logarithms of FloryHuggins, which hold",
+        ),
+        (lambda: body(periodic=[("x0", "y1")]), "do not meet those of 'y1'"),
+        (lambda: body(periodic=[("x0", "x0")]), "is no pair of two sets of faces"),
+        (lambda: body(periodic=[("x0", "x9")]), "no set of faces 'x9'"),
+        (lambda: body(thickness=0.0), "thickness = 0 is not positive"),
+        (lambda: vv.DegenerateMobility(scale=-1.0), "scale = -1 is not positive"),
+        (lambda: vv.UserMobility(function=lambda c: c - 0.5), "it is -0.5 at c = 0; it must not be negative"),
+        (lambda: vv.UserMobility(function=lambda c: np.abs(c - 0.5)), "a polynomial of degree 7 is off by"),
+        (lambda: vv.Wetting(body=body(), faces="y0"), "give either an angle or an energy"),
+        (lambda: vv.Wetting(body=body(), faces="y0", angle=200.0), "angle = 200 is not between 0 and 180"),
+        (
+            lambda: vv.Wetting(body=body(free_energy=vv.FloryHuggins(chi=1.0)), faces="y0", angle=20.0),
+            "has no two phases",
+        ),
+        (lambda: vv.Wetting(body=body(), faces="y0", energy=vv.FloryHuggins(chi=1.0)), "is a polynomial"),
+        (
+            lambda: vv.PrescribedConcentration(body=body(), nodes="z0", value=1.0),
+            "no set of nodes or faces 'z0'",
+        ),
+    ],
+)
+def test_refusals(make: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=re.escape(words)):
+        make()
+
+
+def test_leaving_the_logarithms() -> None:
+    """A source that fills a mixture up: the step fails with the place, and the state before it stays."""
+    mixture = body(free_energy=vv.FloryHuggins(chi=1.0), concentration=0.9)
+    system = vv.System([mixture, vv.ConcentrationSource(body=mixture, rate=1.0)])
+    with pytest.raises(vv.RunError, match="alloy") as error:
+        vv.simulate(system, until=1.0, step=0.03)
+    assert "leaves the domain" in str(error.value) or "outside of the logarithms" in str(error.value)
+    assert mixture.values(system.x).max() < 1
+    assert 0.09 <= system.time < 0.1
+
+
+def test_iterations_come_back_from_outside() -> None:
+    """Quenches press compositions towards the ends; Newton's iterates would go beyond them."""
+    rng = np.random.default_rng(1)
+    mixture = body(
+        free_energy=vv.FloryHuggins(chi=3.5), concentration=lambda X: 0.5 + 0.05 * rng.standard_normal(len(X))
+    )
+    system = vv.System([mixture])
+    result = vv.simulate(system, until=6.0, step=0.2)
+    assert np.all(np.diff(result.ledger["potential_stored"]) < 0)
+    c = mixture.values(system.x)
+    assert 0 < c.min() < 0.1 < 0.9 < c.max() < 1
