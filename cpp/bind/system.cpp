@@ -264,6 +264,17 @@ static void bind_assembly(nb::class_<System>& system) {
         .def_prop_ro("revision", &System::revision)
         .def_prop_ro("rewiring", &System::rewiring)
         .def_prop_ro("is_outdated", &System::is_outdated)
+        .def_prop_ro("is_settled", &System::is_settled)
+        .def("set_monotone", &System::set_monotone)
+        .def("halt",
+             [](System& s, const std::vector<int>& halted) {
+                 s.halt(std::vector<char>(halted.begin(), halted.end()));
+             })
+        .def("trial_energy",
+             [](System& s, const Step& step, const Doubles& signals) {
+                 nb::gil_scoped_release release;
+                 return s.trial_energy(step, signals_of(signals));
+             })
         .def_prop_ro("csr", [](nb::handle self) {
             auto view = [self]<class T>(const std::vector<T>& a) {
                 return nb::ndarray<nb::numpy, const T, nb::ndim<1>>(a.data(), {a.size()}, self);

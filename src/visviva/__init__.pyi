@@ -1,7 +1,9 @@
 # Public names, and where they are: each module is loaded when one of its names is first used.
 from .analysis.adaptive import Adaptive
+from .analysis.alternate import AlternateMinimization
 from .analysis.arc_length import ArcLength, arc_length
 from .analysis.buckling import Buckling, buckling
+from .analysis.crack_control import CrackControl
 from .analysis.eigenmodes import Modes, modes
 from .analysis.load_steps import NoEquilibrium, Static, quasi_static
 from .analysis.march import march, simulate
@@ -69,6 +71,7 @@ from .measure.beam_probes import Resultants
 from .measure.contact_probes import ContactArea, ContactForce, ContactGap, ContactPressure
 from .measure.flow_probes import Courant, Divergence, FlowField, FlowForce, FlowRate
 from .measure.formula import Formula
+from .measure.fracture_probes import CrackArea, CrackEnergy, CrackTip
 from .measure.measures import (
     CentreOfMass,
     Direction,
@@ -108,6 +111,7 @@ from .mesh.mesh_file import MeshFile
 from .model.term import Term
 from .phase.allen_cahn import AllenCahn
 from .phase.cahn_hilliard import CahnHilliard
+from .phase.fracturing_solid import FracturingSolid
 from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, RegularSolution, UserFreeEnergy
 from .phase.mobility import DegenerateMobility, UserMobility
 from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
@@ -137,6 +141,7 @@ __all__ = [
     "BDF2",
     "Adaptive",
     "AllenCahn",
+    "AlternateMinimization",
     "ArcLength",
     "ArcMesh",
     "Automatic",
@@ -163,6 +168,10 @@ __all__ = [
     "ContactPressure",
     "Convection",
     "Courant",
+    "CrackArea",
+    "CrackControl",
+    "CrackEnergy",
+    "CrackTip",
     "Cylinder",
     "CylinderMesh",
     "Cylindrical",
@@ -195,6 +204,7 @@ __all__ = [
     "FollowerTorque",
     "Force",
     "Formula",
+    "FracturingSolid",
     "FreeSlip",
     "Gear",
     "GeneralizedAlpha",

@@ -9,6 +9,7 @@ from catalogue.beams import BEAMS
 from catalogue.contact import CONTACT
 from catalogue.entry import Components, Entry
 from catalogue.flow import FLOW
+from catalogue.fracture import FRACTURE
 from catalogue.instances import INSTANCES
 from catalogue.phase import PHASE
 from catalogue.rigid import RIGID
@@ -17,6 +18,18 @@ from catalogue.thermal import THERMAL
 from catalogue.thin_contacts import THIN_CONTACTS
 from catalogue.viscous import VISCOUS
 
-CATALOGUE = [*RIGID, *SOLIDS, *BEAMS, *CONTACT, *THIN_CONTACTS, *FLOW, *THERMAL, *PHASE, *VISCOUS, *INSTANCES]
+CATALOGUE = [
+    *RIGID,
+    *SOLIDS,
+    *BEAMS,
+    *CONTACT,
+    *THIN_CONTACTS,
+    *FLOW,
+    *THERMAL,
+    *PHASE,
+    *VISCOUS,
+    *FRACTURE,
+    *INSTANCES,
+]
 
 __all__ = ["CATALOGUE", "Components", "Entry"]

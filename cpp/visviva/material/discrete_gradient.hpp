@@ -43,7 +43,7 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
         size += w * d[k] * d[k], place += w * (from[k] * from[k] + to[k] * to[k]);
         work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
     }
-    const V b = select(second <= 1e-8 * first, simpson / 6.0, p1.W - p0.W - work);
+    const V b = select(second <= Energy::smooth * first, simpson / 6.0, p1.W - p0.W - work);
     const VI idle =
         (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;

@@ -36,6 +36,9 @@ struct PlainEnergy {
     static constexpr double weight(int) { return 1.0; }
     static constexpr double natural =
         0;  // size of strains that counts as large, whatever they are; 0: unknown
+    // Relative squares of what bends stresses, up to which Simpson's rule in them tells a difference of
+    // energies: it does not see kinks.
+    static constexpr double smooth = 1e-8;
     bool is_quadratic() const { return false; }
 };
 

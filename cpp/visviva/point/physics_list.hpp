@@ -15,4 +15,7 @@ VISVIVA_PHYSICS(conduction, CONDUCTION, ScalarMap, CapacityEnergy, ConductionPai
 VISVIVA_PHYSICS(branch, BRANCH, SolidMap, BranchEnergy)  // C, with the viscous strain of a Maxwell branch
 VISVIVA_PHYSICS(branch_in_plane, BRANCH_IN_PLANE, PlaneMap, BranchEnergy)
 VISVIVA_PHYSICS(branch_of_revolution, BRANCH_OF_REVOLUTION, RevolutionMap, BranchEnergy)
+VISVIVA_PHYSICS(fracture, FRACTURE, SolidScalarMap, FractureEnergy)  // C, damage and its gradient
+VISVIVA_PHYSICS(fracture_in_plane, FRACTURE_IN_PLANE, PlaneScalarMap, FractureEnergy)
+VISVIVA_PHYSICS(fracture_of_revolution, FRACTURE_OF_REVOLUTION, RevolutionScalarMap, FractureEnergy)
 // clang-format on

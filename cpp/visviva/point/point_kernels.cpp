@@ -2,6 +2,7 @@
 #include "visviva/point/branch.hpp"
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
+#include "visviva/point/fracture.hpp"
 #include "visviva/point/layer.hpp"
 #include "visviva/point/point_kernel.hpp"
 #include "visviva/point/thermoelastic.hpp"

@@ -91,4 +91,15 @@ void System::evaluate_ledger(const Step& step, const Signals& signals, bool move
     book({step, vectors, signals}, moves ? v.data() : still_.data());
 }
 
+double System::trial_energy(const Step& step, const Signals& signals) {
+    update_vectors(step);
+    const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
+    LedgerSums kept = sums;
+    book({step, vectors, signals}, still_.data());
+    double total = 0;
+    for (double energy : sums.energy) total += energy;
+    sums = std::move(kept);
+    return total;
+}
+
 }  // namespace visviva

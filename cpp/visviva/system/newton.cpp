@@ -83,7 +83,8 @@ Report System::succeeded(Report report, const Context& context, bool renewed) {
     report.converged = true;
     if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     iterations_last_ = renewed ? 0 : report.iterations;
-    stale_factor_ = updated_;  // which a restart could not make again
+    stale_factor_ = updated_ || monotone_.any();  // which a restart could not make again
+    if (monotone_.any()) monotone_.clip(dx.data()), update_vectors(context.step);
     return report;
 }
 
@@ -121,7 +122,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const Context context{step, vectors, signals};
     if (!extend_prescribed_motion(context))
         return failed(std::move(report), singular(), solver_->report().singular_unknown);
-    const bool full = options.keep_factor <= 0;
+    const bool full = options.keep_factor <= 0 || monotone_.any();
+    monotone_.begin_step();
     bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
@@ -137,8 +139,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     const double resolution = finest_search();
     for (int k = 0; k < options.max_iterations; ++k) {
         const bool fused = refresh;
+        if (monotone_.project(dx.data())) update_vectors(step);
         evaluate_residual(context, !rigid_, fused);
-        const bool outdated = has_branched();
+        bool outdated = has_branched();
         if (outdated && !refresh) {
             refresh = full || !update_tangent(context);
             convergence.forget();
@@ -151,7 +154,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             convergence.renew(k);
             acceleration.forget();
         }
+        outdated = outdated || monotone_.has_changed();
         for (int u : held_) r_[u] = 0;
+        monotone_.clear(r_.data());
         if (!solver_->solve(r_.data(), place(step), d_.data(), convergence.enough(k)))
             return failed(std::move(report), solver_->report().message, -1);
         double size = 0;  // that of the kept tangent's own increment tells of the residual

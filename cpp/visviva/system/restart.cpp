@@ -21,6 +21,7 @@ std::vector<Record> System::memory() const {
         all.push_back({"solver", 1, sequence->state()});
     predictor_.write(all.emplace_back(Record{"predictor", 1, {}}).numbers);
     all.push_back({"mean rates", 1, mean_});
+    if (monotone_.any()) all.push_back({"monotone", 1, monotone_.flags()});
     for (std::size_t k = 0; k < terms_.size(); ++k)
         if (const TermMemory* term = terms_[k].can.memory)
             term->write_memory(all.emplace_back(Record{memory_name(k), term->record_version, {}}).numbers);
@@ -91,6 +92,7 @@ void System::recall(const std::vector<Record>& memory) {
     const Record& predictor = *record_named(memory, "predictor");
     predictor.end(predictor_.read(predictor.numbers.data()));
     mean_ = record_named(memory, "mean rates")->numbers;
+    if (monotone_.any()) monotone_.set_flags(record_named(memory, "monotone")->numbers);
     bool changed = false;
     for (std::size_t k = 0; k < terms_.size(); ++k) {
         if (!terms_[k].can.memory) continue;

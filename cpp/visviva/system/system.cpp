@@ -30,6 +30,7 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
 }
 
 void System::finalize() {
+    if (revision_ == 0) monotone_.resize(n_ + 1);
     needs_rates_ =
         std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->needs_rates; });
     constraint_weight_.assign(n_, 0.0);
@@ -251,6 +252,8 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     evaluate_tangent({c.step, c.vectors, c.signals, c.backwards, rigid_ != nullptr}, has_mesh_tangents);
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
+    monotone_.release(r_.data(), csr_, values_.data());
+    monotone_.mask(csr_, values_.data());
     weigh_constraints();
     factored_ = step, factored_revision_ = revision_;
     factored_state_.clear();
@@ -303,6 +306,7 @@ int System::worst() const {
 static const char* const no_rates = "no rates satisfy the constraints at the end of the step";
 
 void System::accept(const Step& step, const Signals& signals, bool ledger) {
+    monotone_.clip(dx.data());
     update_vectors(step);
     if (!finish(step, signals, ledger)) throw std::runtime_error(no_rates);
 }

@@ -8,6 +8,7 @@
 
 #include "visviva/linear/linear.hpp"
 #include "visviva/linear/reduce/reduction.hpp"
+#include "visviva/system/monotone.hpp"
 #include "visviva/system/predictor.hpp"
 #include "visviva/term/term.hpp"
 
@@ -93,6 +94,14 @@ class System {
         return {zero, zero, zero, zero};
     }
     void set_driven(bool driven) { driven_ = driven; }
+    // Unknowns of order 0 that may only grow, see Monotone; their tangents are never kept.
+    void set_monotone(std::vector<int> unknowns) { monotone_.set(std::move(unknowns)); }
+    // Unknowns [n] that take no part in what is linearised from now on; none where empty.
+    void halt(const std::vector<char>& halted) { monotone_.halt(halted); }
+    // Whether the tangent factored last is of those that rest by the residual evaluated last.
+    bool is_settled() const { return !monotone_.has_changed(); }
+    // Of all accounts at the trial state.
+    double trial_energy(const Step& step, const Signals& signals);
     // Fixed unknowns that move as prescribed, or through which something flows: their increments are put into
     // dx before a step is solved, and what they take in is booked on these accounts.
     void set_prescribed(std::vector<int> unknown, std::vector<int> account, std::vector<Supply> supply) {
@@ -292,6 +301,7 @@ class System {
     double contraction_ = 1, noise_ = 0;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
+    Monotone monotone_;
     bool stale_begin_ = true, stale_factor_ = true;
     bool updated_ = false;  // the kept tangent has parts of another configuration
     Step factored_;

@@ -50,12 +50,15 @@ void System::describe_nodes() {
 
 bool System::linearise(const Step& step, const Signals& signals, double* residual) {
     // What is kept from earlier tangents is kept within a load step only: a restart begins one.
-    if (std::all_of(dx.begin(), dx.end(), [](double d) { return d == 0; })) solver_->forget();
+    if (std::all_of(dx.begin(), dx.end(), [](double d) { return d == 0; }))
+        solver_->forget(), monotone_.begin_step();
+    monotone_.project(dx.data());
     find_neighbours();
     evaluate(step, signals, true);
-    std::copy(r_.begin(), r_.begin() + n_, residual);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const bool regular = refactor({step, vectors, signals}, step, true);
+    monotone_.clear(r_.data());
+    std::copy(r_.begin(), r_.begin() + n_, residual);
     stale_factor_ = true;  // not a tangent that time steps may keep
     return regular;
 }
@@ -63,6 +66,7 @@ bool System::linearise(const Step& step, const Signals& signals, double* residua
 bool System::linear_solve(const Step& step, const double* residual, double* d, double tolerance) {
     std::copy(residual, residual + n_, r_.begin());
     for (int u : held_) r_[u] = 0;
+    monotone_.clear(r_.data());
     std::fill(d_.begin(), d_.end(), 0.0);
     const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
     std::copy(d_.begin(), d_.begin() + n_, d);
@@ -76,7 +80,7 @@ double System::in_roundings(const double* residual) const {
     double largest = 0;
     for (int i = 0; i < csr_.n; ++i) {
         const int row = csr_.unknown[i];
-        if (fixed_[row] || residual[row] == 0) continue;
+        if (fixed_[row] || monotone_.is_masked(row) || residual[row] == 0) continue;
         double rounding = 0;
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
             rounding += std::abs(values_[k] * x1_[csr_.unknown[csr_.col[k]]]);

@@ -71,6 +71,10 @@ class ArcLength(Static):
     def march(self, system: System, *, until: float, step: float) -> Iterator[LoadReport]:
         return follow_path(system, self, until, step)
 
+    def path(self, equations: Equilibrium, unit: float) -> Path:
+        """By what steps along a path of equilibria are measured, with a first one of the load `unit`."""
+        return Path(equations, unit, self.load_weight)
+
 
 def arc_length(
     system: System,
@@ -156,7 +160,7 @@ class Way:
     def go(self) -> int:
         """One step along the path, or off it where that forks; returns the iterations it took."""
         equations = Equilibrium(self.system, self.scheme)
-        path = Path(equations, self.unit, self.scheme.load_weight)
+        path = self.scheme.path(equations, self.unit)
         mode = critical_mode(equations, path.slope()) if self.fork and self.is_near else None
         iterations = self._along(path) if mode is None else self._across(path, mode)
         if self.fork and mode is None:

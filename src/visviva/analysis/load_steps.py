@@ -94,6 +94,10 @@ class Static(Scheme):
     def march(self, system: System, *, until: float, step: float) -> Iterator[LoadReport]:
         return load_steps(system, self, until, step)
 
+    def equations(self, system: System) -> Equilibrium:
+        """What is solved in a load step."""
+        return Equilibrium(system, self)
+
     def motion(self, h: float) -> Table:
         return (NONE,) * 5
 
@@ -188,12 +192,13 @@ class Equilibrium:
             if not np.isfinite(size) or size > 1e3:
                 raise self.failure(time, "the iteration diverges")
             self.dx[:] += d
-            if size <= tolerance or self.is_exact(r, size, last):
+            settled = self.system.core.is_settled
+            if settled and (size <= tolerance or self.is_exact(r, size, last)):
                 self.residual(time)
                 return LoadReport(k + 1, n_tangents)
             searches = o.line_search and size < last * 1e3
             there = self._search(time, d, float(d @ r)) if searches else None
-            kept = k > 0 and size * (size / last) ** 2 <= tolerance
+            kept = k > 0 and settled and size * (size / last) ** 2 <= tolerance
             if kept:  # by quadratic convergence the next increment is the last: the tangent at hand serves
                 r = there if there is not None else self.residual(time)
                 kept = not self.system.core.is_outdated
@@ -257,6 +262,9 @@ class LoadReport:
 
     iterations: int
     factorizations: int
+
+    def __add__(self, other: LoadReport) -> LoadReport:
+        return LoadReport(self.iterations + other.iterations, self.factorizations + other.factorizations)
 
 
 def quasi_static(
@@ -327,7 +335,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
     clock.use(step)
     clock.refuse_short(until, step, system.stepper.is_given)
     while not clock.has_reached(until):
-        equations = Equilibrium(system, scheme)
+        equations = scheme.equations(system)
         h = clock.next(until)
         target = system.time + h
         try:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.arguments import Named, place, refuse_other
 from visviva.base.errors import InputError, nearest
-from visviva.mesh import convert, faces, quality
+from visviva.mesh import convert, cut, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import centres, volumes
@@ -272,6 +272,20 @@ class Mesh(metaclass=Named):
         <Mesh: 32 nodes, 2 hex20; sets: x0, x1, y0, y1, z0, z1>
         """
         return convert.quadratic(self, cell)
+
+    def opened(self, along: Predicate, beyond: Predicate) -> Mesh:
+        """The mesh cut open: nodes are doubled where `along` says so of positions, cells `beyond` have the second ones.
+
+        The end of a cut, where its faces meet, is not `along` it.
+
+        Examples
+        --------
+        >>> from visviva import RectangleMesh
+        >>> plate = RectangleMesh(size=(2, 2), counts=(2, 2)).build()
+        >>> plate.opened(lambda X: (X[:, 1] == 1) & (X[:, 0] < 1), lambda X: X[:, 1] > 1)
+        <Mesh: 10 nodes, 4 quad4; sets: x0, x1, y0, y1>
+        """
+        return cut.opened(self, self.select_nodes(along), self.select_cells(beyond))
 
     def without_orphans(self) -> Mesh:
         """The mesh without nodes that belong to no cell."""

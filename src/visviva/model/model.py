@@ -64,6 +64,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     driving: Driving = field(default_factory=Driving)
     reductions: Reductions = field(default_factory=Reductions)
+    growing: list[tuple[Field, Array]] = field(default_factory=list)  # never shrink; sizes of their unknowns
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components
@@ -354,6 +355,14 @@ class Model:
             account = self.account(component, "servo", "work")
         self.driving.drive(numbers, signals, account, servo)
         self._element(component, strains, law, numbers, signals, account, shift)
+
+    def grow(self, growing: Field, sizes: Array) -> None:
+        """Let unknowns of a field of order 0 never shrink: those rest that would.
+
+        Either an unknown rests in a step or its equation holds, so that what holds it does no work. The products of
+        `sizes` (n,) and what they have grown by tell how far, as the area of a crack.
+        """
+        self.growing.append((growing, sizes))
 
     def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""

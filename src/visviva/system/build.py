@@ -38,6 +38,8 @@ def build_core(system: System) -> _core.System:
     core.set_prescribed(*held)
     hand_reductions(core, system)
     core.finalize()
+    if model.growing:
+        core.set_monotone([u for f, _ in model.growing for u in np.asarray(f.unknowns)[~f.fixed].tolist()])
     return core
 
 

@@ -1,0 +1,114 @@
+"""Single-edge notched plate in tension or shear: the force against published curves, the price of a step.
+
+Miehe, Hofacker & Welschinger (2010): 1 mm x 1 mm, a notch from the left edge to the middle, below held, above moved up
+or aside; E = 210 GPa, nu = 0.3, Gc = 2.7 N/mm, l = 0.015 mm, plane strain, AT2. Digitised peak in tension 0.7012 kN.
+
+    python benchmarks/notched_plate.py [--shear] [--size 0.005] [--step 5e-5] [--scheme alternate|newton|static]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+import visviva as vv
+
+LENGTH, TOUGHNESS = 0.015, 2.7e-3  # mm, kN/mm
+
+
+def graded(a: float, b: float, c: float, d: float, fine: float, coarse: float) -> np.ndarray:
+    """Lines from a to d, `fine` between b and c, growing by a fifth towards `coarse` outside."""
+    inner = np.linspace(b, c, max(1, round((c - b) / fine)) + 1)
+
+    def outwards(gap: float) -> np.ndarray:
+        if gap <= 0:
+            return np.zeros(0)
+        sizes, size = [], fine
+        while sum(sizes) < gap:
+            size = min(1.2 * size, coarse)
+            sizes.append(size)
+        return np.cumsum(sizes) * gap / sum(sizes)
+
+    return np.concatenate([b - outwards(b - a)[::-1], inner, c + outwards(d - c)])
+
+
+def plate_mesh(x: np.ndarray, y: np.ndarray, tip: float, level: float) -> vv.Mesh:
+    """Quadrilaterals between lines, cut open at a level from the left to a tip."""
+    unit = vv.RectangleMesh(size=(1, 1), counts=(len(x) - 1, len(y) - 1)).build()
+    i, j = np.rint(unit.points * (len(x) - 1, len(y) - 1)).astype(int).T
+    points = np.stack([x[i], y[j]], axis=1)
+    mesh = vv.Mesh(points, unit.cells, face_sets=unit.face_sets)
+    near = 1e-9 * np.ptp(x)
+    return mesh.opened(
+        lambda X: (np.abs(X[:, 1] - level) < near) & (X[:, 0] < tip - near), lambda X: X[:, 1] > level
+    )
+
+
+def model(size: float, shear: bool, split: str, kind: str = "AT2") -> vv.System:
+    """The plate with its supports."""
+    y = graded(0, 0.47 if not shear else 0.05, 0.53, 1, size, 0.05)
+    half = graded(0, 0.48, 1, 1, size, 0.05)
+    if shear:
+        y = graded(0, 0.0, 0.53, 1, size, 0.05)
+    y[np.argmin(np.abs(y - 0.5))] = 0.5
+    half[np.argmin(np.abs(half - 0.5))] = 0.5
+    plate = vv.FracturingSolid(
+        mesh=plate_mesh(half, y, 0.5, 0.5),
+        material=vv.SaintVenantKirchhoff(young=210.0, poisson=0.3),
+        toughness=TOUGHNESS,
+        length=LENGTH,
+        model=kind,
+        split=split,
+        name="plate",
+    )
+    held = vv.Fixed(solid=plate, nodes="y0")
+    motion = ("t", "0", None) if shear else ("0", "t", None)
+    moved = vv.Prescribed(solid=plate, nodes="y1", motion=motion, name="moved")
+    return vv.System([plate, held, moved])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--shear", action="store_true")
+    parser.add_argument("--size", type=float, default=0.005)
+    parser.add_argument("--step", type=float, default=5e-5)
+    parser.add_argument("--until", type=float, default=None)
+    parser.add_argument("--split", default=None)
+    parser.add_argument("--kind", default="AT2")
+    parser.add_argument("--newton", type=int, default=5)
+    parser.add_argument("--tolerance", type=float, default=1e-5)
+    parser.add_argument("--scheme", default="alternate")
+    args = parser.parse_args()
+    split = args.split or ("spectral" if args.shear else "none")
+    system = model(args.size, args.shear, split, args.kind)
+    plate = system.components[0]
+    until = args.until or (0.015 if args.shear else 0.0062)
+    print(f"{plate.grid.n_cells} cells, {system.core.n_equations} equations; {system.linear_explanation}")
+    force = vv.SupportForce(solid=plate, nodes="y1")
+    if args.scheme == "static":
+        scheme = vv.Static(unstable=True)
+    elif args.scheme == "crack":
+        scheme = vv.CrackControl(growth=0.01, unstable=True, most=400)
+    else:
+        scheme = vv.AlternateMinimization(
+            energy_tolerance=args.tolerance, newton=args.newton, unstable=True, halvings=2
+        )
+    peak, begun = (0.0, 0.0), time.perf_counter()
+    for report in vv.march(system, until=until, step=args.step, scheme=scheme):
+        f = np.asarray(force(system))[0 if args.shear else 1]
+        peak = max(peak, (abs(f), system.time))
+        print(
+            f"{system.time:.6f} mm {f:9.5f} kN, crack {plate.crack_energy(system.x) / TOUGHNESS:.4f} mm, "
+            f"d {plate.damages(system.x).max():.3f}, {report.iterations} iterations, "
+            f"{time.perf_counter() - begun:.1f} s",
+            flush=True,
+        )
+        if abs(f) < 0.05 * peak[0]:
+            break
+    print(f"peak {peak[0]:.4f} kN at {peak[1]:.6f} mm")
+
+
+if __name__ == "__main__":
+    main()

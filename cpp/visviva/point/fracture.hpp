@@ -1,0 +1,185 @@
+// Solids that crack, as phase fields: the energy of strain, damage and its gradient.
+#pragma once
+#include "visviva/material/response.hpp"
+#include "visviva/point/maps.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// Places of the parameters: material, split, its constants lambda or bulk modulus, and mu; toughness over
+/// (c_w length) of the local part, 1 where it is linear in d (AT1), half the factor of the gradient's square,
+/// residual stiffness; those of the material.
+namespace fracture {
+constexpr int kind = 0, split = 1, first = 2, shear = 3, local = 4, linear = 5, gradient = 6, rest = 7,
+              material = 8, n_par = 8 + material_max_parameters;
+}
+
+/// What of the energy drives cracks: all of it; all but that of a volume which shrinks (Amor, Marigo &
+/// Maurini 2009), measured by tr E or by J; or that of principal strains that stretch (Miehe, Welschinger &
+/// Hofacker 2010), Green's or logarithmic ones.
+enum class CrackSplit : int {
+    none = 0,
+    trace = 1,
+    volume = 2,
+    green = 3,
+    logarithmic = 4,
+};
+
+/// (C, d, grad d) in a plane, where nothing strains across.
+struct PlaneScalarMap : Layout<PlaneScalarMap> {
+    static constexpr int n_groups = 2, n_components = 3, n_local = 7, n_strains = 10;
+    static constexpr Group groups[] = {{2, 2, 2}, {1, 3, 0}};
+    static constexpr double origin(int j) { return j < 4 ? PlaneMap::origin(j) : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        PlaneMap::strains(y, e);
+        for (int k = 0; k < 3; ++k) e[6 + k] = y[4 + k];
+        e[9] = 0.0 * y[0];
+    }
+};
+
+/// The same of a revolution, see RevolutionMap.
+struct RevolutionScalarMap : Layout<RevolutionScalarMap> {
+    static constexpr int n_groups = 2, n_components = 3, n_local = 9, n_strains = 10;
+    static constexpr Group groups[] = {{2, 3, 2}, {1, 3, 0}};
+    static constexpr double origin(int j) { return j < 6 ? RevolutionMap::origin(j) : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        RevolutionMap::strains(y, e);
+        for (int k = 0; k < 3; ++k) e[6 + k] = y[6 + k];
+        e[9] = 0.0 * y[0];
+    }
+};
+
+/// W+ of a whole W: what cracks take away.
+template <bool second>
+struct CrackDriving {
+    const V* p;
+    const V* c;
+
+    /// K / 2 <tr E>_-^2 of what shrinks.
+    VISVIVA_INLINE void trace(Response& minus) const {
+        const V half = 0.5 * (c[0] + c[1] + c[2]), shrinks = -positive(-half);
+        const V bulk = select(half < 0.0, p[fracture::first], V{});
+        minus.W = 0.5 * p[fracture::first] * shrinks * shrinks;
+        for (int k = 0; k < 6; ++k) minus.s[k] = k < 3 ? 0.5 * p[fracture::first] * shrinks : V{};
+        clear(minus.d, second ? 21 : 0);
+        for (int a = 0; second && a < 3; ++a)
+            for (int b = a; b < 3; ++b) minus.d[packed(6, a, b)] = 0.25 * bulk;
+    }
+
+    /// K U(J) where J < 1; the material says which U.
+    VISVIVA_INLINE void volume(Response& minus) const {
+        const V bulk = p[fracture::first], measure = p[fracture::shear];
+        from_invariants<3, second>(
+            c, c, [&](const auto* i) { return select(i[2].v < 0.0, bulk, V{}) * volumetric(i[2], measure); },
+            minus);
+    }
+
+    /// lambda / 2 <tr e>_-^2 + mu sum <e_a>_-^2 of principal strains. Where two values coincide, the slope
+    /// between them is that of their own second derivatives.
+    VISVIVA_INLINE void spectral(bool logarithmic, Response& minus) const {
+        using J = Jet<3, second>;
+        V e[3], n[3][3];
+        principal(c, e, n);
+        J strain[3];
+        for (int a = 0; a < 3; ++a) {
+            const J i = J::variable(e[a], a);
+            strain[a] = logarithmic ? 0.5 * log1p(i) : 0.5 * i;
+        }
+        const J shrinks = positive(-1.0 * (strain[0] + strain[1] + strain[2]));
+        J w = (0.5 * p[fracture::first]) * (shrinks * shrinks);
+        for (int a = 0; a < 3; ++a) {
+            const J part = positive(-1.0 * strain[a]);
+            w = w + p[fracture::shear] * (part * part);
+        }
+        along_directions(w, e, n, minus);
+    }
+
+    VISVIVA_INLINE static void along_directions(const Jet<3, second>& w, const V* e, const V n[3][3],
+                                                Response& r) {
+        r.W = w.v;
+        V m[3][3][6];  // sym(n_a x n_b)
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                for (int k = 0; k < 6; ++k)
+                    m[a][b][k] =
+                        0.5 * (n[voigt_a[k]][a] * n[voigt_b[k]][b] + n[voigt_b[k]][a] * n[voigt_a[k]][b]);
+        for (int k = 0; k < 6; ++k) r.s[k] = w.g[0] * m[0][0][k] + w.g[1] * m[1][1][k] + w.g[2] * m[2][2][k];
+        if constexpr (second) {
+            clear(r.d, 21);
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b) {
+                    const V h = w.h[a < b ? packed(3, a, b) : packed(3, b, a)];
+                    const V gap = e[a] - e[b];
+                    const VI close = vabs(gap) <= 1e-9 * (vabs(e[a]) + vabs(e[b])) + 1e-14;
+                    const V limit = 0.5 * (w.h[packed(3, a, a)] + w.h[packed(3, b, b)]) - h;
+                    const V slope =
+                        select(close, limit, (w.g[a] - w.g[b]) / select(close, broadcast(1.0), gap));
+                    for (int k = 0; k < 6; ++k)
+                        for (int l = k; l < 6; ++l) {
+                            r.d[packed(6, k, l)] += h * m[a][a][k] * m[b][b][l];
+                            if (a != b) r.d[packed(6, k, l)] += slope * m[a][b][k] * m[a][b][l];
+                        }
+                }
+        }
+    }
+
+    /// W-, which cracks leave.
+    VISVIVA_INLINE void left(CrackSplit split, Response& minus) const {
+        switch (split) {
+            case CrackSplit::trace:
+                return trace(minus);
+            case CrackSplit::volume:
+                return volume(minus);
+            case CrackSplit::green:
+                return spectral(false, minus);
+            case CrackSplit::logarithmic:
+                return spectral(true, minus);
+            case CrackSplit::none:
+                break;
+        }
+        minus.W = V{};
+        clear(minus.s, 6), clear(minus.d, second ? 21 : 0);
+    }
+};
+
+/// g(d) W+(C) + W-(C) + w(d) + |grad d|^2 / 2 times its factor, g = (1 - rest) (1 - d)^2 + rest,
+/// w = local ((1 - linear) d^2 + linear d). Not inlined by parts: many materials are behind respond().
+struct FractureEnergy : PlainEnergy {
+    static constexpr int n = 10, max_par = fracture::n_par, n_blocks = 2;
+    static constexpr double natural = 1, smooth = 1e-13;
+    static constexpr int block(int k) { return k < 6 ? 0 : 1; }
+    static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+    const V* p;
+    explicit FractureEnergy(const V* par) : p(par) {}
+
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        Response whole, minus;
+        respond<second>(static_cast<MaterialKind>(static_cast<int>(p[fracture::kind][0])), e,
+                        p + fracture::material, whole);
+        CrackDriving<second>{p, e}.left(static_cast<CrackSplit>(static_cast<int>(p[fracture::split][0])),
+                                        minus);
+        const V sound = 1.0 - e[6], share = 1.0 - p[fracture::rest];
+        const V g = share * sound * sound + p[fracture::rest], g1 = -2.0 * share * sound, g2 = 2.0 * share;
+        const V local = p[fracture::local], linear = p[fracture::linear], along = p[fracture::gradient];
+        const V square = e[7] * e[7] + e[8] * e[8] + e[9] * e[9], plus = whole.W - minus.W;
+        to.W = g * plus + minus.W + local * e[6] * (linear + (1.0 - linear) * e[6]) + along * square;
+        for (int k = 0; k < 6; ++k) to.s[k] = g * (whole.s[k] - minus.s[k]) + minus.s[k];
+        to.s[6] = g1 * plus + local * (linear + 2.0 * (1.0 - linear) * e[6]);
+        for (int k = 7; k < 10; ++k) to.s[k] = 2.0 * along * e[k];
+        if constexpr (second) {
+            clear(to.d, n * (n + 1) / 2);
+            for (int k = 0; k < 6; ++k) {
+                for (int l = k; l < 6; ++l)
+                    to.d[packed(n, k, l)] =
+                        g * (whole.second(k, l) - minus.second(k, l)) + minus.second(k, l);
+                to.d[packed(n, k, 6)] = g1 * (whole.s[k] - minus.s[k]);
+            }
+            to.d[packed(n, 6, 6)] = g2 * plus + 2.0 * (1.0 - linear) * local;
+            for (int k = 7; k < 10; ++k) to.d[packed(n, k, k)] = 2.0 * along;
+        }
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA

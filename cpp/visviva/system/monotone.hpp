@@ -1,0 +1,48 @@
+// Unknowns that may only grow, as damage does: in a step either one grows and its equation holds, or it rests
+// and a force that is not negative holds it back from shrinking. Which of them rest is chosen in the
+// iterations, as by primal-dual active sets (Hintermueller, Ito & Kunisch 2003). Besides, unknowns that are
+// halted from outside take no part, for iterations that go to and fro between fields.
+#pragma once
+#include <vector>
+
+#include "visviva/linear/linear.hpp"
+
+namespace visviva {
+
+class Monotone {
+  public:
+    void resize(int n) { halted_.assign(n, 0), rests_.assign(n, 0); }
+    /// Those that only grow; all rest at first.
+    void set(std::vector<int> unknowns);
+    bool any() const { return !unknowns_.empty(); }
+    /// Halts unknowns [n], or none where empty.
+    void halt(const std::vector<char>& halted);
+    bool acts() const { return any() || halts_; }
+
+    void begin_step() { changes_ = 0, changed_ = false; }
+    /// Those that shrink rest from now on; returns whether an increment was changed.
+    bool project(double* dx);
+    /// Lets go what a negative force holds, by the residual and the tangent's values.
+    void release(const double* r, const Csr& csr, const double* values);
+    /// What rests becomes rows and columns of the identity; what is halted is coupled to nothing else.
+    void mask(const Csr& csr, double* values) const;
+    void clear(double* r) const;
+    bool is_masked(int unknown) const { return rests_[unknown] || halted_[unknown]; }
+    /// Whether the last look at increments or residual has changed what rests.
+    bool has_changed() const { return changed_; }
+    /// Increments that are negative by rounding.
+    void clip(double* dx) const;
+
+    std::vector<double> flags() const;
+    void set_flags(const std::vector<double>& flags);
+
+  private:
+    static constexpr double rounding = 1e-13;  // of increments that count as none
+    static constexpr int patience = 10;        // changes, after which one unknown at a time is let go
+    std::vector<int> unknowns_;
+    std::vector<char> halted_, rests_;  // [n]
+    bool halts_ = false, changed_ = false;
+    int changes_ = 0;
+};
+
+}  // namespace visviva

@@ -1,0 +1,153 @@
+"""Statics of what cracks, to and fro between positions and damages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.analysis.load_steps import Equilibrium, LoadReport, NoEquilibrium, Static
+from visviva.base.arguments import bounded
+from visviva.base.errors import InputError
+from visviva.model.state import State
+from visviva.system.system import System
+
+Array = NDArray[np.float64]
+
+ROUGHLY = 1e-4
+"""Relative increments to which either part is solved on the way."""
+
+
+@dataclass(frozen=True)
+class AlternateMinimization(Static):
+    """Static load steps to and fro: positions in equilibrium at given damages, then the damages of least energy.
+
+    The energy falls in every one of them, so that they get to an equilibrium where Newton's method for all unknowns at
+    once does not: across the sudden growth of a crack (Bourdin, Francfort & Marigo 2000).
+
+    Parameters
+    ----------
+    energy_tolerance : float
+        Share of the stored energy that the last change of damages may release.
+    rounds : int
+        Largest number of goes to and fro; a load step that takes more is halved.
+    newton : int
+        Try Newton's method for all unknowns first, and again after every so many goes to and fro: where a crack has
+        found its way it takes a few iterations, and one that does not get there or would shrink a crack is forgotten.
+        0 never does.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> bar = vv.FracturingSolid(
+    ...     mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+    ...     material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+    ...     toughness=1e-8,
+    ...     length=1.0,
+    ... )
+    >>> held = vv.Fixed(solid=bar, nodes="x0")
+    >>> pulled = vv.Prescribed(solid=bar, nodes="x1", motion=("1e-5 * t", 0, 0))
+    >>> system = vv.System([bar, held, pulled])
+    >>> _ = vv.quasi_static(system, until=1.0, step=0.5, scheme=AlternateMinimization())
+    >>> round(float(bar.damages(system.x).max()), 3)  # e^2 E / (G_c / l + e^2 E)
+    0.01
+    """
+
+    energy_tolerance: float = 1e-6
+    rounds: int = 2000
+    newton: int = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        bounded(self, energy_tolerance=(1e-300, 1.0), rounds=(1, 1e9), newton=(0, 1e9))
+
+    def equations(self, system: System) -> Equilibrium:
+        return Alternation(system, self)
+
+    def refuse(self, state: State) -> None:
+        super().refuse(state)
+        if not state.model.growing:
+            raise InputError(
+                "vv.AlternateMinimization: nothing here has damage; take vv.Static() for a system without "
+                "vv.FracturingSolid"
+            )
+
+
+@dataclass
+class Alternation(Equilibrium):
+    """Equilibrium found to and fro between growing unknowns and all others."""
+
+    options: AlternateMinimization
+    damages: NDArray[np.int32] = field(init=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.damages = np.zeros(len(self.dx), dtype=np.int32)
+        for growing, _ in self.system.model.growing:
+            self.damages[growing.start : growing.start + growing.size] = 1
+
+    @contextmanager
+    def _halted(self, unknowns: NDArray[np.int32]) -> Iterator[None]:
+        self.system.core.halt(unknowns.tolist())
+        try:
+            yield
+        finally:
+            self.system.core.halt([])
+
+    def predict(self, time: float) -> None:
+        with self._halted(self.damages):
+            super().predict(time)
+
+    def energy(self, time: float) -> float:
+        """Stored at the trial state."""
+        step = self.at(time)
+        return float(self.system.core.trial_energy(step, self.system.signals(step)))
+
+    def iterate(self, time: float) -> LoadReport:
+        o, taken, wait = self.options, LoadReport(0, 0), 0
+        for k in range(o.rounds):
+            if o.newton and k == wait:
+                found = self._all_at_once(time)
+                if found is not None:
+                    return taken + found
+                wait += max(o.newton, wait)  # tried ever more seldom, as it costs
+            taken += self._part(time, self.damages, ROUGHLY)
+            before = self.energy(time)
+            taken += self._part(time, 1 - self.damages, ROUGHLY)
+            after = self.energy(time)
+            if before - after <= o.energy_tolerance * abs(after):
+                return taken + self._part(time, self.damages, o.tolerance)
+        raise self.failure(
+            time, f"no equilibrium in {o.rounds} goes to and fro between positions and damages"
+        )
+
+    def _part(self, time: float, halted: NDArray[np.int32], tolerance: float) -> LoadReport:
+        """Newton's method while some unknowns are halted."""
+        kept, self.options = self.options, replace(self.options, tolerance=tolerance)
+        try:
+            with self._halted(halted):
+                return super().iterate(time)
+        finally:
+            self.options = kept
+
+    def _all_at_once(self, time: float) -> LoadReport | None:
+        """Newton's method for all unknowns from here; where it fails they are as they were."""
+        kept = self.dx.copy()
+        try:
+            report = super().iterate(time)
+        except NoEquilibrium:
+            self.dx[:] = kept
+            return None
+        return report
+
+    def accept(self, time: float) -> None:
+        self._confirm(time)
+        super().accept(time)
+
+    def _confirm(self, time: float) -> Any:
+        """Factors of all unknowns together, by which stability is judged."""
+        return self.linearise(time)

@@ -1,0 +1,284 @@
+"""Solids that crack, by a phase field of damage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass as plain_dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.body.element import geometry, solid_rule
+from visviva.body.solid import Solid
+from visviva.body.solid_fields import FULL, Evaluated, components, of_points
+from visviva.body.solid_term import Elements
+from visviva.component.component import settings
+from visviva.component.values import Number, NumberOrFunction
+from visviva.mesh.cells import CELLS
+from visviva.mesh.quadrature import mass_rule
+from visviva.model.field import Role
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.phase.crack_law import CrackLaw, Model, SplitName
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model as Equations
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@plain_dataclass(frozen=True, eq=False)
+class Evaluation:
+    """What is asked of a type of cells: fields at points and forces on nodes, in Python."""
+
+    solid: FracturingSolid
+    nodes: Ints
+    gradients: Array
+    volume: Array
+    N: Array
+    hoop: Array | None
+
+    def deformation(self, x: Array, start: int, stop: int) -> Array:
+        """Deformation gradients (m, q, 3, 3)."""
+        nodes, dimension = self.nodes[start:stop], self.gradients.shape[3]
+        F = np.zeros((*self.volume[start:stop].shape, 3, 3))
+        place = self.solid.positions(x)[nodes]
+        F[..., :dimension] = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], place)
+        if dimension == 2:
+            F[..., 2, 2] = 1.0 if self.hoop is None else self.hoop[start:stop] @ place[:, :, :1] @ [1.0]
+        return F
+
+    def damages(self, x: Array) -> tuple[Array, Array]:
+        """At the points (m, q), and their gradients (m, q, d)."""
+        d = self.solid.damages(x)[self.nodes]
+        return d @ self.N.T, np.einsum("mqkj,mk->mqj", self.gradients, d)
+
+    def fields(self, x: Array, start: int, stop: int) -> Array:
+        """Rows (m, q, 16) as the core's terms of solids give them."""
+        F = self.deformation(x, start, stop)
+        d = self.solid.damages(x)[self.nodes[start:stop]] @ self.N.T
+        C = components(np.swapaxes(F, -1, -2) @ F)
+        W, S = self.solid.law.respond(C.reshape(-1, 6), d.ravel())
+        return np.concatenate([F.reshape(*d.shape, 9), S.reshape(C.shape), W.reshape(*d.shape, 1)], axis=-1)
+
+    def forces(self, x: Array) -> Array:
+        """Residuals (m, k, 3) by nodes of the strained cells."""
+        n, dimension = len(self.nodes), self.gradients.shape[3]
+        rows = self.fields(x, 0, n)
+        P = rows[..., :9].reshape(*rows.shape[:2], 3, 3) @ rows[..., 9:15][..., FULL]
+        found = np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :dimension], self.gradients)
+        if self.hoop is not None:
+            found[..., 0] += np.einsum("mq,mq,mqk->mk", self.volume, P[..., 2, 2], self.hoop)
+        return np.asarray(found)
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class FracturingSolid(Solid):
+    """A solid that cracks: its nodes have damages beside positions.
+
+    Takes the arguments of `Solid`, with ``formulation="displacement"``, and
+
+    Parameters
+    ----------
+    toughness : float
+        Energy per area of crack, G_c.
+    length : float
+        Half of the width over which a crack is smeared, l; cells where cracks run should be half of it or finer.
+    model : {'AT2', 'AT1'}
+        Local energy of damage: quadratic, so that damage grows from the first strain on, or linear, so that it waits
+        for the stress of its threshold (Ambrosio & Tortorelli; Pham, Amor, Marigo & Maurini 2011).
+    split : {'none', 'volumetric', 'spectral'}
+        Which part of the energy drives cracks: all of it; all but that of shrinking volume (Amor, Marigo & Maurini
+        2009); or that of principal strains in tension (Miehe, Welschinger & Hofacker 2010), Green's strains of
+        `SaintVenantKirchhoff`, logarithmic ones of `Hencky`.
+    residual : float
+        Share of the stiffness that full damage leaves.
+    damage : float, or a function of reference positions (n, 3) with values (n,)
+        At the start, 0 to 1: cracks that are there already.
+
+    Notes
+    -----
+    The energy ``g(d) W+(C) + W-(C) + G_c / (c l) (w(d) + l^2 |grad d|^2)``, ``g = (1 - k) (1 - d)^2 + k``, is least in
+    d among damages that do not shrink: at every node damage rests or a balance holds, found by active sets, so that
+    what holds it back does no work. The ledger has all of the energy as "stored", that of cracks too. Statics find
+    damages together with positions (`Static`), to and fro (`AlternateMinimization`), or through snap-back
+    (`CrackControl`); `EnergyMomentum` keeps the sum of kinetic, elastic and crack energy.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> glass = vv.SaintVenantKirchhoff(young=70e9, poisson=0.22)
+    >>> plate = vv.FracturingSolid(
+    ...     mesh=vv.RectangleMesh(size=(0.01, 0.01), counts=(10, 10)),
+    ...     material=glass,
+    ...     toughness=8.0,
+    ...     length=2e-3,
+    ... )
+    >>> system = vv.System([plate])
+    >>> float(plate.damages(system.x).max()), plate.crack_energy(system.x)
+    (0.0, 0.0)
+    """
+
+    toughness: Number
+    length: Number
+    model: Model = "AT2"
+    split: SplitName = "none"
+    residual: Number = 1e-6
+    damage: NumberOrFunction = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("toughness", "length"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
+        if not 0 < self.residual < 1:
+            raise InputError(
+                f"{self.label}: residual = {self.residual:g} must lie between 0 and 1: without any stiffness cracked "
+                "nodes have no place; 1e-6 is common"
+            )
+        self._refuse_others()
+        self.law = CrackLaw(
+            self.label, self.material, self.toughness, self.length, self.model, self.split, self.residual
+        )
+        _ = self.law.number
+        self._refuse_coarse()
+        given = self.damage(self.points) if callable(self.damage) else self.damage
+        self.start_damages = np.array(np.broadcast_to(np.asarray(given, dtype=float), self.grid.n_nodes))
+        if not np.all((self.start_damages >= 0) & (self.start_damages <= 1)):
+            worst = self.start_damages[np.argmax(np.abs(self.start_damages - 0.5))]
+            raise InputError(f"{self.label}: a damage of {worst:g} is outside 0 ... 1")
+
+    def _refuse_others(self) -> None:
+        if self.formulation != "displacement" or self.plane == "stress":
+            what = "plane = 'stress'" if self.plane == "stress" else f"formulation = {self.formulation!r}"
+            raise InputError(f"{self.label}: {what} does not crack yet; take strains of displacements")
+        if self.material.small or self.material.energy is not None:
+            raise InputError(
+                f"{self.label}: {type(self.material).__name__} is no material of finite strains of the core; for small "
+                "strains take vv.SaintVenantKirchhoff"
+            )
+        if self._is_heated or self._is_damped or self.tangent:
+            raise InputError(f"{self.label}: takes no thermal_strain, damping or tangent")
+
+    def _refuse_coarse(self) -> None:
+        """Where no cell resolves the length, nothing of the result is meant."""
+        size = min(
+            float(edges(self.grid.points, nodes, cell).min()) for cell, nodes in self.grid.cells.items()
+        )
+        if self.length < size:
+            raise InputError(
+                f"{self.label}: length = {self.length:g} is below the size of its smallest cell, {size:.4g}; a crack "
+                f"needs cells of {0.5 * self.length:.3g} or finer where it runs: refine the mesh, or smear it wider"
+            )
+
+    def remarks(self) -> list[str]:
+        sizes = [edges(self.grid.points, nodes, cell) for cell, nodes in self.grid.cells.items()]
+        finest = min(float(s.min()) for s in sizes)
+        if finest > 0.5 * self.length * (1 + 1e-9):
+            return [
+                f"{self.label}: its finest cells of {finest:.3g} are larger than half the length {self.length:g} of a "
+                f"crack, which costs {100 * finest / (2 * self.length):.0f} % more there"
+            ]
+        return []
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Equations) -> None:
+        super().declare(model)
+        self.damaged = model.field(self, "damage", self.start_damages, role=Role.STATE, scale=1.0)
+        model.grow(self.damaged, self._volumes_of_nodes() / (2 * self.length))
+
+    def _volumes_of_nodes(self) -> Array:
+        """Shares (n,) of the nodes in the volume."""
+        total = np.zeros(self.grid.n_nodes)
+        for points in self.cell_points():
+            total += points.spread(np.ones((*points.size.shape, 1)), len(total))[:, 0]
+        return total
+
+    def contribute(self, model: Equations) -> None:
+        self._elements, self._energy, self._starts_stress = [], None, False
+        self._evaluations: list[Evaluation] = []
+        first = 0
+        for cell, nodes in self.grid.cells.items():
+            self._elements.append(self._made(model, cell, nodes, first))
+            first += len(nodes)
+        self.volumes = [elements.volume for elements in self._elements]
+
+    def _evaluation(self, cell: str, nodes: Ints, rule: Any) -> Evaluation:
+        g = geometry(
+            self.grid.points,
+            nodes,
+            cell,
+            rule=rule,
+            thickness=self.thickness,
+            axisymmetric=self.axisymmetric,
+        )
+        return Evaluation(self, nodes, g.gradients, g.volume, CELLS[cell].N(rule.points), g.hoop)
+
+    def _made(self, model: Equations, cell: str, nodes: Ints, first: int) -> Elements:
+        at = self._evaluation(
+            cell, nodes, mass_rule(cell)
+        )  # damages have mass of their own in the local energy
+        value = np.broadcast_to(at.N[None, :, :, None], (*at.gradients.shape[:3], 1))
+        scalar = np.concatenate([value, at.gradients], axis=3)
+        kind, weights = PhysicsKind.FRACTURE, at.gradients
+        if self.dimension == 2:
+            kind = PhysicsKind.FRACTURE_IN_PLANE
+            if at.hoop is not None:
+                kind = PhysicsKind.FRACTURE_OF_REVOLUTION
+                weights = np.concatenate([weights, at.hoop[..., None]], axis=3)
+        mass = self._cell_masses(cell, nodes) if self.density > 0 else None
+        groups = [
+            Group(self.node_unknowns(nodes), weights, mass, True),
+            Group(self.damaged.start + nodes, scalar),
+        ]
+        add_points(model, self, kind, groups, at.volume, self.law.parameters())
+        self._evaluations.append(at)
+        looks: Any = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
+        return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=looks.volume)
+
+    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
+        total, first = np.zeros((self.grid.n_nodes, 3)), 0
+        for part in self._evaluations:
+            force = part.forces(x)
+            if cells is not None:
+                force *= cells[first : first + len(force), None, None]
+            np.subtract.at(total, part.nodes, np.pad(force, ((0, 0), (0, 0), (0, 3 - force.shape[2]))))
+            first += len(force)
+        return total
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def _evaluated(self, x: Array) -> Iterator[Evaluated]:
+        for part in self._elements:
+            numbers = slice(part.first, part.first + len(part.nodes))
+            fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
+            yield part.cell, part.nodes, numbers, part.volume, fields
+
+    def damages(self, x: Array) -> Array:
+        """Damages (n,) of the nodes at the unknowns `x` of the system: 0 sound, 1 cracked."""
+        return np.asarray(x[self.damaged.start : self.damaged.start + self.damaged.size])
+
+    def crack_energy(self, x: Array) -> float:
+        """Energy of its cracks; divided by the toughness their area, in the plane times the thickness."""
+        total = 0.0
+        for part in self._evaluations:
+            total += float((part.volume * self.law.crack_energy(*part.damages(x))).sum())
+        return total
+
+    def widths(self) -> Mapping[str, int]:
+        return {**super().widths(), "damage": 1}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        others = super().smoothed([n for n in names if n != "damage"], x)
+        return others | ({"damage": self.damages(x)} if "damage" in names else {})
+
+
+def edges(points: Array, nodes: Ints, cell: str) -> Array:
+    """Sizes (m,) of cells, half as large where nodes lie between corners."""
+    d = points.shape[1]
+    volume = geometry(points, nodes, cell).volume.sum(axis=1)
+    share = {"tri": 1 / 2, "tet": 1 / 6}.get(cell[:3], 1.0)
+    size: Array = (volume / share) ** (1 / d)
+    return size / (2 if CELLS[cell].middles else 1)

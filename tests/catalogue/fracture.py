@@ -1,0 +1,67 @@
+"""Solids that crack."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import visviva as vv
+from catalogue.entry import ALL, ENERGY, IN_PLANE, NOTHING, Components, Entry
+
+GREEN = vv.SaintVenantKirchhoff(young=30.0, poisson=0.3)
+HENCKY = vv.Hencky(young=30.0, poisson=0.3)
+RUBBER = vv.NeoHooke(young=30.0, poisson=0.3, isochoric=True)
+
+
+def brick(material: Any, split: Any, cell: str = "hex8", model: Any = "AT2") -> vv.FracturingSolid:
+    return vv.FracturingSolid(
+        mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1), cell=cell),
+        material=material,
+        density=1.0,
+        toughness=0.5,
+        length=1.0,
+        model=model,
+        split=split,
+        residual=1e-3,
+        angular_velocity=(0.3, 0.6, 1.0),
+        velocity=lambda X: X * X,
+    )
+
+
+def plate(material: Any, split: Any, plane: Any = "strain", cell: str = "quad4") -> vv.FracturingSolid:
+    return vv.FracturingSolid(
+        mesh=vv.RectangleMesh(size=(1, 0.8), counts=(3, 2), cell=cell, origin=(0.2, 0)),
+        material=material,
+        density=1.0,
+        toughness=0.5,
+        length=0.5,
+        split=split,
+        plane=plane,
+        damage=lambda X: 0.4 * (X[:, 0] > 1),
+        velocity=lambda X: X * X,
+    )
+
+
+def pulled() -> Components:
+    """Without functions of Python."""
+    mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2))
+    body = vv.FracturingSolid(
+        mesh=mesh, material=GREEN, density=1.0, toughness=0.5, length=0.5, model="AT1", split="spectral"
+    )
+    pull = vv.Prescribed(solid=body, nodes="x1", motion=("0.2*sin(5*t)", None, None))
+    return [body, vv.Fixed(solid=body, nodes="x0"), pull]
+
+
+FRACTURE = [
+    Entry("cracking brick", lambda: [brick(vv.NeoHooke(young=30.0, poisson=0.3), "none")], ALL, steps=40),
+    Entry("cracking brick, AT1", lambda: [brick(GREEN, "none", "tet10", "AT1")], ALL, steps=20),
+    Entry("cracking brick, volume of Hencky", lambda: [brick(HENCKY, "volumetric")], ALL, steps=20),
+    Entry("cracking brick, volume of rubber", lambda: [brick(RUBBER, "volumetric")], ALL, steps=20),
+    Entry("cracking brick, Green's strains", lambda: [brick(GREEN, "spectral")], ALL, steps=20),
+    Entry(
+        "cracking brick, logarithmic strains", lambda: [brick(HENCKY, "spectral", "wedge6")], ALL, steps=20
+    ),
+    Entry("cracking plate", lambda: [plate(GREEN, "spectral")], IN_PLANE, steps=40),
+    Entry("cracking plate, trace", lambda: [plate(GREEN, "volumetric", cell="tri6")], IN_PLANE, steps=20),
+    Entry("cracking ring", lambda: [plate(HENCKY, "spectral", "axisymmetric")], ENERGY, steps=20),
+    Entry("cracking plate, pulled", pulled, NOTHING, steps=30),
+]
