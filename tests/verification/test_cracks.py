@@ -1,0 +1,135 @@
+"""Cracks that run: through a notched plate to and fro and through its snap-back, beside contact, joints and heat."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+
+TOUGHNESS, LENGTH = 1e-6, 0.1
+
+
+def plate_mesh(n: int = 20, half: float = 0.5) -> vv.Mesh:
+    """A unit square with a notch from the left to its middle."""
+    square = vv.RectangleMesh(size=(1, 2 * half), counts=(n, n), origin=(0, -half)).build()
+    return square.opened(lambda X: (np.abs(X[:, 1]) < 1e-9) & (X[:, 0] < 0.5 - 1e-9), lambda X: X[:, 1] > 0)
+
+
+def plate(**options: Any) -> vv.FracturingSolid:
+    given: dict[str, Any] = {
+        "mesh": plate_mesh(),
+        "material": vv.SaintVenantKirchhoff(young=1.0, poisson=0.2),
+        "toughness": TOUGHNESS,
+        "length": LENGTH,
+        **options,
+    }
+    return vv.FracturingSolid(**given)
+
+
+def pulled(solid: vv.FracturingSolid) -> vv.System:
+    held = vv.Fixed(solid=solid, nodes="y0")
+    return vv.System([solid, held, vv.Prescribed(solid=solid, nodes="y1", motion=(0, "3e-3*t", None))])
+
+
+def forces(
+    solid: vv.FracturingSolid, scheme: vv.Static, step: float, steps: int
+) -> tuple[Array, Array, Array]:
+    """Times, forces and areas of the crack."""
+    system, found = pulled(solid), []
+    probe, area = vv.SupportForce(solid=solid, nodes="y1"), vv.CrackArea(solid=solid)
+    for _ in vv.march(system, until=1.0, step=step, scheme=scheme):
+        found.append((system.time, float(probe(system)[1]), area(system)))
+        if len(found) == steps or found[-1][1] < 0.2 * max(f for _, f, _ in found):
+            break
+    return tuple(np.array(found).T)  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("model", ["AT1", "AT2"])
+def test_the_peak_stays_where_it_is_when_load_steps_are_halved(model: Any) -> None:
+    """And both ways through: to and fro, which jumps, and along the path, which snaps back."""
+    scheme = vv.AlternateMinimization(newton=4, unstable=True, energy_tolerance=1e-6)
+    peaks = [forces(plate(model=model), scheme, h, 200)[1].max() for h in (0.02, 0.01)]
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
+    t, force, area = forces(plate(model=model), vv.CrackControl(growth=0.02, unstable=True), 0.02, 80)
+    assert force.max() == pytest.approx(peaks[1], rel=0.01)
+    if model == "AT1":
+        assert (np.diff(t) < 0).any(), "no snap-back"
+    assert (np.diff(area) > -1e-12).all()
+    assert area[-1] > 0.3
+
+
+def test_energy_that_a_crack_takes_is_what_the_load_has_done() -> None:
+    """Along the path nothing is lost: the work of the load is elastic and crack energy, to second order in the step."""
+    errors = []
+    for growth in (0.04, 0.02):
+        system = pulled(plate())
+        scheme = vv.CrackControl(growth=growth, unstable=True)
+        result = vv.arc_length(system, step=2 * growth, scheme=scheme, steps=round(0.9 / growth))
+        errors.append(result.conservation()["energy"])
+    assert errors[0] < 2e-3
+    assert errors[1] < 0.4 * errors[0]
+
+
+def test_tip_area_and_energy_of_a_crack_that_is_there_from_the_start() -> None:
+    """The profile exp(-|y| / l) of AT2 costs Gc per length, and where it ends the tip is."""
+    mesh = vv.RectangleMesh(size=(1, 2), counts=(40, 200), origin=(0, -1)).build()
+    crack = lambda X: np.where(X[:, 0] <= 0.5 + 1e-9, np.exp(-np.abs(X[:, 1]) / LENGTH), 0.0)  # noqa: E731
+    solid = plate(mesh=mesh, damage=crack)
+    system = vv.System([solid])
+    end = LENGTH**2 / (2 * 0.025)  # of the gradient across the column of cells where damage ends at once
+    assert vv.CrackArea(solid=solid)(system) == pytest.approx(0.5 + end, rel=0.02)
+    assert vv.CrackEnergy(solid=solid)(system) == vv.CrackArea(solid=solid)(system) * TOUGHNESS
+    whole = plate(mesh=mesh, damage=lambda X: np.exp(-np.abs(X[:, 1]) / LENGTH))
+    assert vv.CrackArea(solid=whole)(vv.System([whole])) == pytest.approx(1.0, rel=2e-3)
+    tip = vv.CrackTip(solid=solid, along=(1, 0, 0))(system)
+    assert tip == pytest.approx((0.5 + 0.025 * 0.1, 0, 0), abs=1e-9)
+    sound = plate()
+    assert np.isnan(vv.CrackTip(solid=sound, along=(1, 0, 0))(vv.System([sound]))).all()
+
+
+def test_a_mesh_that_is_cut_open_has_two_faces_there() -> None:
+    mesh = plate_mesh(4)
+    assert mesh.n_nodes == 27
+    assert mesh.boundary().n_faces == 16 + 4
+    assert mesh.volume == pytest.approx(1.0)
+    with pytest.raises(vv.InputError, match="separates nothing"):
+        mesh.opened(lambda X: X[:, 1] > 2, lambda X: X[:, 1] > 0)
+    with pytest.raises(vv.InputError, match="separates nothing"):
+        mesh.opened(lambda X: X[:, 0] < 0.1, lambda X: X[:, 1] > 2)
+
+
+def test_a_cracking_body_that_is_jointed() -> None:
+    """A plate hung on a hinge by a coupling of its edge falls, with a weight, and cracks; energy and momenta close."""
+    solid = plate(density=1e-3, model="AT1")
+    face = vv.RigidCoupling(solid=solid, faces="y1")
+    weight = vv.RigidCoupling(solid=solid, faces="y0")
+    ground = vv.Ground()
+    hinge = vv.Revolute(a=ground, b=face, at=(0.5, 0.5, 0), axis=(0, 0, 1))
+    load = vv.Force(on=weight.point((0.5, -0.5, 0)), force=(3e-4, -2e-3, 0))
+    system = vv.System([ground, solid, face, weight, hinge, load])
+    result = vv.simulate(system, until=0.5, step=0.01)
+    assert solid.damages(system.x).max() > 0.5
+    assert result.conservation()["energy"] < 1e-10
+
+
+def test_a_cracking_body_that_is_touched() -> None:
+    """A brick that flies against a wall by its face cracks where it must, and what it rebounds with is in the books."""
+    solid = plate(
+        mesh=vv.RectangleMesh(size=(1, 0.5), counts=(16, 8)),
+        density=1.0,
+        split="spectral",
+        velocity=(-0.02, 0.0, 0.0),
+        toughness=2e-5,
+    )
+    wall = vv.Plane(at=(-0.005, 0, 0), normal=(1, 0, 0))
+    touch = vv.Contact(first=solid, first_faces="x0", second=wall)
+    system = vv.System([solid, wall, touch])
+    result = vv.simulate(system, until=3.0, step=0.02)
+    assert result.conservation()["energy"] < 1e-9
+    assert solid.damages(system.x).max() > 0.2
