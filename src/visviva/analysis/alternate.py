@@ -50,10 +50,10 @@ class AlternateMinimization(Static):
     ...     length=1.0,
     ... )
     >>> held = vv.Fixed(solid=bar, nodes="x0")
-    >>> pulled = vv.Prescribed(solid=bar, nodes="x1", motion=("1e-5 * t", 0, 0))
+    >>> pulled = vv.Prescribed(solid=bar, nodes="x1", motion=("1e-5 * t", None, None))
     >>> system = vv.System([bar, held, pulled])
     >>> _ = vv.quasi_static(system, until=1.0, step=0.5, scheme=AlternateMinimization())
-    >>> round(float(bar.damages(system.x).max()), 3)  # e^2 E / (G_c / l + e^2 E)
+    >>> round(float(bar.damages(system.x).max()), 3)  # e^2 / (G_c / l E + e^2)
     0.01
     """
 
