@@ -9,7 +9,7 @@ import pytest
 
 import visviva as vv
 from visviva.model.term import Stencils, Term
-from visviva.results.audit import energy_verdict
+from visviva.results.audit import energy_verdict, judgements
 
 STEEL = vv.LinearElastic(young=100.0, poisson=0.0)
 
@@ -45,12 +45,86 @@ def test_energy_verdicts() -> None:
     assert energy_verdict(leaking()).startswith("WRONG")
 
 
+def lines(result: vv.Result) -> dict[str, str]:
+    """Verdicts of the audit by what they are about."""
+    return {judged.what: judged.verdict for judged in judgements(result)}
+
+
 def test_momentum_verdicts(capsys: pytest.CaptureFixture[str]) -> None:
     """The spring on the ground turns the momentum of the ball but not its moment about the origin."""
-    text = swing().audit()
-    assert text.count(": conserved along z\n") == 1  # linear
-    angular = next(line for line in text.splitlines() if "angular" in line)
-    assert angular.endswith(": conserved")
+    said = lines(swing())
+    assert said["linear momentum"].startswith(
+        "conserved along z; not meant to be along x, y: from outside acts Spring"
+    )
+    assert said["angular momentum"] == "conserved"
+
+
+class Pull(Term):
+    """A pull on the first of two balls that the second is told nothing of, and that does what its ledger says."""
+
+    def residual(self, s: Stencils) -> Any:
+        found = np.zeros_like(s.x1)
+        found[:, 0] = -0.5
+        return found
+
+    def energy(self, s: Stencils) -> Any:
+        return -0.5 * s.x1[:, 0]
+
+
+def test_momentum_that_is_lost_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If nothing acts from outside; an own term may do so, and is named."""
+    from visviva.results import outside
+
+    a, b = vv.PointMass(mass=1.0, position=(1, 0, 0)), vv.PointMass(mass=1.0, position=(0, 1, 0))
+    pull = vv.UserTerm(term=Pull(), on=[a, b], name="pull")
+    result = vv.simulate(vv.System([a, b, pull]), until=1.0, step=0.1)
+    assert "from outside acts UserTerm 'pull'" in lines(result)["linear momentum"]
+    monkeypatch.setattr(outside, "BETWEEN", (*outside.BETWEEN, vv.UserTerm))
+    assert lines(result)["linear momentum"].startswith("WRONG, as nothing acts from outside")
+
+
+def test_angular_momentum_of_schemes_that_lose_it() -> None:
+    a, b = (vv.PointMass(mass=1.0, position=(x, 0, 0), velocity=(0, x, 0)) for x in (1.0, -1.0))
+    free = [a, b, vv.Spring(a=a, b=b, stiffness=30.0, free_length=1.5)]
+    result = vv.simulate(vv.System(free), until=1.0, step=0.01, scheme=vv.BackwardEuler())
+    assert lines(result)["linear momentum"] == "conserved"
+    assert lines(result)["angular momentum"].endswith(
+        "this scheme does not conserve it, see how it falls with the step"
+    )
+
+
+def test_no_line_reads_like_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
+    """What is not meant to be conserved has no figure that frightens; every line has a verdict; units are said."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    rod = vv.Spherical(
+        a=ground, b=vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(1, 0, 0)), at=(0, 0, 0)
+    )
+    system = vv.System([ground, ball, rod.b, rod, vv.Gravity()], units="SI")
+    result = vv.simulate(system, until=1.0, step=0.01)
+    assert result.conservation()["constraint rates"] > 1e-6
+    text = result.audit()
+    assert "WRONG" not in text
+    for line in text.splitlines():
+        if "not meant to be" in line and "conserved along" not in line:
+            assert "e-" not in line
+            assert "e+" not in line
+    assert "their rates: not meant to be exact" in text
+    assert "to t = 1 s with" in text
+    assert str(judgements(result)[0]).endswith(" J: conserved")
+    assert "total energy 0 J -> 0 J" in text
+    verdicts = ("conserved", "fulfilled", "not meant to be", "dissipated")
+    assert all(judged.verdict.startswith(verdicts) for judged in judgements(result))
+
+
+def test_constraints_that_do_not_hold_are_wrong() -> None:
+    result = swing()
+    assert "constraints" not in lines(result)
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    rod = vv.Distance(a=ground.point(), b=ball.point())
+    held = vv.simulate(vv.System([ground, ball, rod, vv.Gravity()]), until=0.1, step=0.01)
+    assert lines(held)["constraints"] == "fulfilled"
+    held.ledger.span[3, held.ledger.column("defect_position")] = 1e-3
+    assert lines(held)["constraints"].startswith("WRONG")
 
 
 def squeezed(plane: str) -> vv.System:
@@ -62,17 +136,17 @@ def squeezed(plane: str) -> vv.System:
 def test_only_momenta_that_there_are() -> None:
     """What moves away from an axis all around has no momentum; a plane body turns about one axis alone."""
     ring = vv.simulate(squeezed("axisymmetric"), until=0.1, step=0.01)
-    lines = [line for line in ring.audit().splitlines() if "momentum" in line]
-    assert len(lines) == 1
-    assert " y " in lines[0]
-    assert " x " not in lines[0]
+    found = [line for line in ring.audit().splitlines() if "momentum" in line]
+    assert len(found) == 1
+    assert " y " in found[0]
+    assert " x " not in found[0]
     assert np.abs(ring.ledger["momentum_x"]).max() == 0
     assert ring.ledger["momentum_y"][0] == pytest.approx(0.5 * np.pi * (2**2 - 1) * 2)
     plate = vv.simulate(squeezed("strain"), until=0.1, step=0.01)
-    lines = [line for line in plate.audit().splitlines() if "momentum" in line]
-    assert len(lines) == 2
-    assert " z " not in lines[0]
-    assert " x " not in lines[1]
+    found = [line for line in plate.audit().splitlines() if "momentum" in line]
+    assert len(found) == 2
+    assert " z " not in found[0]
+    assert " x " not in found[1]
 
 
 @pytest.mark.parametrize("run", [vv.quasi_static, vv.equilibrium])

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from visviva.results.naming import labels_of
+from visviva.results.outside import outside
+
 if TYPE_CHECKING:
+    from visviva.output.labels import Labels
+    from visviva.results.ledger import Ledger
     from visviva.results.result import Result
     from visviva.system.system import System
 
@@ -20,30 +26,133 @@ OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
 
 
+NOTHING = 1e-16
+"""Relative errors below are written as none."""
+ROUNDING = 1e-12
+"""Energies below this part of those in play are written as none."""
+NAMED = 3
+"""So many of what acts from outside are named."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A line of the audit: about what, the figures, and what to think of them.
+
+    Attributes
+    ----------
+    what, figures : str
+    verdict : str
+        Begins with ``conserved``, ``fulfilled``, ``dissipated``, ``not meant to be`` or ``WRONG``.
+    """
+
+    what: str
+    figures: str
+    verdict: str
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether something is to be done about it."""
+        return self.verdict.startswith("WRONG")
+
+    def __str__(self) -> str:
+        return f"{' '.join(filter(None, (self.what, self.figures)))}: {self.verdict}"
+
+
 def audit(result: Result) -> str:
-    """What was conserved, in ten lines."""
+    """What was done, and a line with a verdict about everything that may be conserved."""
+    return "\n".join([*(f"  {line}" if k else line for k, line in enumerate(course(result))),
+                      *(f"  {judged}" for judged in judgements(result))])  # fmt: skip
+
+
+def course(result: Result) -> list[str]:
+    """How a run went: steps, size, solver, energies and works."""
     system, s, ledger = result.system, result.statistics, result.ledger
-    f = result.conservation()
-    works = ", ".join(f"{k} {ledger.last(f'work_{k}'):.6g}" for k in ledger.works) or "none"
+    labels = labels_of(system.units, result.scheme)
+    works = ", ".join(f"{k} {energy(f'work_{k}', ledger, labels)}" for k in ledger.works) or "none"
     seconds = max(s.seconds, 1e-12)
-    moved = [f"  initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
-    return "\n".join(
-        [
-            f"audit of {s.steps} steps to t = {system.time:.6g} with {result.scheme}",
-            f"  unknown coordinates n = {system.n_coordinates}, constraints m = {system.n_constraints}",
-            *moved,
-            f"  linear solver for {system.linear_explanation}",
-            f"  Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
-            f"{seconds:.3g} s ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
-            f"  total energy {ledger.first('total'):.12g} -> {ledger.last('total'):.12g}",
-            f"  work done on the system: {works}",
-            f"  energy balance closes to {f['energy']:.1e} of {ledger.energy_scale:.4g}: {energy_verdict(result)}",
-            *momentum_lines(result),
-            *([f"  equilibria: {system.stepper.stability}"] if system.stepper.stability.equilibria else []),
-            f"  constraints hold (relative) to {f['constraints']:.1e}, "
-            f"their rates to {f['constraint rates']:.1e}",
-        ]
+    end = with_unit(f"{system.time:.6g}", labels.unit("time"))
+    clock = {"time": "t =", "state": "load parameter"}.get(labels.clock, labels.clock)
+    moved = [f"initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
+    return [
+        f"audit of {s.steps} steps to {clock} {end} with {result.scheme}",
+        f"unknown coordinates n = {system.n_coordinates}, constraints m = {system.n_constraints}",
+        *moved,
+        f"linear solver for {system.linear_explanation}",
+        f"Newton iterations per step {s.iterations / max(s.steps, 1):.2f}, steps retried {s.rejected}, "
+        f"{seconds:.3g} s of computing ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
+        f"total energy {energy('total', ledger, labels, start=True)} -> {energy('total', ledger, labels)}",
+        f"work done on the system: {works}",
+    ]
+
+
+def energy(name: str, ledger: Ledger, labels: Labels, *, start: bool = False) -> str:
+    """An energy at the start or the end with its unit; what is rounding beside those in play is none."""
+    value = ledger.first(name) if start else ledger.last(name)
+    rounding = abs(value) <= ROUNDING * max(ledger.energy_scale, ledger.size(name))
+    digits = 12 if name == "total" else 6
+    return (
+        f"{value:.{digits}g}"
+        if start and not rounding
+        else measured(0.0 if rounding else value, labels, digits)
     )
+
+
+def measured(value: float, labels: Labels, digits: int = 6) -> str:
+    """An energy with its unit."""
+    return with_unit(f"{value:.{digits}g}", labels.unit("energy"))
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A number with its unit, if there is one."""
+    return f"{text} {unit}".rstrip()
+
+
+def judgements(result: Result) -> list[Judgement]:
+    """What to think of the energy, the momenta, equilibria and constraints of a run."""
+    ledger, stability = result.ledger, result.system.stepper.stability
+    scale = measured(ledger.energy_scale, labels_of(result.system.units, result.scheme), 4)
+    found = [
+        Judgement(
+            "energy balance", f"closes to {told(ledger.imbalance())} of {scale}", energy_verdict(result)
+        )
+    ]
+    found += momentum_judgements(result)
+    if stability.equilibria:
+        found.append(Judgement("equilibria", "", str(stability)))
+    if result.system.n_constraints:
+        found += constraint_judgements(result)
+    return found
+
+
+def told(error: float) -> str:
+    """A relative error; what is far below rounding is none."""
+    return f"{error:.1e}" if error >= NOTHING else "0"
+
+
+def constraint_judgements(result: Result) -> list[Judgement]:
+    """Whether constraints hold at the ends of steps, and their rates where the scheme sees to them."""
+    figures, scheme = result.conservation(), result.scheme
+    held, rates = figures["constraints"], figures["constraint rates"]
+    found = [Judgement("constraints", f"hold to {told(held)} of their reach", fulfilled(held))]
+    if not scheme.has_inertia:
+        return found
+    if rates <= CONSERVED or scheme.projects_velocity:
+        verdict = fulfilled(rates)
+    else:
+        verdict = "not meant to be exact: this scheme holds positions; rates follow to its order in the step"
+    figure = (
+        f"hold to {told(rates)}" if verdict.startswith("fulfilled") or verdict.startswith("WRONG") else ""
+    )
+    return [*found, Judgement("their rates", figure, verdict)]
+
+
+def fulfilled(error: float) -> str:
+    """Verdict on equations that Newton's method solves."""
+    if error <= CONSERVED:
+        return "fulfilled"
+    if error <= LOOSE:
+        return "fulfilled as well as the tolerances of the solvers allow"
+    return "WRONG, positions do not fit: tighten Newton(tolerance=...), or shorten the step"
 
 
 def energy_verdict(result: Result) -> str:
@@ -84,24 +193,44 @@ def energy_verdict(result: Result) -> str:
     return "dissipated by the scheme"
 
 
-def momentum_lines(result: Result) -> list[str]:
-    """Changes of the momenta that there are, and which of them were conserved; statics has none."""
+def momentum_judgements(result: Result) -> list[Judgement]:
+    """Verdicts on the momenta that there are; statics has none."""
     if not result.scheme.has_inertia:
         return []
-    figures, lines = result.conservation(), []
-    for (kind, name), axes in zip(
-        (("momentum", "linear"), ("angular", "angular")), axes_of(result.system), strict=True
-    ):
-        changes = {c: figures[f"{kind}_{c}"] for c in axes}
-        if not changes:
-            continue
-        kept = [c for c, change in changes.items() if change <= CONSERVED]
-        verdict = f"conserved along {', '.join(kept)}" if kept else "changed from outside along all axes"
-        if len(kept) == len(changes):
-            verdict = "conserved"
-        text = "  ".join(f"{c} {change:.1e}" for c, change in changes.items())
-        lines.append(f"  {f'{name} momentum changes (relative)':<36} {text}: {verdict}")
-    return lines
+    kinds = (("momentum", "linear"), ("angular", "angular"))
+    axes = zip(kinds, axes_of(result.system), strict=True)
+    return [
+        momentum_judgement(result, kind, f"{name} momentum", along) for (kind, name), along in axes if along
+    ]
+
+
+def momentum_judgement(result: Result, kind: str, what: str, axes: str) -> Judgement:
+    """Along which axes a momentum was conserved, and why not along the others."""
+    changes = {c: result.ledger.drift(f"{kind}_{c}") for c in axes}
+    kept = [c for c, change in changes.items() if change <= CONSERVED]
+    lost = [c for c in axes if c not in kept]
+    why = reason(result, kind, max(changes[c] for c in lost)) if lost else ""
+    shown = changes if why.startswith(("WRONG", "conserved")) else {c: changes[c] for c in kept}
+    text = f"changes by {', '.join(f'{c} {told(change)}' for c, change in shown.items())}" if shown else ""
+    if not lost:
+        return Judgement(what, text, "conserved")
+    if why.startswith(("WRONG", "conserved")):
+        return Judgement(what, text, why)
+    held = f"conserved along {', '.join(kept)}; " if kept else ""
+    return Judgement(what, text, f"{held}not meant to be along {', '.join(lost)}: {why}")
+
+
+def reason(result: Result, kind: str, change: float) -> str:
+    """Why a momentum changed by this relative amount."""
+    actors = outside(result.system)
+    if actors:
+        named = ", ".join(c.label for c in actors[:NAMED]) + (", ..." if len(actors) > NAMED else "")
+        return f"from outside act{'s' if len(actors) == 1 else ''} {named}"
+    if not result.scheme.conserves_momenta and kind == "angular":
+        return "this scheme does not conserve it, see how it falls with the step"
+    if change <= LOOSE:
+        return "conserved as well as the tolerances of the solvers allow"
+    return "WRONG, as nothing acts from outside: some force is not equal and opposite to its reaction"
 
 
 def axes_of(system: System) -> tuple[str, str]:

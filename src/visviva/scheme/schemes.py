@@ -49,6 +49,8 @@ class Scheme(metaclass=Validated):
         Whether time grows in every step; otherwise pictures and movies count steps.
     conserves_energy : bool
         Whether the energy balance closes to rounding whatever is in the system, by which the audit judges.
+    conserves_momenta : bool
+        Whether angular momentum is conserved, too; linear momentum is by all.
     """
 
     order: ClassVar[int] = 0
@@ -61,6 +63,7 @@ class Scheme(metaclass=Validated):
     has_inertia: ClassVar[bool] = True
     has_growing_time: ClassVar[bool] = True
     conserves_energy: ClassVar[bool] = False
+    conserves_momenta: ClassVar[bool] = False
 
     @property
     def dissipates(self) -> bool:
@@ -105,6 +108,7 @@ class Midpoint(Scheme):
 
     order: ClassVar[int] = 2
     theta: ClassVar[float] = 0.5
+    conserves_momenta: ClassVar[bool] = True
 
     def motion(self, h: float) -> Table:
         second = (2 / h**2, -2 / h, 0.0, 0.0)
