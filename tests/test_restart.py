@@ -321,18 +321,27 @@ def test_memory_decides_every_bit() -> None:
         assert np.array_equal(one.x, other.x)
 
 
-def test_adaptive_steps_go_on_alike(tmp_path: Path) -> None:
-    """Length, error and rates that the choice of steps rests on are part of the state."""
+def falling() -> vv.Study:
+    """A ball that comes down at t = 0.073 and bounces."""
+    ball = vv.RigidBody(shape=vv.Sphere(radius=0.1), density=1e3, position=(0, 0, 0.2), velocity=(0, 0, -1))
+    plane = vv.Plane()
+    contact = vv.Contact(first=ball, second=plane, stiffness=1e4, restitution=0.5)
+    return vv.Study(vv.System([ball, plane, contact, vv.Gravity()]), 0.3, 0.001)
+
+
+@pytest.mark.parametrize(("make", "end"), [(STUDIES["crane"], 0.1), (falling, 0.06), (falling, 0.0735)])
+def test_adaptive_steps_go_on_alike(make: Callable[[], vv.Study], end: float, tmp_path: Path) -> None:
+    """Length, error and rates that the choice of steps rests on are part of the state, and how deep impacts were."""
 
     def composed() -> vv.Study:
-        study = STUDIES["crane"]()
+        study = make()
         study.adaptive = vv.Adaptive(tolerance=1e-6)
         return study
 
     run(composed(), tmp_path / "whole")
-    run_until(at(0.1), composed(), tmp_path / "split")
+    run_until(at(end), composed(), tmp_path / "split")
     with pytest.raises(vv.InputError, match="adaptive"):
-        run(STUDIES["crane"](), tmp_path / "split", resume=True)
+        run(make(), tmp_path / "split", resume=True)
     run(composed(), tmp_path / "split", resume=True)
     times = read_table(tmp_path / "whole" / "ledger.csv")["time"]
     assert np.ptp(np.diff(times)) > 1e-4

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-NAME, VERSION = "adaptive steps", 1
+NAME, VERSION = "adaptive steps", 2
 """Of the record of what the choice of steps carries on."""
 
 
@@ -34,6 +34,9 @@ class Adaptive(metaclass=Validated):
     fluids, of which the midpoint rule and backward Euler know the mean rates of steps, are compared over two steps at a
     time, in which what swings from step to step cancels: no step is short enough to resolve that.
 
+    Impacts of rigid bodies by multipliers leave no trace in the increment: there what the bodies came deeper into each
+    other in the step is its error.
+
     Steps end at the points of tables. A short pulse that only an expression or a function knows of can lie between the
     ends of two steps; `max_step` should be shorter than it.
 
@@ -43,8 +46,7 @@ class Adaptive(metaclass=Validated):
         Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for
         directors).
     min_step, max_step : float
-        Bounds; without them 1e-6 and 100 times the given step. Impacts of rigid bodies by multipliers ask for the upper
-        one: they end as deep as the body flies in a step.
+        Bounds; without them 1e-6 and 100 times the given step.
     easy : int
         The step grows only after solutions that took at most this many iterations.
     """
@@ -110,11 +112,6 @@ def adaptive_steps(
     ``system.stepper.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
-    if hitting := [c.label for c in system.components if c.collides and rule.max_step is None]:
-        raise InputError(
-            f"{hitting[0]}: rigid bodies that fly make steps grow, which take them deep into an impact by multipliers; "
-            "bound steps to what impacts allow with Adaptive(max_step=...), or take enforcement='penalty'"
-        )
     has_means = np.count_nonzero(scheme.transport(1.0)[2]) == 1
     estimate = _Estimate(
         np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)
@@ -123,6 +120,7 @@ def adaptive_steps(
     if NAME in pace:
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
         estimate.rates = pace[NAME].arrays["rates"]
+    depths = pace[NAME].arrays["depths"] if NAME in pace else overlaps(system)
     system.clock.refuse_short(until, step, begins=system.stepper.is_given)
     while not system.clock.has_reached(until):
         left = next_kink(system, until) - system.time
@@ -136,7 +134,9 @@ def adaptive_steps(
             h = max(0.5 * taken, low)
             continue
         rates = system.v.copy()
-        error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), 1e-6)
+        there = overlaps(system)
+        deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
+        error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), deeper, 1e-6)
         if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
             system.core.discard()
             system.stepper.rejected += 1
@@ -144,11 +144,17 @@ def adaptive_steps(
             continue
         system.accept(attempt, scheme)
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
+        depths = there
         h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
         h, last = float(np.clip(h, low, high)), error
         steps = np.array([h, last, taken, estimate.before])
-        pace[NAME] = Record(NAME, VERSION, {"steps": steps, "rates": rates})
+        pace[NAME] = Record(NAME, VERSION, {"steps": steps, "rates": rates, "depths": depths})
         yield attempt.report
+
+
+def overlaps(system: System) -> Array:
+    """How deep rigid bodies are in each other at the state evaluated last."""
+    return np.concatenate([np.zeros(0), *(c.overlaps for c in system.components)])
 
 
 def next_step(taken: float, planned: float, error: float, last: float, easy: bool) -> float:

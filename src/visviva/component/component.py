@@ -94,6 +94,11 @@ class Component(metaclass=Validated):
         """Whether velocities may jump in a step without a trace in how the motion bends before."""
         return False
 
+    @property
+    def overlaps(self) -> Array:
+        """How deep (n,) what `collides` overlaps at the state evaluated last; adaptive steps bound its growth."""
+        return np.zeros(0)
+
     def unfit_for_modes(self) -> str:
         """Why small motions about the last evaluation do not vibrate linearly, and a cure; empty if they do or may."""
         return ""

@@ -387,6 +387,10 @@ class Contact(Component):
     def collides(self) -> bool:
         return self.enforcement == "multipliers" and self._pair.is_rigid
 
+    @property
+    def overlaps(self) -> Array:
+        return np.maximum(0.0, -np.nan_to_num(self.gaps)) if self.collides else np.zeros(0)
+
     def remarks(self) -> list[str]:
         return remarks_of(self, self._surface)
 
