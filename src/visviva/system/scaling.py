@@ -44,12 +44,10 @@ def equilibration(K: sp.csr_array, scale: Array) -> Array:
         A large change of each unknown, 0 for those that stand for forces.
     """
 
-    import scipy.sparse as sp
-
     K = abs(K).tocsr()
     s = by_units(K, scale)
     for _ in range(SWEEPS):
-        largest = (sp.diags_array(s) @ K @ sp.diags_array(s)).max(axis=1).toarray().ravel()
+        largest = s * row_maxima(K, s)
         largest[largest == 0] = 1.0
         s /= np.sqrt(largest)
         if np.abs(np.log2(largest)).max(initial=0.0) < 1:
@@ -57,14 +55,21 @@ def equilibration(K: sp.csr_array, scale: Array) -> Array:
     return s
 
 
+def row_maxima(K: sp.csr_array, factors: Array) -> Array:
+    """Largest entry (n,) in each row of a matrix without signs whose columns are scaled by factors (n,)."""
+    largest, rows = np.zeros(len(factors)), np.flatnonzero(np.diff(K.indptr))
+    if len(rows):
+        largest[rows] = np.maximum.reduceat(K.data * factors[K.indices], K.indptr[rows])
+    return largest
+
+
 def by_units(K: sp.csr_array, scale: Array) -> Array:
     """Factors that make all entries of a matrix without signs parts of one energy, each part of it that is coupled."""
 
-    import scipy.sparse as sp
     from scipy.sparse.csgraph import connected_components
 
     n_parts, part = connected_components(K, directed=False)
-    reach, own = (K @ sp.diags_array(scale)).max(axis=1).toarray().ravel(), K.diagonal()
+    reach, own = row_maxima(K, scale), K.diagonal()
     effect = reach * scale
     energy = [typical(own[own > 1e-8 * own.max()]) for own in split(effect, part, n_parts)]
     unit = np.sqrt(energy)[part] if n_parts else np.ones(0)
@@ -93,7 +98,7 @@ def asymmetry(K: sp.csr_array) -> sp.coo_array:
     s = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
     for _ in range(5):
         rows = np.where(s > 0, s, 1.0)
-        largest = (sp.diags_array(rows) @ A @ sp.diags_array(s)).max(axis=1).toarray().ravel()
+        largest = rows * row_maxima(A, s)
         first = np.where(largest > 0, 1 / np.where(largest > 0, largest, 1.0), 0.0)
         s = np.where(s > 0, s / np.sqrt(np.maximum(largest, 1.0)), first)
     S = sp.diags_array(s)

@@ -123,9 +123,10 @@ def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_], scale: Array) -> Arra
     import scipy.sparse as sp
 
     s = equilibration(K, scale)
-    A = sp.diags_array(s) @ K @ sp.diags_array(s)
-    A = A - sp.diags_array(np.where(pressed & (A.diagonal() == 0), COMPLIANCE, 0.0))
-    return full_pivots(A.toarray()) if len(scale) <= FULL else sparse_pivots(A)
+    compliance = np.where(pressed & (K.diagonal() == 0), COMPLIANCE, 0.0)
+    if len(scale) <= FULL:
+        return full_pivots(s[:, None] * K.toarray() * s - np.diag(compliance))
+    return sparse_pivots(sp.diags_array(s) @ K @ sp.diags_array(s) - sp.diags_array(compliance))
 
 
 def full_pivots(A: Array) -> Array:
@@ -134,8 +135,9 @@ def full_pivots(A: Array) -> Array:
 
     _, D, _ = ldl(A)
     a, b, c = D.diagonal().copy(), np.append(D.diagonal(1), 0.0), np.append(D.diagonal()[1:], 0.0)
-    for k in np.flatnonzero(b):
-        a[k : k + 2] = np.linalg.eigvalsh([[a[k], b[k]], [b[k], c[k]]])
+    k = np.flatnonzero(b)
+    blocks = np.array([[a[k], b[k]], [b[k], c[k]]]).transpose(2, 0, 1)
+    a[k], a[k + 1] = np.linalg.eigvalsh(blocks).T
     return np.asarray(a)
 
 
