@@ -9,7 +9,6 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
-from scipy.special import xlogy
 
 from visviva.base.arguments import LISTED, Validated
 from visviva.base.errors import InputError
@@ -59,6 +58,8 @@ class FreeEnergy(metaclass=Validated):
 
     def values(self, c: Array) -> Array:
         """Energies (...) at compositions (...)."""
+        from scipy.special import xlogy
+
         value = self.polynomial(c - self.centre)
         for a, x in ((self.logs[0], c), (self.logs[1], 1 - c)):
             if a:
