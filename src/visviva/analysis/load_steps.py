@@ -62,7 +62,7 @@ class Static(Scheme):
         Largest increment of an accepted iterate, relative to the size of the model and of the load step.
     max_iterations : int
     halvings : int
-        A load step that fails is tried again with half its length so many times.
+        How often a load step that fails is tried again with half its length.
     line_search : bool
         Shorten increments that overshoot along their own direction.
     unstable : bool
@@ -290,7 +290,7 @@ def quasi_static(
     scheme : Static
         Tolerances of the iteration.
     every : int
-        Keep the states of every so many load steps.
+        Keep the state of every n-th load step.
     project : bool
         Accept an initial state that is moved far to fit the constraints; see `simulate`.
 

@@ -30,7 +30,7 @@ HALVINGS = 6
 FITS, DRIFTS = 1e-8, 0.05
 """Relative violations of constraints up to which an edited state fits, and of their rates, which some schemes leave."""
 LAST_RESORT = 3
-"""From so many halvings on linear solvers may be used that cost more than half a step does."""
+"""After this many halvings solvers are tried that cost more than half a step does."""
 
 
 @runtime_checkable
@@ -196,7 +196,7 @@ def simulate(
     scheme : Scheme
         Time integration, `EnergyMomentum` if not given.
     every : int
-        Keep the states of every so many steps.
+        Keep the state of every n-th step.
     observe : callable
         Called with the system after each accepted step.
     adaptive : Adaptive

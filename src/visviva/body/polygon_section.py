@@ -72,7 +72,7 @@ class PolygonSection(CrossSection):
     retardation : float
         Time whose product with the stiffness is the damping (Kelvin & Voigt).
     triangles : int
-        About so many, of second order, are what warping is computed with.
+        About how many triangles, of second order, warping is computed with.
 
     Raises
     ------

@@ -72,7 +72,7 @@ def points_of_cells(cells: Ints, n: int, between: Ints) -> tuple[Ints, Array, In
 
 
 def rows(columns: Ints, values: Array, width: int) -> sp.csr_array:
-    """A sparse matrix with so many entries in each row."""
+    """A sparse matrix with the same number of entries in each row."""
     import scipy.sparse as sp
 
     found = sp.csr_array(

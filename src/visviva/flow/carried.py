@@ -43,8 +43,8 @@ BARELY = 2.0
 NEARBY = 1e-5
 """Part of a cell's edge over which changes of the velocity along the way of a point are measured."""
 AHEAD, MARGIN = 3, 0.45
-"""The pattern of the coupling holds what so many more steps at the present velocity would reach, and so many edges of
-cells around."""
+"""The sparsity pattern of the coupling covers this many further steps at the present velocity, plus this part of a
+cell's edge."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

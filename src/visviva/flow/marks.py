@@ -15,7 +15,7 @@ CORNER = np.cos(np.radians(25.0))
 NEAR = 0.6
 """Marks closer than this part of the spacing become one, in their middle: thin bodies have one layer."""
 INSIDE = 0.75
-"""Marks inside keep so many spacings away from the surface."""
+"""Marks inside are at least this many spacings away from the surface."""
 
 BLOCK = 20000
 """So many pairs of a place and a triangle are looked at together: arrays that stay in the cache."""

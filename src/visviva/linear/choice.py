@@ -30,41 +30,41 @@ BETWEEN = 1e-300, 1 - 1e-9
 """Tolerances of iterative solvers."""
 
 SMALL = 3000
-"""Up to so many equations the factors that are always there are as fast as any."""
+"""Up to this many equations Eigen's sparse LU, which is always there, is as fast as PARDISO."""
 
 SMALL_WIDE, WIDE_ROWS = 300, 80
 """The same, where rows have more entries than that: of quadratic hexahedra Eigen's LU costs ten times PARDISO's."""
 
 TINY = 10_000
-"""Up to so many entries factors are cheaper than iterations, however short the time step."""
+"""Up to this many entries factors are cheaper than iterations, however short the time step."""
 
 DENSE_ROWS = 40
-"""So many entries per row mean a three-dimensional mesh, whose factors fill."""
+"""Rows with more entries than this belong to a three-dimensional mesh, whose factors fill."""
 
 DENSE_ROWS_OF_FLOWS = 50
 """The same for velocities with pressures."""
 
 LARGE = 15_000
-"""From so many equations of a three-dimensional mesh multigrid is as fast as factors, and faster in compact bodies."""
+"""From this many equations of a mesh in space multigrid is as fast as factors, and faster in compact bodies."""
 
 LARGE_FOR_EIGEN = 5000
 """The same, where the factors are Eigen's."""
 
 FEW, LOOSE = 100, 1e-3
 """Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway.
-More of them cost more than the share of a factorisation, which serves several of Newton's iterations."""
+Beyond this, they cost more than their share of a factorisation that serves several of Newton's iterations."""
 
 FEW_SADDLE = 40
 """The same of GMRES with contact pressures."""
 
 PRESSED, CLOSE = 5000, 3e-5
-"""From so many equations of a three-dimensional mesh GMRES with multigrid is faster than factors where pressures of
+"""From this many equations of a three-dimensional mesh GMRES with multigrid is faster than factors where pressures of
 contact stand beside them in statics, and its tolerance: hardly an iteration more of Newton's."""
 
 
 FLOW_REGULARIZATION = 1e-8  # of pressures, in a matrix with entries of unit size
 LARGE_FLOW, CLOSE_FLOW = 15_000, 1e-3
-"""From so many equations of a flow in space GMRES is faster than factors, and its tolerance: Newton goes on anyway."""
+"""From this many equations of a flow in space GMRES is faster than factors; its tolerance: Newton goes on anyway."""
 
 
 @dataclass(frozen=True)

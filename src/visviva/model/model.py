@@ -95,7 +95,7 @@ class Model:
         return [what for what in self._announced.get(self.index(about), ()) if isinstance(what, kind)]
 
     def length_of(self, component: Owner) -> float:
-        """By what its positions are measured: the extent of the model, or of the small part of it that it is in."""
+        """Length that its positions are measured by: extent of the model, or of the small part of it that it is in."""
         return self.lengths.get(id(component), self.length)
 
     def sizes_of(self, strains: Sequence[Strain]) -> Array:

@@ -120,12 +120,12 @@ class Instant:
         self.columns = sp.hstack([self.columns, more.T], format="csr")
 
     # --- constraints ----------------------------------------------------------------------------------------
-    def violation(self, later: float = 0.0, ahead: Array | None = None) -> Array:
-        """Values (m,) of the constraints, the clock `later`, prescribed functions changed by `ahead`."""
-        step = instant(self.system.time + later)
+    def violation(self, delay: float = 0.0, offset: Array | None = None) -> Array:
+        """Values (m,) of the constraints at time + `delay`, prescribed values shifted by `offset` (n,)."""
+        step = instant(self.system.time + delay)
         signals = self.system.signals(instant(self.system.time)).copy()
-        if ahead is not None:
-            signals[2] += ahead
+        if offset is not None:
+            signals[2] += offset
         r: Array = self.system.residual(step, signals)[self.multipliers[: len(self.reach)]]
         return r
 
@@ -134,7 +134,7 @@ class Instant:
 
     def _by_signals(self, rate: Array) -> Array:
         h = self.moment
-        return 0.5 / h * (self.violation(ahead=h * rate) - self.violation(ahead=-h * rate))
+        return 0.5 / h * (self.violation(offset=h * rate) - self.violation(offset=-h * rate))
 
     @property
     def _sees_clock(self) -> bool:

@@ -1,4 +1,4 @@
-"""Scaled equations: by what their unknowns are measured, so that nothing depends on units."""
+"""Equations scaled by the sizes of their unknowns, so that nothing depends on units."""
 
 from __future__ import annotations
 

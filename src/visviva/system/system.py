@@ -304,7 +304,7 @@ class System(metaclass=Named):
 
     @cached_property
     def asked_tangents(self) -> int:
-        """So many iterations of a step make tangents of their own, as the components ask for."""
+        """Number of iterations of a step that make tangents of their own, as the components ask for."""
         return max(c.least_tangents for c in self.components)
 
     def prescribe(self, step: Any) -> None:
