@@ -141,12 +141,13 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "line_gaps",
         [](const Skin& skin, const Doubles& areas, double radius, double reach, const Ints& start,
-           const Ints& own) {
-            return shared(make_line_gaps(skin, {vector_of<double>(areas), {}, radius, reach, false, {}, 0},
-                                         {vector_of<int>(start), vector_of<int>(own)}));
+           const Ints& own, const Ints& turning, const Ints& opposite, double inner) {
+            return shared(make_line_gaps(
+                skin, {vector_of<double>(areas), {}, radius, reach, false, vector_of<int>(turning), 0},
+                {vector_of<int>(start), vector_of<int>(own)}, {vector_of<int>(opposite), inner}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("start"),
-        nb::arg("own"));
+        nb::arg("own"), nb::arg("turning"), nb::arg("opposite"), nb::arg("inner"));
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,

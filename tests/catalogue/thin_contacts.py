@@ -79,18 +79,18 @@ def ball() -> vv.RigidBody:
     return vv.RigidBody(shape=vv.Sphere(radius=0.2), density=10.0, position=(0.5, 0.16, -0.2))
 
 
-def rods(crossed: bool = True) -> Components:
+def rods(crossed: bool = True, **options: Any) -> Components:
     lower = rod((0.5, -0.5, 0), (0.45, 0.6, 0)) if crossed else rod((0.1, 0.02, 0), (1.2, 0.0, 0))
     lower.velocity = (0.0, 0.0, 0.0)
     upper = rod((0.0, 0.0, 0.11), (1.0, 0.1, 0.13))
-    return [lower, upper, vv.Contact(first=upper, second=lower, **PENALTY)]
+    return [lower, upper, vv.Contact(first=upper, second=lower, **(PENALTY | options))]
 
 
-def coil() -> Components:
+def coil(**options: Any) -> Components:
     """A helix that is pressed together."""
     mesh = vv.ArcMesh(radius=0.3, angle=8.8, rise=0.19, count=12)
     bar = vv.Beam(mesh=mesh, section=ROD, velocity=lambda X: -6.0 * X * (0, 0, 1))
-    return [bar, vv.Contact(first=bar, **PENALTY)]
+    return [bar, vv.Contact(first=bar, **(PENALTY | options))]
 
 
 def tied() -> Components:
@@ -169,6 +169,10 @@ THIN_CONTACTS = [
     Entry("contact, beams that cross", rods, ALL, 0.01, 20),
     Entry("contact, beams side by side", partial(rods, crossed=False), ALL, 0.01, 20),
     Entry("contact, beam with itself", coil, ALL, 0.01, 20),
+    Entry("contact, beams that cross, rubbing", partial(rods, **ELASTIC), MOMENTA, 0.0025, 40),
+    Entry(
+        "contact, beams side by side, rubbing", partial(rods, crossed=False, **ELASTIC), MOMENTA, 0.001, 60
+    ),
     Entry("shells tied", tied, ALL, 0.005, 40),
     Entry("shell on a hinge, rigid edge", partial(hinged, vv.RigidCoupling), ALL, 0.005, 40),
     Entry("shell on a hinge, distributed", partial(hinged, vv.DistributedCoupling), ALL, 0.005, 40),

@@ -163,6 +163,12 @@ std::unique_ptr<Gaps> make_obstacle(Skin skin, PointOptions options, const Obsta
 struct OwnSegments {
     std::vector<int> start, own;
 };
-std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside);
+/// Where bars rub: the first of the four vertices of the frame of each vertex of the second surface, and the
+/// radius about the vertices of the first one.
+struct BarFrames {
+    std::vector<int> second;
+    double radius = 0;
+};
+std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside, BarFrames frames);
 
 }  // namespace visviva

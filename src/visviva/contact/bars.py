@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +46,25 @@ def turning_of(body: Any, fine: bool, size: float) -> Surface:
     return Surface(forms, True, nowhere, NO_FACETS, nowhere, 3)
 
 
-def bar_gaps(pair: _core.Skin, first: Surface, apart: float, reach: float, own: Any) -> _core.Gaps:
+NO_FRAMES = np.zeros(0, dtype=np.int32)
+
+
+class Frames(NamedTuple):
+    """First vertices of the frames that points turn with, of those of the other bar, and the points' radius."""
+
+    turns: NDArray[np.int32] = NO_FRAMES
+    opposite: NDArray[np.int32] = NO_FRAMES
+    radius: float = 0.0
+
+
+def bar_gaps(
+    pair: _core.Skin, first: Surface, apart: float, reach: float, own: Any, frames: Frames
+) -> _core.Gaps:
     """Gaps between points and bars whose middles touch at a distance `apart`; `own` is the bar they are on."""
     start, beside = np.zeros(len(first.forms) + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
     if own is not None:
         start, beside = own_segments(own.skin("all", fine=True).round, len(first.forms))
-    return _core.line_gaps(pair, first.areas, apart, reach, start, beside)
+    return _core.line_gaps(pair, first.areas, apart, reach, start, beside, *frames)
 
 
 def own_segments(bar: Round, n: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -97,11 +97,6 @@ def check_bars(contact: Contact) -> None:
             f"{label}: beams are kept apart by enforcement='penalty', not {contact.enforcement!r}: where they cross "
             "there is no node for a multiplier"
         )
-    if contact.friction > 0:
-        raise InputError(
-            f"{label}: friction = {contact.friction:g} between beams is not served yet; leave it out, or let one of "
-            "them be a shell or solid"
-        )
 
 
 def check_restitution(contact: Contact) -> None:

@@ -12,7 +12,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.component.point import Attachable
-from visviva.contact.bars import bar_gaps, bars_of, is_bar, turning_of
+from visviva.contact.bars import Frames, bar_gaps, bars_of, is_bar, turning_of
 from visviva.contact.contact_surface import Surface, joined, mesh_bodies, points_of, skin, surface_of
 from visviva.contact.creases import SMOOTH_RIGID, SMOOTH_SOLID, creased
 from visviva.contact.obstacle import frame_surface
@@ -129,7 +129,7 @@ class Pair:
             return self._to_shape(self.outline, surface, radius, length)
         for bar in (self.second or self.first,):
             if is_bar(bar):
-                return self._to_bar(bar, surface, radius)
+                return self._to_bar(bar, surface, radius, length)
         if self.second is None:
             reach, whole = self.reach or surface.size, skin(surface, None)
             gaps = _core.self_contact(whole, surface.areas, surface.behind, reach, self.rubs, surface.places)
@@ -144,15 +144,21 @@ class Pair:
         gaps = _core.obstacle(pair, surface.areas, radius, turns, core.kind, half, core.radius, length)
         return GapFunctions(gaps, surface.size, length, opposite, turns)
 
-    def _to_bar(self, other: Component, surface: Surface, radius: float) -> GapFunctions:
+    def _to_bar(self, other: Component, surface: Surface, radius: float, length: float) -> GapFunctions:
         """Gaps of points beside round bars."""
         opposite, thick = bars_of(other)
         apart = radius + thick
         reach = self.reach or 2 * apart
-        gaps = bar_gaps(
-            self._paired(surface, opposite), surface, apart, reach, None if self.second else other
-        )
-        return GapFunctions(gaps, min(surface.size or apart, apart), reach, opposite, NOTHING_TURNS)
+        begin = len(surface.forms) + len(opposite.forms)
+        turning, turns = self._turning(surface, radius, length, begin)
+        frames = Frames(turns, radius=radius)
+        if self.rubs:
+            begin += sum(len(frame.forms) for frame in turning)
+            frames = frames._replace(opposite=begin + FRAME * np.arange(len(opposite.forms), dtype=np.int32))
+            turning = [*turning, turning_of(other, True, length)]
+        own = None if self.second else other
+        gaps = bar_gaps(self._paired(surface, opposite, *turning), surface, apart, reach, own, frames)
+        return GapFunctions(gaps, min(surface.size or apart, apart), reach, opposite, turns)
 
     def _to_facets(self, surface: Surface, radius: float, length: float) -> GapFunctions:
         if not isinstance(self.second, Attachable):
