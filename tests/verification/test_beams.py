@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.examples import flexible_crane, pinched_cylinder, wind_turbine
+from visviva.examples import flexible_crane, pinched_cylinder, satellite, wind_turbine
 from visviva.examples import spaghetti as free_beam
 
 Array = NDArray[np.float64]
@@ -357,6 +357,7 @@ def test_a_ring_turned_inside_out_and_back() -> None:
         (flexible_crane, {"count": 4, "until": 1.0}),
         (flexible_crane, {"count": 4, "until": 2.0, "step": 0.02, "servo": True}),
         (pinched_cylinder, {"count": 24, "share": 0.05, "step": 0.5}),
+        (satellite, {"until": 2.0}),
     ],
     ids=lambda value: getattr(value, "__name__", "")[17:],
 )
