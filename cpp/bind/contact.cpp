@@ -1,6 +1,7 @@
 // Binding of contact: surfaces as arrays.
 #include "arrays.hpp"
 #include "parts.hpp"
+#include "visviva/contact/contact_heat.hpp"
 #include "visviva/contact/contact_term.hpp"
 #include "visviva/contact/search.hpp"
 #include "visviva/contact/segment_points.hpp"
@@ -227,6 +228,38 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
             "areas", [](const ContactTerm& t) { return handed_over(t.areas()); }, nb::rv_policy::automatic);
 }
 
+// The function writes conductances of pressures, both arrays; Python keeps it.
+Conductance conductance_of(const nb::object& function) {
+    return [f = nb::weakref(function)](const std::vector<double>& p, std::vector<double>& h) {
+        nb::gil_scoped_acquire gil;
+        nb::object call = f();
+        if (call.is_none())
+            throw std::runtime_error("a conductance was asked for after its system was released");
+        call(handed_over(p), view(h.data(), h.size(), nb::none()));
+    };
+}
+
+void bind_heat(nb::module_& m) {
+    nb::class_<ContactHeat, Term>(m, "ContactHeat")
+        .def(
+            "__init__",
+            [](ContactHeat* t, std::shared_ptr<ContactTerm> contact, const Ints& balance,
+               const Ints& temperature, const Ints& carries, const Ints& entropy, double share) {
+                ContactWarmth w{vector_of<int>(balance), vector_of<int>(temperature)};
+                for (int side = 0; side < 2; ++side)
+                    w.carries[side] = carries.data()[side] != 0, w.entropy[side] = entropy.data()[side] != 0;
+                w.share = share;
+                new (t) ContactHeat(std::move(contact), std::move(w));
+            },
+            nb::arg("contact"), nb::arg("balance"), nb::arg("temperature"), nb::arg("carries"),
+            nb::arg("entropy"), nb::arg("share"))
+        .def("set_conductance", [](ContactHeat& t, nb::object f) { t.set_conductance(conductance_of(f)); })
+        .def("book_heat", [](ContactHeat& t, int work) { t.work_account = work; })
+        .def_prop_ro(
+            "conducted", [](const ContactHeat& t) { return handed_over(t.conducted()); },
+            nb::rv_policy::automatic);
+}
+
 }  // namespace
 
 void bind_contact(nb::module_& m) {
@@ -236,4 +269,5 @@ void bind_contact(nb::module_& m) {
     nb::class_<ContactTerm, Term> term(m, "ContactTerm");
     bind_construction(term);
     bind_findings(term);
+    bind_heat(m);
 }

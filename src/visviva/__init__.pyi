@@ -131,6 +131,7 @@ from .system.system import System
 from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemperature, Radiation
 from .thermal.fluid_heat import FluidHeat
 from .thermal.heat import Heat
+from .thermal.heat_contact import HeatContact
 from .thermal.heat_tie import HeatTie
 from .thermal.thermal_body import ThermalBody
 from .thermal.thermoelastic_solid import ThermoelasticSolid
@@ -214,6 +215,7 @@ __all__ = [
     "Gravity",
     "Ground",
     "Heat",
+    "HeatContact",
     "HeatFlow",
     "HeatFlux",
     "HeatSource",

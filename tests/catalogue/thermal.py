@@ -8,7 +8,7 @@ from typing import Any
 from flow_parts import stream
 
 import visviva as vv
-from catalogue.entry import ALL, NOTHING, Components, Entry
+from catalogue.entry import ALL, MOMENTA, NOTHING, Components, Entry
 
 HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
 
@@ -136,6 +136,27 @@ def tied(*kinds: str, conductance: float | None = None) -> Components:
     return [first, second, tie, vv.HeatFlux(body=first, faces="x0", flux="3 + t")]
 
 
+def touching(**options: Any) -> Components:
+    """Two solids, one hot, that touch and slide on each other."""
+    solids = [
+        vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1.2, 1, 0.5), counts=(2 - k, 1, 1), origin=(0.1 * k, 0, 0.499 * k)),
+            material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+            density=1.0,
+            heat=HEAT,
+            temperature=20.0 + 2 * k,
+            velocity=(0.5 * k, 0.1 * k, -0.3 * k),
+        )
+        for k in range(2)
+    ]
+    given: Any = {"initial": "press", "enforcement": "penalty", **options}
+    contact = vv.Contact(first=solids[0], first_faces="z1", second=solids[1], second_faces="z0", **given)
+    heat = vv.HeatContact(contact=contact, conductance=2.0, share=0.3)
+    return [*solids, contact, heat]
+
+
+RUBS: Any = {"friction": 0.3, "tangential": "penalty"}
+
 THERMAL = [
     Entry("thermal body, held", held_slab, NOTHING, steps=30),
     Entry("heat without functions", plain, NOTHING, steps=30),
@@ -145,6 +166,16 @@ THERMAL = [
         )
         for a, b in (("body", "body"), ("solid", "solid"), ("body", "solid"))
         for c in (None, 2.0)
+    ],
+    *[
+        Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)
+        for name, options in (
+            ("penalty", {}),
+            ("multipliers", {"enforcement": "multipliers"}),
+            ("rubbing", RUBS),
+            ("sticking", {"enforcement": "multipliers", "friction": 0.3}),
+            ("by vertices", {**RUBS, "formulation": "node-to-segment"}),
+        )
     ],
     Entry("warm box without functions", warm_box, NOTHING, steps=20),
     Entry("thermal body, heated", heated, NOTHING, steps=30),

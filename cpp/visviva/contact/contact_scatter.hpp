@@ -23,6 +23,7 @@ class ContactScatter {
 
     int n_multipliers() const { return (normal_.empty() ? 0 : 1) + n_tangential(); }
     int n_tangential() const { return tangential_.empty() ? 0 : gaps_->skin().dim - 1; }
+    std::vector<int> multipliers(int gap) const;
     void couple(Pattern& pattern) const;
     void connect(const Pattern& pattern);
 
@@ -41,7 +42,6 @@ class ContactScatter {
         std::vector<int> stencil;
         std::vector<std::int64_t> blocks, border;
     };
-    std::vector<int> multipliers(int gap) const;
     void couple_vertices(Pattern& pattern) const;
     const Places& places(int gap);
 

@@ -10,6 +10,7 @@
 #include "visviva/contact/elastic_slip.hpp"
 #include "visviva/contact/friction.hpp"
 #include "visviva/contact/gaps.hpp"
+#include "visviva/contact/passage.hpp"
 #include "visviva/contact/swept_search.hpp"
 #include "visviva/term/term.hpp"
 
@@ -83,6 +84,13 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     const std::vector<double>& forces() const { return forces_; }
     const std::vector<double>& friction_forces() const { return friction_forces_; }
     const ContactCosts& costs() const { return costs_; }
+    const Gaps& gaps() const { return *gaps_; }
+
+    /// What heat that passes asks of the step under way, of all gaps.
+    void find_passages(const Context&, bool gradients, std::vector<Passage>& out);
+    /// Multipliers of a gap, of pressure and then of traction, and which of a passage's three one is.
+    std::vector<int> multipliers(int A) const { return scatter_.multipliers(A); }
+    int multiplier_place(std::size_t m) const { return static_cast<int>(m) + (has_multipliers() ? 0 : 1); }
 
     int work_account = -1, energy_account = -1, friction_account = -1, slip_energy_account = -1;
 
@@ -167,6 +175,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Sliding sliding(int A) const { return sliding(A, stencil_of(A, D_)); }
     Sliding sliding(int A, const Eigen::VectorXd& D) const;
     double slip_work(int A, const std::vector<double>& way) const;
+    double rubbed(int A) const;
+    void differentiate_rubbed(int A, const Context&, const Eigen::RowVectorXd& pressure, Passage&) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     static Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& a) {
         return {a.data(), static_cast<Eigen::Index>(a.size())};

@@ -122,6 +122,35 @@ NumberOrFunction = Annotated[
 ]
 
 
+def _curve(value: Any) -> Any:
+    if _is_function(value):
+        return value
+    a = _array(value) if not isinstance(value, bool | str) else np.zeros((0, 0))
+    if a.ndim == 0:
+        return float(a)
+    if a.ndim != 2 or a.shape[1] != 2 or len(a) < 2:
+        raise ValueError(f"expected a number, rows of two numbers, or a Python function, not {value!r}")
+    if not np.all(np.diff(a[:, 0]) > 0):
+        raise ValueError(f"the first numbers of a table's rows must grow, not {a[:, 0].tolist()}")
+    return a
+
+
+def _plain_curve(value: Any) -> Any:
+    if callable(value):
+        raise ValueError("a Python function cannot be written to a file")
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+PAIR_SCHEMA = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
+Curve = Annotated[
+    Any,
+    BeforeValidator(_curve),
+    PlainSerializer(_plain_curve),
+    WithJsonSchema({"anyOf": [NUMBER, {"type": "array", "items": PAIR_SCHEMA, "minItems": 2}]}),
+]
+"""A number, a table (n, 2) of places that grow and values between which lines are drawn, or a function of Python."""
+
+
 def _nodes(value: Any) -> Any:
     if isinstance(value, str):
         return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -302,6 +302,11 @@ class Contact(Component):
         if self._layer.moduli:
             return self._layer.stiffness * (1.0 if self.tangential == "multipliers" else 10.0)
         return self._stiffness()
+
+    @property
+    def forms(self) -> tuple[list[Any], list[Any]]:
+        """Vertices of both surfaces as first unknowns of vectors with weights, once it is part of a system."""
+        return self._surface.forms, [] if self._facing is None else self._facing.forms
 
     # --- results -------------------------------------------------------------------------------------------
     @property

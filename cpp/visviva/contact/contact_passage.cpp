@@ -1,0 +1,57 @@
+// What a contact tells of its gaps to the heat that passes there.
+#include "visviva/contact/contact_term.hpp"
+#include "visviva/contact/passage.hpp"
+
+namespace visviva {
+
+void ContactTerm::find_passages(const Context& c, bool gradients, std::vector<Passage>& out) {
+    evaluate(c, false, gradients);
+    const std::size_t n = gaps_->n();
+    if (!has_friction()) {
+        find_rubbed(c), grips_.resize(n);
+        segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
+    }
+    std::vector<Gap> by_place(gradients && has_friction() ? n : 0);
+    const bool at_theta = !has_multipliers() && !is_discrete(c.step);
+    if (!by_place.empty())
+        segments([&] { gaps_->gradients((at_theta ? Xt_ : X1_).data(), active_.flags(), by_place); });
+    out.assign(n, {});
+    for (std::size_t A = 0; A < n; ++A) {
+        Passage& p = out[A];
+        if (has_friction()) p.rubbed = rubbed(static_cast<int>(A));
+        if (!active_[A]) continue;
+        p.active = true, p.pressure = std::max(S_[A], 0.0), p.weight = grips_[A].weight;
+        if (!gradients) continue;
+        p.weight_by_place = c.step.theta * grips_[A].weight_gradient;
+        if (!has_friction()) continue;
+        Eigen::RowVectorXd gap = as_vector(by_place[A].gradient).transpose();
+        if (at_theta) gap *= theta(c.step);
+        differentiate_rubbed(static_cast<int>(A), c, dS_gap_[A] * gap, p);
+    }
+}
+
+// What slip takes over the step, less what its elastic part stores; that is lost where surfaces part.
+double ContactTerm::rubbed(int A) const {
+    const Eigen::Vector2d t = traction_[A].value;
+    const double work = active_[A] ? slip_work(A, D_) : 0;
+    if (!has_history()) return -work;
+    return -work - 0.5 * (t.squaredNorm() - base_[A].squaredNorm()) / options_.friction.stiffness[A];
+}
+
+void ContactTerm::differentiate_rubbed(int A, const Context& c, const Eigen::RowVectorXd& pressure,
+                                       Passage& p) const {
+    const FrictionOptions& o = options_.friction;
+    const Traction& t = traction_[A];
+    const Eigen::MatrixXd way = sliding(A).displacement_gradient(c.step.theta);
+    const Eigen::Vector2d gone = sliding(A).displacement(), by_pressure = o.coefficient * t.by_limit;
+    const Eigen::MatrixXd by_place =
+        tangential(A, c) * t.by_trial * slip(A).displacement_gradient(c.step.theta) + by_pressure * pressure;
+    Eigen::RowVector2d by_traction = gone.transpose();
+    if (has_history()) by_traction -= t.value.transpose() / o.stiffness[A];
+    p.rubbed_by_place = by_traction * by_place + t.value.transpose() * way;
+    if (!has_multipliers()) return;
+    p.rubbed_by_multiplier[0] = by_traction.dot(by_pressure);
+    if (has_tangential()) p.rubbed_by_multiplier.tail<2>() = by_traction * t.by_trial;
+}
+
+}  // namespace visviva

@@ -1,0 +1,166 @@
+"""Heat across surfaces in contact, and heat of friction."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.errors import InputError, RunError
+from visviva.component.announcements import Conducting
+from visviva.component.component import Component, settings
+from visviva.component.values import Curve, Number
+from visviva.contact.contact import Contact
+from visviva.thermal.carrier import HeatCarrier
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class HeatContact(Component):
+    """Heat that passes between two surfaces where they are in contact, and heat of their friction.
+
+    Parameters
+    ----------
+    contact : Contact
+        Of solids that carry heat, by mortar or, if it rubs, by vertices.
+    conductance : float, table, or function, optional
+        Heat per time, area and difference of temperatures of surfaces that touch: a number, rows of pressures that grow
+        and conductances, or a function of pressures (n,) with values (n,). Where the surfaces are apart nothing passes.
+    share : float
+        Of the heat of friction, between 0 and 1, that the first surface of the contact takes; the second takes the
+        rest. What goes to a body without temperatures is lost.
+
+    Notes
+    -----
+    What leaves the one enters the other: energy is exact, and the entropy produced, ``q (1 / T2 - 1 / T1)``, is never
+    negative, with the mean temperatures of both sides at every vertex of the first. All that friction takes, by the
+    ledger's column of it, becomes heat, booked as "friction heat". See :doc:`/theory/heat`.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> steel = vv.Heat(conductivity=1.0, capacity=1.0)
+    >>> common = {"material": vv.NeoHooke(young=1e3, poisson=0.3), "heat": steel, "density": 1.0}
+    >>> lower = vv.ThermoelasticSolid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 1)), **common)
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0, 0, 1))
+    >>> upper = vv.ThermoelasticSolid(mesh=mesh, temperature=400.0, **common)
+    >>> contact = vv.Contact(first=lower, first_faces="z1", second=upper, second_faces="z0")
+    >>> heat = vv.HeatContact(contact=contact, conductance=[(0, 0), (10, 5)])
+    >>> system = vv.System([lower, upper, contact, heat])
+    """
+
+    contact: Contact
+    conductance: Curve | None = None
+    share: Number = 0.5
+
+    contributes_last = True
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.share <= 1:
+            raise InputError(f"{self.label}: share = {self.share:g} is not between 0 and 1")
+        first, second = self.contact.first, self.contact.second
+        carriers = [isinstance(body, HeatCarrier) for body in (first, second)]
+        labels = " and ".join(body.label for body in (first, second) if body is not None)
+        if not any(carriers) or second is None:
+            raise InputError(
+                f"{self.label}: {self.contact.label} is between {labels}, "
+                + ("which carries no heat" if second is None else "of which none carries heat")
+                + "; make solids there vv.ThermoelasticSolid"
+            )
+        if self.conductance is None and self.contact.friction == 0:
+            raise InputError(
+                f"{self.label}: {self.contact.label} has no friction, so that nothing passes without a conductance"
+            )
+        if self.conductance is None:
+            return
+        if not all(carriers):
+            raise InputError(f"{self.label}: {labels} do not both carry heat, so that none can be conducted")
+        if self.contact.formulation != "mortar" and self.contact.friction == 0:
+            raise InputError(
+                f"{self.label}: {self.contact.label} by vertices conducts where it rubs alone; give it "
+                "formulation='mortar', or friction"
+            )
+        least = np.min(self._values(np.linspace(0.0, 1.0, 5)))
+        if isinstance(self.conductance, np.ndarray):
+            least = self.conductance[:, 1].min()
+        if least < 0 or (isinstance(self.conductance, float) and least == 0):
+            raise InputError(f"{self.label}: a conductance of {least:g} is not positive")
+
+    def _values(self, pressure: Array) -> Array:
+        """Conductances (n,) of pressures (n,)."""
+        given = self.conductance
+        if isinstance(given, np.ndarray):
+            return np.asarray(np.interp(pressure, given[:, 0], given[:, 1]))
+        found = np.asarray(given(pressure) if callable(given) else given, dtype=float)
+        if found.shape not in ((), pressure.shape) or not np.isfinite(found).all():
+            raise RunError(
+                f"{self.label}: its conductance has shape {found.shape} for {len(pressure)} pressures, or is not finite"
+            )
+        return np.broadcast_to(found, pressure.shape)
+
+    def _conduct(self, pressure: Array, values: Array) -> None:
+        """Write conductances for the core."""
+        values[:] = self._values(pressure)
+
+    # --- part in the system --------------------------------------------------------------------------------
+    def announce(self, model: Model) -> None:
+        first, second = self.contact.first, self.contact.second
+        if self.conductance is not None and second is not None:
+            model.announce(first, Conducting((first, second)))
+        model.announce(self.contact, self)
+
+    def declare(self, model: Model) -> None:
+        model.index(self.contact)
+        if len(model.announced(self.contact, HeatContact)) > 1:
+            raise InputError(f"{self.label}: {self.contact.label} has another vv.HeatContact already")
+
+    def contribute(self, model: Model) -> None:
+        bodies = (self.contact.first, self.contact.second)
+        balance: list[Array] = []
+        temperature: list[Array] = []
+        for body, forms in zip(bodies, self.contact.forms, strict=True):
+            unknowns = np.array([u for form in forms for u, _ in form], dtype=np.int64)
+            for found, numbers in zip((balance, temperature), warmth_of(body, unknowns), strict=True):
+                found.append(numbers)
+        carries = [isinstance(body, HeatCarrier) for body in bodies]
+        entropy = [isinstance(body, HeatCarrier) and body.balances_entropy for body in bodies]
+        self.term = _core.ContactHeat(
+            self.contact.term,
+            np.concatenate(balance).astype(np.int32),
+            np.concatenate(temperature).astype(np.int32),
+            np.array(carries, dtype=np.int32),
+            np.array(entropy, dtype=np.int32),
+            self.share,
+        )
+        self.term.name = self.label
+        if self.conductance is not None:
+            self._function = self._conduct  # which the core calls, and does not keep alive
+            self.term.set_conductance(self._function)
+        self.term.book_heat(model.account(self, "friction heat", "work"))
+        model.batch(self.term)
+
+    # --- results -------------------------------------------------------------------------------------------
+    @property
+    def heat(self) -> Array:
+        """Heat (n,) per time into the first surface at its vertices in the last step, that of friction included."""
+        return np.array(self.term.conducted)
+
+
+def warmth_of(body: Any, unknowns: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Unknowns (n,) of balance and temperature of the nodes whose positions begin at these; -1 without heat."""
+    if not isinstance(body, HeatCarrier):
+        none = np.full(len(unknowns), -1)
+        return none, none
+    nodes = np.arange(body.grid.n_nodes)
+    of: Any = body
+    first = np.asarray(of.node_unknowns(nodes))
+    order = np.argsort(first)
+    node = order[np.searchsorted(first[order], unknowns)]
+    return np.asarray(body.balance_unknowns(node)), np.asarray(body.temperature_unknowns(node))

@@ -1,0 +1,179 @@
+"""Heat across contact and of friction: the jump between two bars, both laws, a sliding block, refusals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+STIFF = vv.NeoHooke(young=100.0, poisson=0.0)
+
+
+def solid(counts: tuple[int, int, int], height: float = 0.0, **options: Any) -> vv.ThermoelasticSolid:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=counts, origin=(0, 0, height))
+    given: dict[str, Any] = {
+        "material": STIFF,
+        "heat": vv.Heat(conductivity=2.0, capacity=1.0, reference=300.0, in_space=False),
+        "temperature": 300.0,
+        **options,
+    }
+    return vv.ThermoelasticSolid(mesh=mesh, **given)
+
+
+LAWS: list[Any] = [3.0, [(0.0, 0.0), (5.0, 2.0), (20.0, 4.0)], lambda p: 0.4 * p**0.95]
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("law", LAWS, ids=["constant", "table", "function"])
+def test_two_bars_have_a_jump(law: Any, enforcement: Any) -> None:
+    """Resistances 1/2, 1/h(p) and 1/2 in series between 301 and 300, p the pressure of the contact."""
+    lower, upper = solid((3, 2, 1)), solid((2, 2, 1), 1.0)
+    contact = vv.Contact(
+        first=lower, first_faces="z1", second=upper, second_faces="z0", enforcement=enforcement
+    )
+    heat = vv.HeatContact(contact=contact, conductance=law)
+    held = [
+        vv.Fixed(solid=lower, nodes="z0"),
+        vv.Prescribed(solid=upper, nodes="z1", motion=(0, 0, "-0.1*t")),
+        vv.PrescribedTemperature(body=lower, nodes="z0", value="300 + t"),
+        vv.PrescribedTemperature(body=upper, nodes="z1", value=300.0),
+    ]
+    system = vv.System([lower, upper, contact, heat, *held])
+    vv.quasi_static(system, until=1.0, step=0.25)
+    p = float(contact.pressures[0])
+    assert p > 4
+    even, near = (1e-8, 2e-5) if enforcement == "multipliers" else (0.011, 5e-3)
+    assert contact.pressures == pytest.approx(p, rel=even)
+    h = np.interp(p, *np.transpose(law)) if isinstance(law, list) else law(p) if callable(law) else law
+    flow = 1 / (0.5 + 1 / h + 0.5)
+    assert heat.heat.sum() == pytest.approx(-flow, rel=near)
+    for body, side, expected in ((lower, "z1", 301 - flow / 2), (upper, "z0", 300 + flow / 2)):
+        found = system.x[body.temperature_unknowns(body.nodes(side))]
+        assert found == pytest.approx(expected, abs=10 * near)
+
+
+def slide(**options: Any) -> list[Any]:
+    """A block that is thrown along another one, pressed on by its weight: both, contact, gravity, support."""
+    table = vv.BoxMesh(size=(3, 1, 0.5), counts=(6, 2, 1))
+    warm = vv.Heat(conductivity=0.05, capacity=0.01, expansion=1e-4, reference=300.0)
+    common: Any = {"material": vv.NeoHooke(young=200.0, poisson=0.3), "density": 1.0, "heat": warm}
+    lower = vv.ThermoelasticSolid(mesh=table, temperature=300.0, **common)
+    block = vv.BoxMesh(size=(1, 0.7, 0.5), counts=(3, 1, 1), origin=(0.2, 0.1, 0.5))
+    upper = vv.ThermoelasticSolid(mesh=block, temperature=320.0, velocity=(1.5, 0.2, 0), **common)
+    contact = vv.Contact(
+        first=upper, first_faces="z0", second=lower, second_faces="z1",
+        **{"friction": 0.3, "enforcement": "penalty", "tangential": "penalty", **options},
+    )  # fmt: skip
+    return [lower, upper, contact, vv.Gravity(acceleration=(0, 0, -5)), vv.Fixed(solid=lower, nodes="z0")]
+
+
+RUBS: list[Any] = [
+    {},
+    {"enforcement": "multipliers", "tangential": "multipliers"},
+    {"formulation": "node-to-segment"},
+]
+
+
+@pytest.mark.parametrize("options", RUBS, ids=["penalty", "multipliers", "by vertices"])
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_a_sliding_block_turns_its_motion_into_heat(options: dict[str, Any], share: float) -> None:
+    """All that friction takes is heat, step by step and to rounding; entropy never falls."""
+    parts = slide(**options)
+    lower, upper = parts[:2]
+    heat = vv.HeatContact(contact=parts[2], share=share, conductance=0.02)
+    system = vv.System([*parts, heat], vv.Newton(tolerance=1e-13))
+    entropy: list[float] = []
+    result = vv.simulate(
+        system,
+        until=0.3,
+        step=0.01,
+        observe=lambda s: entropy.append(lower.total_entropy(s.x) + upper.total_entropy(s.x)),
+    )
+    ledger = result.ledger
+    rubbed = -ledger["work_friction"]
+    assert rubbed[-1] > 0.02
+    assert np.all(np.diff(rubbed) > -1e-14)
+    assert np.abs(ledger["work_friction heat"] - rubbed).max() < 1e-13
+    assert result.conservation()["energy"] < (1e-9 if "tangential" in options else 1e-12)
+    assert np.min(np.diff(entropy)) > 0
+
+
+def test_the_share_decides_who_gets_the_heat() -> None:
+    """Without conduction: what the block takes is its share of what friction takes."""
+    gained = []
+    for share in (0.0, 0.25, 1.0):
+        parts = slide()
+        lower, upper = parts[:2]
+        for body in (lower, upper):
+            body.heat = vv.Heat(conductivity=1e-9, capacity=10.0, reference=300.0)
+        heat = vv.HeatContact(contact=parts[2], share=share)
+        system = vv.System([*parts, heat])
+        start = upper.total_entropy(system.x)
+        vv.simulate(system, until=0.1, step=0.01)
+        gained.append(upper.total_entropy(system.x) - start)
+    assert gained[0] == pytest.approx(0.0, abs=1e-9)
+    assert gained[1] == pytest.approx(gained[2] / 4, rel=0.02)
+
+
+def test_heat_of_friction_on_a_plane_without_temperatures() -> None:
+    """The plane's share is lost: the ledger books what the block gets alone, and its balance closes."""
+    parts = slide()
+    block = parts[1]
+    plane = vv.Plane(at=(0, 0, 0.5), normal=(0, 0, 1))
+    contact = vv.Contact(
+        first=block, first_faces="z0", second=plane, friction=0.3, enforcement="penalty", tangential="penalty"
+    )
+    heat = vv.HeatContact(contact=contact, share=0.7)
+    system = vv.System([block, plane, contact, heat, parts[3]])
+    result = vv.simulate(system, until=0.2, step=0.01)
+    rubbed = -result.ledger["work_friction"]
+    assert rubbed[-1] > 0.01
+    assert result.ledger["work_friction heat"] == pytest.approx(0.7 * rubbed, abs=1e-13)
+    assert result.conservation()["energy"] < 1e-11
+
+
+def test_what_is_apart_does_not_conduct() -> None:
+    lower, upper = solid((1, 1, 1)), solid((1, 1, 1), 1.01, temperature=400.0)
+    contact = vv.Contact(first=lower, first_faces="z1", second=upper, second_faces="z0")
+    heat = vv.HeatContact(contact=contact, conductance=5.0)
+    held = [vv.Fixed(solid=lower, nodes="z0"), vv.Fixed(solid=upper, nodes="z1")]
+    for body in (lower, upper):
+        body.density = 1.0
+    system = vv.System([lower, upper, contact, heat, *held])
+    vv.simulate(system, until=0.1, step=0.05)
+    assert lower.temperatures(system.x) == pytest.approx(300.0, abs=1e-9)
+
+
+def test_refusals() -> None:
+    lower, upper = solid((1, 1, 1)), solid((1, 1, 1), 1.0)
+    cold = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=STIFF)
+    sides: Any = {"first_faces": "z1", "second_faces": "z0"}
+    contact = vv.Contact(first=lower, second=upper, **sides)
+    points = vv.Contact(first=lower, second=upper, formulation="node-to-segment", **sides)
+    half = vv.Contact(first=cold, second=upper, friction=0.1, **sides)
+    none = vv.Contact(first=cold, second=vv.Plane(at=(0, 0, 0), normal=(0, 0, 1)), friction=0.1)
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"contact": contact}, "has no friction, so that nothing passes without a conductance"),
+        ({"contact": contact, "conductance": -1.0}, "a conductance of -1 is not positive"),
+        ({"contact": contact, "conductance": 0.0}, "a conductance of 0 is not positive"),
+        ({"contact": contact, "conductance": [(0, 1), (1, -2)]}, "a conductance of -2 is not positive"),
+        ({"contact": contact, "conductance": [(1, 1), (0, 2)]}, "first numbers of a table's rows must grow"),
+        ({"contact": contact, "conductance": [(1, 1, 1)]}, "expected a number, rows of two numbers"),
+        ({"contact": contact, "conductance": 1.0, "share": 1.5}, "share = 1.5 is not between 0 and 1"),
+        ({"contact": points, "conductance": 1.0}, "by vertices conducts where it rubs alone"),
+        ({"contact": half, "conductance": 1.0}, "do not both carry heat"),
+        ({"contact": none, "conductance": 1.0}, "of which none carries heat"),
+    ]
+    for options, words in cases:
+        with pytest.raises(vv.InputError, match=words):
+            vv.HeatContact(**options)
+    with pytest.raises(vv.InputError, match="which is not in the system"):
+        vv.System([lower, upper, vv.HeatContact(contact=contact, conductance=1.0)])
+    twice = [vv.HeatContact(contact=contact, conductance=1.0) for _ in range(2)]
+    with pytest.raises(vv.InputError, match="has another .*HeatContact already"):
+        vv.System([lower, upper, contact, *twice])
