@@ -175,5 +175,5 @@ def test_refusals() -> None:
     with pytest.raises(vv.InputError, match="which is not in the system"):
         vv.System([lower, upper, vv.HeatContact(contact=contact, conductance=1.0)])
     twice = [vv.HeatContact(contact=contact, conductance=1.0) for _ in range(2)]
-    with pytest.raises(vv.InputError, match="has another .*HeatContact already"):
+    with pytest.raises(vv.InputError, match=r"has another .*HeatContact already"):
         vv.System([lower, upper, contact, *twice])
