@@ -21,12 +21,12 @@ BASE = "a base class of Python"
 CODE = "written in Python by the user"
 OUTSIDE = {
     "InputError": ANSWER, "RunError": ANSWER, "VisvivaError": ANSWER, "StepFailure": ANSWER,
-    "NoEquilibrium": ANSWER, "Result": ANSWER, "Modes": ANSWER, "Buckling": ANSWER,
+    "NoEquilibrium": ANSWER, "Result": ANSWER, "StoredRun": ANSWER, "Modes": ANSWER, "Buckling": ANSWER,
     "Mesh": ANSWER + "; files name a source of it",
     "Faces": "named by text in files: the sets of a mesh",
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
     "Material": BASE, "Scheme": BASE, "Term": CODE,
-    "march": CALL, "simulate": CALL, "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
+    "march": CALL, "simulate": CALL, "run": CALL, "read": CALL, "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
     "prony": "its branches themselves",
     "arc_length": CALL, "reaction": CALL + "; ReactionForce and ReactionTorque record it",
 }  # fmt: skip

@@ -109,6 +109,7 @@ from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .model.term import Term
+from .output.reader import StoredRun, read
 from .phase.allen_cahn import AllenCahn
 from .phase.cahn_hilliard import CahnHilliard
 from .phase.fracturing_solid import FracturingSolid
@@ -125,6 +126,7 @@ from .scheme.schemes import (
     Scheme,
     VariationalMidpoint,
 )
+from .study.run import run
 from .study.study import Study
 from .system.newton import Newton, StepFailure
 from .system.system import System
@@ -308,6 +310,7 @@ __all__ = [
     "SquaredDistance",
     "Static",
     "StepFailure",
+    "StoredRun",
     "Study",
     "SupportForce",
     "SupportTorque",
@@ -347,6 +350,8 @@ __all__ = [
     "prony",
     "quasi_static",
     "reaction",
+    "read",
+    "run",
     "simulate",
 ]
 

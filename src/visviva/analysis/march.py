@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from visviva.analysis.adaptive import Adaptive, adaptive_steps
 from visviva.base.arguments import number, positive, refuse_other, whole
 from visviva.base.errors import InputError
 from visviva.results.ledger import Bookkeeper
-from visviva.results.result import Result
+from visviva.results.naming import ledger_units
+from visviva.results.recorded import Record, Recorded
+from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
@@ -23,6 +25,8 @@ from visviva.system.system import System, refuse_no_system
 
 Array = NDArray[np.float64]
 
+MEMORY = 1e9
+"""Bytes of states that `simulate` keeps in memory."""
 MOST = 1e10
 """Steps that nobody waits for."""
 HALVINGS = 6
@@ -75,7 +79,8 @@ def march(
     scheme = EnergyMomentum() if scheme is None else scheme
     own = scheme.march(system, until=until, step=step) if isinstance(scheme, Marching) else None
     if own is None and not (until > system.time and math.isfinite(until)):
-        raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+        cure = "; start='beginning' runs it anew" if until > 0 else ""
+        raise InputError(f"end time until = {until} is not after the present time {system.time:g}{cure}")
     know(system, step)
     prepare(system, scheme, project=project)
     if scheme.needs_acceleration and not system.stepper.has_acceleration:
@@ -181,11 +186,13 @@ def simulate(
     observe: Callable[[System], None] | None = None,
     adaptive: Adaptive | None = None,
     project: bool = False,
+    start: Literal["now", "beginning"] = "now",
+    record: Record = (),
+    memory: float = MEMORY,
 ) -> Result:
     """Run a system to time `until` and return states, ledger and statistics.
 
-    All kept states and the ledger stay in memory: in long runs of large systems keep fewer, with `every`, or let
-    `visviva.study.run.run` write them into a directory.
+    States are kept in memory up to a budget and in a temporary file beyond it. `vv.run` writes a run into a directory.
 
     Parameters
     ----------
@@ -204,15 +211,42 @@ def simulate(
     project : bool
         Accept an initial state that is moved by more than a thousandth of the system's size, or loses speeds, to fit
         the constraints.
+    start : {'now', 'beginning'}
+        Go on from the present state, or compose the system anew first; see `System.reset`.
+    record : list of probes, or mapping from names to probes
+        Histories to keep exactly, at every step, reactions and multipliers included: `Result.history` gives them back.
+        Others are made of the kept states later, as far as those tell them.
+    memory : float
+        Bytes of states that are kept in memory.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, bob = vv.Ground(), vv.PointMass(mass=2.0, position=(1, 0, 0))
+    >>> rod = vv.Spherical(a=ground, b=vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1, 0, 0)), at=(0, 0, 0))
+    >>> system = vv.System([ground, rod.b, rod, vv.Gravity()])
+    >>> force = vv.ReactionForce(joint=rod)
+    >>> result = vv.simulate(system, until=0.1, step=0.01, record={"force": force})
+    >>> result.history("force").shape
+    (11, 3)
     """
     refuse_no_system("simulate", system)
+    if start not in ("now", "beginning"):
+        raise InputError(f"simulate: start is 'now' or 'beginning', not {start!r}")
+    if start == "beginning":
+        system.reset()
+    recorded = Recorded.of("simulate", record)
+    memory = positive("simulate", "memory", memory)
     every = whole("simulate", "every", every)
     until, step = checked_times(until, step)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
     result, books = begin(system, scheme, project=project, step=step)
+    result.recorded = recorded
+    recorded.take(system)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):
+        recorded.take(system)
         if result.statistics.steps % every == 0:
-            keep(result)
+            keep(result, memory)
         if observe is not None:
             observe(system)
     return result
@@ -227,6 +261,7 @@ def begin(
     prepare(system, scheme, project=project)
     system.stepper.begin_run()
     books = Bookkeeper(system)
+    books.ledger.units = ledger_units(books.ledger.names, system.units, scheme)
     result = Result(system, scheme, books.ledger)
     with undisturbed(system):
         system.evaluate_ledger()
@@ -258,8 +293,10 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
     return books.book(result.system.time, result.system.core)
 
 
-def keep(result: Result) -> None:
-    """Keep the present state."""
+def keep(result: Result, memory: float = np.inf) -> None:
+    """Keep the present state; beyond so many bytes in memory all kept ones go into a temporary file."""
     system = result.system
     records = [component.record(system.x) for component in system.components]
     result.kept.append(system.time, system.x, system.v, [r for r in records if r is not None])
+    if isinstance(result.kept, Kept) and result.kept.n_bytes > memory:
+        result.kept = spilled(result.kept)

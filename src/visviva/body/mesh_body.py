@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
+from visviva.base.html import table
 from visviva.body.element import volumes
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
 from visviva.body.touching import Skin
+from visviva.component.component import short
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable
 from visviva.component.values import Number, Vector3, VectorOrFunction
@@ -84,6 +86,10 @@ class MeshBody(Attachable, Meshed):
     def nodal_forces(self, x: Array, cells: Mask | None = None) -> Array:
         """Forces (n, 3) of the strained elements on the nodes, of the chosen cells (n_cells,) or all."""
         raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        told = [(name, short(getattr(self, name))) for name in ("material", "density") if hasattr(self, name)]
+        return table([*told, ("mass", f"{self.mass:.6g}")], title=self.label) + self.grid._repr_html_()
 
     # --- sets and their quadrature points ------------------------------------------------------------------
     def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:

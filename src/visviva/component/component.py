@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import fields, is_dataclass
+from copy import deepcopy
+from dataclasses import MISSING, Field, fields, is_dataclass
+from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +34,45 @@ settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_def
 """How the constructors of components validate: unknown arguments are refused."""
 
 
+LONG = 60
+"""Characters of an argument that are shown; longer ones lose their ends."""
+
+
+def short(value: Any) -> str:
+    """An argument in few words: components by their labels, arrays by their shapes."""
+    if isinstance(value, Component):
+        return value.label
+    component = getattr(value, "component", None)
+    if isinstance(component, Component):
+        return f"{type(value).__name__.lower()} of {component.label}"
+    if isinstance(value, FunctionType):
+        return value.__name__
+    if isinstance(value, np.ndarray):
+        return repr(value.tolist()) if value.size <= 3 else f"array of {' x '.join(map(str, value.shape))}"
+    if isinstance(value, list | tuple) and len(value) <= 3:
+        return (
+            f"[{', '.join(map(short, value))}]"
+            if isinstance(value, list)
+            else f"({', '.join(map(short, value))})"
+        )
+    text = (
+        f"{len(value)} items" if isinstance(value, list | tuple | Mapping) else " ".join(repr(value).split())
+    )
+    return text if len(text) <= LONG else f"{text[:LONG]}..."
+
+
+def is_told(component: Component, f: Field[Any]) -> bool:
+    """Whether an argument differs from its default."""
+    value = getattr(component, f.name, None)
+    if f.default is MISSING:
+        return True
+    if isinstance(value, np.ndarray):
+        return f.default is None or not np.array_equal(value, np.asarray(f.default, dtype=object))
+    return value is not f.default and not (
+        isinstance(value, str | int | float | tuple) and value == f.default
+    )
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class Component(metaclass=Validated):
     """Base of everything that a system is composed of.
@@ -45,6 +86,42 @@ class Component(metaclass=Validated):
     contributes_last = False  # since it asks what others hold
     carries_heat = False  # whether it has temperatures that what it touches could see
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Components write themselves shortly, whatever arrays they are made of."""
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = Component.__repr__  # type: ignore[method-assign]  # a dataclass would write its own
+
+    def __repr__(self) -> str:
+        told = [
+            f"{f.name}={short(getattr(self, f.name, None))}"
+            for f in fields(self)
+            if f.init and is_told(self, f)
+        ]
+        return f"{type(self).__name__}({', '.join(told)})"
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Component:
+        """One made of copies of the same arguments, in no system."""
+        made = type(self).__new__(type(self))
+        memo[id(self)] = made
+        vars(made).update({name: deepcopy(value, memo) for name, value in self._as_made().items()})
+        made.forget()
+        return made
+
+    def _as_made(self) -> dict[str, Any]:
+        """The arguments; of a class of the user's own that is no dataclass all there is, as nothing else is known."""
+        if "__dataclass_fields__" in vars(type(self)):
+            return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
+        return {name: value for name, value in vars(self).items() if name != "_system"}
+
+    def forget(self) -> None:
+        """Forget the system that it was in, so that it can be put into one again."""
+        given = self._as_made()
+        vars(self).clear()
+        vars(self).update(given)
+        if "__dataclass_fields__" in vars(type(self)) and hasattr(self, "__post_init__"):
+            self.__post_init__()
 
     @property
     def label(self) -> str:

@@ -48,6 +48,9 @@ class ContactForce(Reading):
 
     contact: Contact
 
+    def told_by_state(self, system: System) -> bool:
+        return False
+
     @property
     def quantity(self) -> str:
         return "force"
@@ -70,6 +73,9 @@ class ContactArea(Reading):
     """
 
     contact: Contact
+
+    def told_by_state(self, system: System) -> bool:
+        return False
 
     @property
     def quantity(self) -> str:
@@ -112,6 +118,9 @@ class ContactPressure(Reading):
     contact: Contact
     at: Vector3 | None = None
 
+    def told_by_state(self, system: System) -> bool:
+        return False
+
     @property
     def quantity(self) -> str:
         return "stress"
@@ -137,6 +146,9 @@ class ContactGap(Reading):
 
     contact: Contact
     at: Vector3 | None = None
+
+    def told_by_state(self, system: System) -> bool:
+        return False
 
     @property
     def quantity(self) -> str:

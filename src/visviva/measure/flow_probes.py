@@ -43,6 +43,9 @@ class FlowForce(Reading):
     fluid: Fluid
     faces: FaceSet
 
+    def told_by_state(self, system: System) -> bool:
+        return False
+
     @property
     def quantity(self) -> str:
         return "force"
@@ -81,6 +84,9 @@ class FlowRate(Reading):
     fluid: Fluid
     faces: FaceSet
 
+    def told_by_state(self, system: System) -> bool:
+        return True
+
     @property
     def quantity(self) -> str:
         return "flow_rate"
@@ -112,6 +118,9 @@ class FlowField(Reading):
     fluid: Fluid
     field: str = "velocity"
     at: Vector3 = (0.0, 0.0, 0.0)
+
+    def told_by_state(self, system: System) -> bool:
+        return True
 
     @property
     def quantity(self) -> str:
@@ -155,6 +164,9 @@ class Courant(Reading):
 
     fluid: Fluid
 
+    def told_by_state(self, system: System) -> bool:
+        return False
+
     def __call__(self, system: System) -> float:
         return courant(self.fluid, system.x, system.last_step)
 
@@ -164,6 +176,9 @@ class Divergence(Reading):
     """Probe: root mean square of the divergence of a fluid's velocity."""
 
     fluid: Fluid
+
+    def told_by_state(self, system: System) -> bool:
+        return True
 
     @property
     def quantity(self) -> str:

@@ -65,6 +65,9 @@ class Formula(Reading):
                 told = nearest(name, known) or f"; there are {', '.join(known)}"
                 raise InputError(f"Formula: {name!r} in {self.formula!r} is no probe{told}")
 
+    def told_by_state(self, system: System) -> bool:
+        return all(probe.told_by_state(system) for probe in self.of.values())
+
     def __call__(self, system: System) -> float:
         values = {"t": complex(system.time)}
         for name, probe in self.of.items():

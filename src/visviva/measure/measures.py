@@ -22,6 +22,16 @@ if TYPE_CHECKING:
 Director = Literal[1, 2, 3]
 
 
+def remembers(system: System) -> bool:
+    """Whether materials or terms have histories, which kept states do not hold."""
+    return bool(system.core.histories().size) or any(term.history for term, _ in system.model.terms)
+
+
+def touches(system: System) -> bool:
+    """Whether there is contact, whose forces are those of a step."""
+    return any(c.touches or c.rubs for c in system.components)
+
+
 class Reading(metaclass=Validated):
     """Base of probes: a value read off a system."""
 
@@ -34,6 +44,10 @@ class Reading(metaclass=Validated):
     def parts(self) -> tuple[str, ...]:
         """Names of its components, where they are not x, y, z of vectors or numbers."""
         return ()
+
+    def told_by_state(self, system: System) -> bool:
+        """Whether it follows from unknowns, rates and time alone, and so from kept states, or has to be recorded."""
+        return not remembers(system)
 
     def __call__(self, system: System) -> Any:
         """Present value, a number or an array (n,)."""
@@ -150,6 +164,9 @@ class Separation(Reading):
     a: Any
     b: Any
 
+    def told_by_state(self, system: System) -> bool:
+        return True
+
     @property
     def quantity(self) -> str:
         return "length"
@@ -172,6 +189,9 @@ class CentreOfMass(Reading):
     """
 
     of: Component | list[Component]
+
+    def told_by_state(self, system: System) -> bool:
+        return True
 
     @property
     def quantity(self) -> str:

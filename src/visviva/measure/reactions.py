@@ -12,7 +12,7 @@ from visviva.base.arguments import refuse_other
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.joint.joint import Joint
-from visviva.measure.measures import Reading
+from visviva.measure.measures import Reading, remembers, touches
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -56,6 +56,9 @@ class ReactionForce(Reading):
 
     joint: Joint
 
+    def told_by_state(self, system: System) -> bool:
+        return not (remembers(system) or touches(system))
+
     @property
     def quantity(self) -> str:
         return "force"
@@ -70,6 +73,9 @@ class ReactionTorque(Reading):
     """Probe: torque (3,) that a joint exerts on its partner `b`, about the joint's point on b."""
 
     joint: Joint
+
+    def told_by_state(self, system: System) -> bool:
+        return not (remembers(system) or touches(system))
 
     @property
     def quantity(self) -> str:

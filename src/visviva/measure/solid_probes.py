@@ -17,7 +17,7 @@ from visviva.component.component import settings
 from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
 from visviva.load.support import SymmetryPlane
-from visviva.measure.measures import Reading
+from visviva.measure.measures import Reading, remembers, touches
 from visviva.measure.names import parts_of, quantity_of
 from visviva.mesh.locate import locate
 
@@ -44,6 +44,9 @@ class Displacement(Reading):
     at: Vector3 | None = None
     direction: Vector3 | None = None
 
+    def told_by_state(self, system: System) -> bool:
+        return True
+
     @property
     def quantity(self) -> str:
         return "length"
@@ -60,6 +63,9 @@ class Velocity(Reading):
     of: Any
     at: Vector3 | None = None
     direction: Vector3 | None = None
+
+    def told_by_state(self, system: System) -> bool:
+        return True
 
     @property
     def quantity(self) -> str:
@@ -170,6 +176,9 @@ class Volume(Reading):
 
     solid: MeshBody
 
+    def told_by_state(self, system: System) -> bool:
+        return True
+
     @property
     def quantity(self) -> str:
         return "volume" if self.solid.dimension == 3 or self.solid.axisymmetric else "area"
@@ -195,6 +204,9 @@ class SupportForce(Reading):
 
     solid: MeshBody
     nodes: Nodes | None = None
+
+    def told_by_state(self, system: System) -> bool:
+        return not (system.has_inertia or remembers(system) or touches(system))
 
     @property
     def quantity(self) -> str:

@@ -37,6 +37,9 @@ class TemperatureAt(Reading):
     body: HeatCarrier
     at: Vector3 = (0.0, 0.0, 0.0)
 
+    def told_by_state(self, system: System) -> bool:
+        return True
+
     @property
     def quantity(self) -> str:
         return "temperature"

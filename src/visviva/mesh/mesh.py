@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.arguments import Named, place, refuse_other
 from visviva.base.errors import InputError, nearest
+from visviva.base.html import table
 from visviva.mesh import convert, cut, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
@@ -72,6 +73,23 @@ class Mesh(metaclass=Named):
         put(self, "face_sets", dict(self.face_sets))
         sets = self.cell_sets.items()
         put(self, "cell_sets", {k: _numbers(f"cell set {k!r}", s, self.n_cells) for k, s in sets})
+
+    def _repr_html_(self) -> str:
+        rows = [("nodes", self.n_nodes), *((cell, len(nodes)) for cell, nodes in self.cells.items())]
+        sets = {
+            "sets of nodes": self.node_sets,
+            "sets of faces": self.face_sets,
+            "sets of cells": self.cell_sets,
+        }
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        box = [(f"{c}", f"{a:.6g} to {b:.6g}") for c, a, b in zip("xyz", low, high, strict=False)]
+        return table(
+            [*rows, *box, *((what, ", ".join(named)) for what, named in sets.items() if named)], title="Mesh"
+        )
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Mesh:
+        """Itself: meshes do not change."""
+        return self
 
     def __repr__(self) -> str:
         cells = ", ".join(f"{len(rows)} {name}" for name, rows in self.cells.items())

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,13 @@ class Records:
 
     def __init__(self, path: str | Path) -> None:
         self.path, self._left = Path(path), load_state(path)
+
+    @classmethod
+    def of(cls, records: Iterable[Record], told: str = "a copy") -> Self:
+        """Records that are in no file."""
+        made = cls.__new__(cls)
+        made.path, made._left = Path(told), {record.name: record for record in records}
+        return made
 
     def take(self, name: str, version: int) -> Record:
         """The record of a part; refused if it is missing or of another version."""

@@ -131,6 +131,21 @@ def probes_plot(
             panel.tick_params(labelbottom=True)
 
 
+def overview(
+    ledger: Columns, probes: Columns, file: str | Path, *, labels: Labels | None = None, title: str = ""
+) -> None:
+    """Plot energies, the error of their balance, and all probes below each other; see `energy_plot`, `probes_plot`."""
+    known = labels or Labels()
+    names = [name for name in ledger if _is_energy(name)]
+    groups = grouped(name for name in probes if name != "time")
+    with drawn(file, [3.0, 1.8, *[1.5] * len(groups)], title or known.title) as panels:
+        _draw_energies(panels[0], ledger, names, known)
+        _draw_error(panels[1], ledger, names, "imbalance")
+        for panel, (stem, columns) in zip(panels[2:], groups.items(), strict=True):
+            _draw_probe(panel, probes, stem, columns, known)
+        panels[-1].set_xlabel(known.axis("time"))
+
+
 def grouped(names: Iterable[str]) -> dict[str, list[str]]:
     """Columns by the names of their probes, told by endings such as x, xy and numbers.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
@@ -231,6 +231,22 @@ def reason(result: Result, kind: str, change: float) -> str:
     if change <= LOOSE:
         return "conserved as well as the tolerances of the solvers allow"
     return "WRONG, as nothing acts from outside: some force is not equal and opposite to its reaction"
+
+
+def figures(result: Result) -> dict[str, Any]:
+    """Numbers of a run for its summary."""
+    s = result.statistics
+    return {
+        "coordinates": result.system.n_coordinates,
+        "constraints": result.system.n_constraints,
+        "linear solver": result.system.linear_explanation,
+        "steps": s.steps,
+        "iterations": s.iterations,
+        "factorizations": s.factorizations,
+        "rejected": s.rejected,
+        "seconds": s.seconds,
+        "conservation": result.conservation(),
+    }
 
 
 def axes_of(system: System) -> tuple[str, str]:

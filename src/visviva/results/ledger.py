@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
+from visviva.base.html import sparkline, table
 from visviva.model.field import Role
+from visviva.output.labels import with_unit
+from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning, undisturbed
@@ -29,7 +33,7 @@ RELEASE = "release"
 MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z")
 
 
-@dataclass
+@dataclass(repr=False)
 class Ledger:
     """Rows of books, one per accepted step, the first one the initial state.
 
@@ -64,6 +68,8 @@ class Ledger:
     file: Table | None = None
     span: Array = field(default_factory=lambda: np.empty((4, 0)))
     """First row, last row, least values, greatest values."""
+    units: dict[str, str] = field(default_factory=dict)
+    """Of the columns, as far as they are known."""
 
     def add(self, row: Array) -> None:
         """Take in the row of a step."""
@@ -129,6 +135,37 @@ class Ledger:
 
     def __getitem__(self, name: str) -> Array:
         return self.table[:, self.column(name)]
+
+    def to_dataframe(self) -> Any:
+        """Its rows as a table of pandas, with the times as index."""
+        return dataframe(dict(zip(self.names, self.table.T, strict=True)))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write its rows, with units where they are known."""
+        columns = zip(self.names, self.table.T, strict=True)
+        return write_table(path, {name: (values, self.units.get(name, "")) for name, values in columns})
+
+    def __repr__(self) -> str:
+        if not self.span.size:
+            return "Ledger(no rows)"
+        return (
+            f"Ledger(to time {self.last('time'):g}, total energy {self.first('total'):.6g} -> "
+            f"{self.last('total'):.6g}, balance closes to {self.imbalance():.1e})"
+        )
+
+    def _repr_html_(self) -> str:
+        if not self.span.size:
+            return repr(self)
+        rows = [
+            (
+                with_unit(n, self.units.get(n, "")),
+                f"{self.first(n):.6g}",
+                f"{self.last(n):.6g}",
+                sparkline(values),
+            )
+            for n, values in zip(self.names[1:], self.table.T[1:], strict=True)
+        ]
+        return table(rows, ("", "first", "last", "over time"), "Ledger")
 
     @property
     def energy_scale(self) -> float:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,15 +13,28 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.measure.measures import Measure
 from visviva.model.form import Form, Strain, Vector
+from visviva.output.numbers_out import dataframe, write_table
+from visviva.output.states import StateFile
 from visviva.results.audit import audit
 from visviva.results.ledger import MOMENTA, Ledger
+from visviva.results.looking_back import looked_back, tabulated, units_of_columns
+from visviva.results.recorded import Recorded, refuse_no_probe
+from visviva.results.showing import (
+    Picture,
+    html_of,
+    movie_of,
+    picture_of,
+    plot_of,
+    view_of,
+    write_directory,
+    write_trajectory,
+)
 
 if TYPE_CHECKING:
-    from visviva.output.states import StateFile
+    from visviva.output.directory import RunDirectory
     from visviva.scheme.schemes import Scheme
     from visviva.system.system import System
 
@@ -45,15 +61,28 @@ class Kept:
     rates: list[Array] = field(default_factory=list)
     records: list[list[Array]] = field(default_factory=list)
 
+    n_bytes: int = 0
+
     def append(self, time: float, x: Array, v: Array, records: list[Array]) -> None:
         """Keep a state."""
+        self.n_bytes += x.nbytes + v.nbytes + sum(r.nbytes for r in records)
         self.times.append(time)
         self.states.append(x.copy())
         self.rates.append(v.copy())
         self.records.append(records)
 
 
-@dataclass
+def spilled(kept: Kept) -> StateFile:
+    """States in a temporary file, which goes with them."""
+    folder = tempfile.mkdtemp(prefix="visviva-")
+    file = StateFile(Path(folder) / "states.npy", len(kept.states[0]), [r.shape for r in kept.records[0]])
+    weakref.finalize(file, shutil.rmtree, folder, ignore_errors=True)
+    for time, x, v, records in zip(kept.times, kept.states, kept.rates, kept.records, strict=True):
+        file.append(time, x, v, records)
+    return file
+
+
+@dataclass(repr=False)
 class Result:
     """A run's states, ledger and statistics.
 
@@ -67,6 +96,10 @@ class Result:
         What contacts showed at these times.
     ledger : Ledger
         One row per accepted step.
+    recorded : Recorded
+        Histories that were kept at every step.
+    directory : RunDirectory, optional
+        Where the run was written to.
     """
 
     system: System
@@ -74,6 +107,8 @@ class Result:
     ledger: Ledger
     kept: Kept | StateFile = field(default_factory=Kept)
     statistics: Statistics = field(default_factory=Statistics)
+    recorded: Recorded = field(default_factory=Recorded)
+    directory: RunDirectory | None = None
     _times: Array = field(
         default_factory=lambda: np.zeros(0), init=False, repr=False
     )  # as far as they are read
@@ -98,26 +133,107 @@ class Result:
     def records(self) -> Sequence[list[Array]]:
         return self.kept.records
 
-    def history(self, what: Form | Vector | Strain | Measure) -> Array:
-        """Values of a form, vector, strain or measure at the kept times, (n,) or (n, k)."""
-        wanted = "a form, vector, strain or measure such as vv.Position(of=body)"
-        refuse_other("Result.history", "what", what, Form | Vector | Strain | Measure, wanted)
-        if not isinstance(what, Measure):
+    def history(self, what: Any) -> Array:
+        """Values of a form, vector, strain, measure or probe over time, (n,) or (n, k).
+
+        What was recorded is there at every step (`recorded_times`), by its name too; everything else is read off the
+        kept states, at `times`.
+
+        Raises
+        ------
+        InputError
+            If it is no probe, or one that kept states do not tell, such as the force of a contact: with what does.
+        """
+        name = self.recorded.find(what)
+        if name is not None:
+            return self.recorded.values(name)
+        refuse_no_probe("Result.history", "what", what)
+        if isinstance(what, Form | Vector | Strain):
             return np.array([what.value(x) for x in self.states])
+        if not isinstance(what, Measure):
+            return looked_back(self, what)
         values = np.array([[e.value(x) for e in what.strains()] for x in self.states])
         return values[:, 0] if values.shape[1] == 1 else values
+
+    @property
+    def recorded_times(self) -> Array:
+        """Times (n,) of what was recorded."""
+        return np.array(self.recorded.times)
+
+    # --- numbers out ----------------------------------------------------------------------------------------
+    def to_dataframe(self, *probes: Any, **named: Any) -> Any:
+        """Histories as a table of pandas with the times as index: of everything recorded, or of these probes.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0))
+        >>> result = vv.simulate(vv.System([ball]), until=0.2, step=0.1)
+        >>> result.to_dataframe(place=vv.Position(of=ball)).columns.tolist()
+        ['place_x', 'place_y', 'place_z']
+        """
+        return dataframe(self.columns(*probes, **named))
+
+    def to_csv(self, path: str | Path, *probes: Any, **named: Any) -> Path:
+        """Histories as a table with names per component, and units where they are known; see `to_dataframe`."""
+        columns = self.columns(*probes, **named)
+        units = self.column_units(*probes, **named)
+        return write_table(path, {name: (values, units.get(name, "")) for name, values in columns.items()})
+
+    def columns(self, *probes: Any, **named: Any) -> dict[str, Array]:
+        """Columns (n,) by name, ``time`` first: of everything recorded, or of these probes."""
+        return tabulated(self, self._wanted(*probes, **named))
+
+    def column_units(self, *probes: Any, **named: Any) -> dict[str, str]:
+        """Units of `columns`, as far as they are known."""
+        return units_of_columns(self, self._wanted(*probes, **named))
+
+    def _wanted(self, *probes: Any, **named: Any) -> dict[str, Any]:
+        wanted = {f"probe_{k + 1}": p for k, p in enumerate(probes)} | named
+        return wanted or self.recorded.probes
+
+    # --- to be looked at ------------------------------------------------------------------------------------
+    def plot(self, file: str | Path | None = None, *probes: Any, **named: Any) -> Picture:
+        """Energies and the error of their balance, and below them what was recorded, or these probes.
+
+        Parameters
+        ----------
+        file : path, optional
+            ``*.png``, ``*.pdf`` or ``*.svg``. A notebook shows what is returned.
+        """
+        return plot_of(self, file, self._wanted(*probes, **named))
+
+    def picture(self, file: str | Path | None = None, **options: Any) -> Picture:
+        """A moment of the motion, the end unless ``time=`` is given.
+
+        Options are those of `visviva.output.picture.snapshot`.
+
+        Parameters
+        ----------
+        file : path, optional
+            ``*.png``. A notebook shows what is returned.
+        """
+        return picture_of(self, file, **options)
+
+    def movie(self, file: str | Path, **options: Any) -> Path:
+        """A movie of the motion, ``*.mp4`` or ``*.gif``; options are those of `visviva.output.movie.movie`."""
+        return movie_of(self, file, **options)
+
+    def view(self, **options: Any) -> None:
+        """Show the motion in a window."""
+        view_of(self, **options)
 
     def write(
         self, path: str | Path, fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")
     ) -> None:
-        """Write the kept states as a trajectory (``*.vtkhdf``), for ParaView, pictures and movies.
+        """Write what is kept: a trajectory (``*.vtkhdf``) for ParaView, or a directory with tables and plot besides.
 
         Where the times do not grow, as on a path through limit points, the numbers of the states stand for them.
 
         Parameters
         ----------
         path
-            File to write.
+            File to write, or a directory, in which `visviva plot`, `picture`, `movie` and `vv.read` find it.
         fields
             Fields of solids to store beside displacements, velocities and what contacts show; see `Solid.nodal`.
 
@@ -133,15 +249,17 @@ class Result:
         >>> Trajectory(path).fields["cauchy"]
         6
         """
-        from visviva.output.vtkhdf import TrajectoryWriter
-        from visviva.results.drawing import Drawing
+        if Path(path).suffix == ".vtkhdf":
+            write_trajectory(self, path, fields)
+        else:
+            write_directory(self, path, fields)
 
-        drawing = Drawing(self.system, fields=fields)
-        grow = bool((np.diff(self.times) > 0).all())
-        times = (self.times if grow else np.arange(len(self.times), dtype=float)).tolist()
-        with TrajectoryWriter(path, drawing.surfaces, len(times)) as writer:
-            for time, x, v, records in zip(times, self.states, self.rates, self.records, strict=False):
-                writer.append(time, drawing.points(x), drawing.values(x, v, records))
+    def __repr__(self) -> str:
+        s = self.statistics
+        return f"Result({s.steps} steps to t = {self.system.time:g} with {self.scheme}, {len(self.times)} states kept)"
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def conservation(self) -> dict[str, float]:
         """Relative errors: energy balance, each momentum, constraints at position and velocity level.
@@ -170,19 +288,3 @@ class Result:
                 raise InputError(f"assert_conserved: nothing is called {name!r}{nearest(name, figures)}")
             if not figures[name] <= tolerance:
                 raise AssertionError(f"{name} is not conserved: error {figures[name]:.3e} > {tolerance:.1e}")
-
-
-def figures(result: Result) -> dict[str, Any]:
-    """Numbers of a run for its summary."""
-    s = result.statistics
-    return {
-        "coordinates": result.system.n_coordinates,
-        "constraints": result.system.n_constraints,
-        "linear solver": result.system.linear_explanation,
-        "steps": s.steps,
-        "iterations": s.iterations,
-        "factorizations": s.factorizations,
-        "rejected": s.rejected,
-        "seconds": s.seconds,
-        "conservation": result.conservation(),
-    }

@@ -21,8 +21,9 @@ from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.results.ledger import Bookkeeper
+from visviva.results.audit import figures
 from visviva.results.naming import labels_of, ledger_units
-from visviva.results.result import Result, figures
+from visviva.results.result import Result
 from visviva.study import restart
 from visviva.study.origin import Origin
 from visviva.study.progress import progress_bar
@@ -123,7 +124,7 @@ class Recorder:
                 )
             first = result.records[0]
             recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
-            result.kept = recorder.states
+            result.kept, result.directory = recorder.states, recorder.files
             keep(result)
             recorder.write_row(books.ledger.rows.pop())
             books.ledger.file = recorder.ledger
@@ -160,7 +161,7 @@ class Recorder:
             recorder.states = StateFile.reopen(
                 files.states, len(study.system.x), shapes, kept["states"], sums["states"]
             )
-            result.kept = recorder.states
+            result.kept, result.directory = recorder.states, recorder.files
             books.ledger.rows.clear()
             if recorder.drawing.surfaces:
                 recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)

@@ -14,8 +14,6 @@ from visviva.base.errors import InputError
 from visviva.base.interrupt import deferred_interrupt
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
-from visviva.study import drawings
-from visviva.study.recorder import Cadence, Recorder
 from visviva.study.study import Study
 
 
@@ -93,6 +91,9 @@ def run(
     >>> result.statistics.steps
     10
     """
+    from visviva.study import drawings
+    from visviva.study.recorder import Cadence, Recorder
+
     if force and not resume:
         raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
     if overwrite and resume:

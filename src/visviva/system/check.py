@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.base.html import table
 from visviva.component.point import Attachable
 from visviva.scheme.schemes import EnergyMomentum
 from visviva.system.consistency import (
@@ -119,6 +120,16 @@ class CheckReport:
     remarks: list[str] = field(default_factory=list)
     moves: list[str] = field(default_factory=list)
     null_vectors: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"CheckReport(n = {self.n_coordinates}, m = {self.n_constraints}, {self.degrees_of_freedom} degrees of "
+            f"freedom, {len(self.redundant)} redundant constraints)"
+        )
+
+    def _repr_html_(self) -> str:
+        first, *others = str(self).splitlines()
+        return table([(line.strip(),) for line in others], title=first)
 
     @property
     def counted_freedoms(self) -> int:

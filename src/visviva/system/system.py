@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
@@ -11,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.arguments import Named, finite, refuse_other
-from visviva.base.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError, nearest
+from visviva.base.html import table
 from visviva.base.renamed import Renamed
 from visviva.base.unit_labels import Units
 from visviva.component.component import Component, characteristic_length, name_components, refuse_loose
@@ -24,7 +26,7 @@ from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 from visviva.system import steps
 from visviva.system.build import build_core
-from visviva.system.memory import before_last_step, undisturbed
+from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
 from visviva.system.problem import hand_solvers
 from visviva.system.stepper import Stepper
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
     from visviva.system.present import Present
 
 Array = NDArray[np.float64]
+
+MOST_SHOWN = 30
+"""Components that a notebook lists."""
 Pattern = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
 
 
@@ -82,6 +87,10 @@ class System(metaclass=Named):
         self.components = list(components)
         self._newton = newton or Newton()
         self.units = units
+        self._compose()
+
+    def _compose(self) -> None:
+        """Number the unknowns of the components, and hand them to the core."""
         self.stepper = Stepper()
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
@@ -118,6 +127,79 @@ class System(metaclass=Named):
         self.core.x[:] = np.concatenate([f.values for f in fields])
         self.core.v[:] = np.concatenate([f.rates for f in fields])
         self._check_finite()
+
+    def __getitem__(self, name: str) -> Any:
+        """A component by its name.
+
+        Raises
+        ------
+        InputError
+            With the nearest name, if there is none.
+        """
+        found = {str(c.name): c for c in self.components}
+        if name not in found:
+            raise InputError(f"System: there is no component {name!r}{nearest(str(name), found)}")
+        return found[name]
+
+    def reset(self) -> None:
+        """Compose the system anew from the same components: it is at time zero, as if it had never moved.
+
+        Arguments of components that were changed since take effect.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")
+        >>> system = vv.System([ball])
+        >>> ends = []
+        >>> for _ in range(2):
+        ...     system.reset()
+        ...     _ = vv.simulate(system, until=1.0, step=0.1)
+        ...     ends.append(float(system.x[0]))
+        >>> ends[0] == ends[1]
+        True
+        """
+        kept = {name: vars(self)[name] for name in ("components", "_newton", "_units")}
+        vars(self).clear()
+        vars(self).update(kept)
+        for c in self.components:
+            c.forget()
+        self._compose()
+
+    def copy(self) -> System:
+        """A second system of the same components, also copies, in the same state; neither knows of the other.
+
+        Its components are found by their names: ``system.copy()["ball"]``.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")])
+        >>> _ = vv.simulate(system, until=1.0, step=0.1)
+        >>> twin = system.copy()
+        >>> _ = vv.simulate(twin, until=2.0, step=0.1)
+        >>> round(system.time), round(twin.time), round(float(twin.x[0]), 9)
+        (1, 2, 2.0)
+        """
+        parts = copy.deepcopy(self.components)
+        twin = System(parts, self.newton, units=self.units)
+        twin.choose_linear(inertia=self.has_inertia, discrete_gradient=self.has_discrete_gradient)
+        take_over(twin, self)
+        twin.report = self.report
+        return twin
+
+    def __repr__(self) -> str:
+        return (
+            f"System({len(self.components)} components, n = {self.n_coordinates}, m = {self.n_constraints}, "
+            f"t = {self.time:g})"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (type(c).__name__, c.name, f"{c.total_mass:.6g}" if c.total_mass else "") for c in self.components
+        ]
+        more = [("", f"... {len(rows) - MOST_SHOWN} more", "")] if len(rows) > MOST_SHOWN else []
+        return table([*rows[:MOST_SHOWN], *more], ("component", "name", "mass"), repr(self))
 
     @property
     def units(self) -> Units:

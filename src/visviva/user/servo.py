@@ -120,6 +120,9 @@ class ServoInputs(Reading):
 
     servo: Servo
 
+    def told_by_state(self, system: System) -> bool:
+        return False
+
     def __call__(self, system: System) -> Array:
         """Present value."""
         return self.servo.inputs(system)

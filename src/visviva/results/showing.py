@@ -1,0 +1,163 @@
+"""Plots, pictures, movies and files of a result."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from visviva.base.html import Markup, sparkline, table
+from visviva.output.directory import RunDirectory
+from visviva.results.audit import course, figures, judgements
+from visviva.results.looking_back import tabulated, units_of_columns
+from visviva.results.naming import labels_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from visviva.output.labels import Labels
+    from visviva.results.result import Result
+
+FIELDS = ("von_mises", "pressure", "cauchy", "energy")
+
+
+@dataclass(frozen=True, repr=False)
+class Picture:
+    """A picture that notebooks show.
+
+    Attributes
+    ----------
+    data : bytes
+        As in a file.
+    path : Path or None
+        The file that was written.
+    """
+
+    data: bytes
+    path: Path | None = None
+
+    def __repr__(self) -> str:
+        return f"Picture({self.path or f'{len(self.data)} bytes'})"
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        if self.data.startswith(b"\x89PNG"):
+            return {"image/png": self.data}
+        return (
+            {"image/svg+xml": self.data.decode()}
+            if b"<svg" in self.data[:2000]
+            else {"text/plain": repr(self)}
+        )
+
+
+@contextmanager
+def target(file: str | Path | None) -> Iterator[Path]:
+    """The file, or a temporary one."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder) / "picture.png" if file is None else Path(file)
+
+
+def made(path: Path, file: str | Path | None) -> Picture:
+    """What was drawn, and where it is if it stays."""
+    return Picture(path.read_bytes(), None if file is None else path)
+
+
+def labels(result: Result, columns: Mapping[str, str] | None = None) -> Labels:
+    """How a result calls what it shows."""
+    return labels_of(result.system.units, result.scheme, columns=columns)
+
+
+def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) -> Picture:
+    """Energies, and probes below."""
+    from visviva.output.plot import overview
+
+    ledger = dict(zip(result.ledger.names, result.ledger.table.T, strict=True))
+    series = tabulated(result, probes)
+    with target(file) as path:
+        overview(ledger, series, path, labels=labels(result, units_of_columns(result, probes)))
+        return made(path, file)
+
+
+@contextmanager
+def trajectory(result: Result) -> Iterator[Path]:
+    """The trajectory of a run in a directory, or a temporary one of the kept states."""
+    if result.directory is not None and result.directory.trajectory.exists():
+        yield result.directory.trajectory
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "trajectory.vtkhdf"
+        write_trajectory(result, path, FIELDS)
+        yield path
+
+
+def picture_of(result: Result, file: str | Path | None, **options: Any) -> Picture:
+    """A moment of the motion."""
+    from visviva.output.picture import snapshot
+
+    with trajectory(result) as motion, target(file) as path:
+        snapshot(motion, path, **options)
+        return made(path, file)
+
+
+def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
+    """A movie of the motion."""
+    from visviva.output.movie import movie
+
+    with trajectory(result) as motion:
+        movie(motion, file, **options)
+    return Path(file)
+
+
+def view_of(result: Result, **options: Any) -> None:
+    """The motion in a window."""
+    from visviva.output.viewer import show
+
+    with trajectory(result) as motion:
+        show(motion, **options)
+
+
+def write_trajectory(result: Result, path: str | Path, fields: Sequence[str]) -> None:
+    """The kept states as a file for ParaView, pictures and movies."""
+    from visviva.output.vtkhdf import TrajectoryWriter
+    from visviva.results.drawing import Drawing
+
+    drawing = Drawing(result.system, fields=fields)
+    grow = bool((np.diff(result.times) > 0).all())
+    times = (result.times if grow else np.arange(len(result.times), dtype=float)).tolist()
+    with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:
+        for time, x, v, records in zip(times, result.states, result.rates, result.records, strict=False):
+            writer.append(time, drawing.points(x), drawing.values(x, v, records))
+
+
+def write_directory(result: Result, path: str | Path, fields: Sequence[str]) -> None:
+    """Trajectory, tables, names and figures in a directory, like those of a run but for its restart state."""
+    from visviva.results.drawing import Drawing
+
+    files = RunDirectory.create(path)
+    units = units_of_columns(result, result.recorded.probes)
+    files.write_labels(labels(result, units))
+    result.ledger.to_csv(files.ledger)
+    result.to_csv(files.probes)
+    files.write_summary({"scheme": str(result.scheme), "end_time": result.system.time, **figures(result)})
+    if Drawing(result.system).surfaces:
+        write_trajectory(result, files.trajectory, fields)
+
+
+def html_of(result: Result) -> str:
+    """Audit, energies over time and recorded histories, for notebooks."""
+    first, *others = course(result)
+    rows = [(judged.what, judged.figures, judged.verdict) for judged in judgements(result)]
+    ledger = result.ledger
+    names = ["kinetic", *(f"potential_{p}" for p in ledger.potentials), "total", "imbalance"]
+    lines: list[tuple[Any, ...]] = [(name.replace("_", " "), sparkline(ledger[name])) for name in names]
+    lines += [
+        (n, sparkline(values))
+        for n, values in tabulated(result, result.recorded.probes).items()
+        if n != "time"
+    ]
+    told = Markup("<br>".join(map(str, others)))
+    return table(rows, title=first) + table([(told,)]) + table(lines)

@@ -1,0 +1,61 @@
+"""Systems run again: reset to the beginning, and copies, go the same way to the last bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from catalogue import CATALOGUE
+from catalogue.entry import Entry
+
+import visviva as vv
+
+
+def states(system: vv.System, until: float, step: float) -> np.ndarray:
+    return np.array(vv.simulate(system, until=until, step=step, project=True).states)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE[::6], ids=lambda e: e.name)
+def test_reset_and_copies(entry: Entry) -> None:
+    system, h = entry.system(), entry.h
+    system.reset()  # runs fit its start with the length of their step
+    first = states(system, 3 * h, h)
+    twin = system.copy()
+    assert twin.time == system.time
+    on, other = states(system, 5 * h, h), states(twin, 5 * h, h)
+    np.testing.assert_array_equal(other, on)
+    system.reset()
+    assert system.time == 0
+    np.testing.assert_array_equal(states(system, 3 * h, h), first)
+
+
+def test_a_cell_runs_twice() -> None:
+    """What notebooks do: the same cell again goes on from now, or from the beginning."""
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")
+    system = vv.System([ball])
+    place = vv.Position(of=ball)
+    for _ in range(2):
+        result = vv.simulate(system, until=1.0, step=0.1, start="beginning")
+        assert result.history(place)[-1, 0] == pytest.approx(1.0)
+    vv.simulate(system, until=2.0, step=0.1)
+    assert place(system)[0] == pytest.approx(2.0)
+    with pytest.raises(vv.InputError, match=r"not after the present time 2.*start='beginning'"):
+        vv.simulate(system, until=1.0, step=0.1)
+    with pytest.raises(vv.InputError, match="start is 'now' or 'beginning', not 'begining'"):
+        vv.simulate(system, until=1.0, step=0.1, start="begining")
+
+
+def test_changed_arguments_take_effect() -> None:
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0))
+    system = vv.System([ball])
+    ball.velocity = np.array([3.0, 0.0, 0.0])
+    vv.simulate(system, until=1.0, step=0.5, start="beginning")
+    assert system.x[0] == pytest.approx(3.0)
+
+
+def test_components_by_name() -> None:
+    ball = vv.PointMass(mass=1.0, name="ball")
+    system = vv.System([ball])
+    assert system["ball"] is ball
+    assert system.copy()["ball"] is not ball
+    with pytest.raises(vv.InputError, match="no component 'bal'; did you mean 'ball'"):
+        system["bal"]
