@@ -26,7 +26,8 @@ OUTSIDE = {
     "Faces": "named by text in files: the sets of a mesh",
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
     "Material": BASE, "Scheme": BASE, "Term": CODE,
-    "march": CALL, "simulate": CALL, "run": CALL, "read": CALL, "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
+    "march": CALL, "simulate": CALL, "read": CALL,
+    "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
     "prony": "its branches themselves",
     "arc_length": CALL, "reaction": CALL + "; ReactionForce and ReactionTorque record it",
 }  # fmt: skip

@@ -20,8 +20,8 @@ from visviva.output.labels import Labels
 from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
-from visviva.results.ledger import Bookkeeper
 from visviva.results.audit import figures
+from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import labels_of, ledger_units
 from visviva.results.result import Result
 from visviva.study import restart
