@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.examples import brake, tori_thermal
 
 Array = NDArray[np.float64]
 STIFF = vv.NeoHooke(young=100.0, poisson=0.0)
@@ -177,3 +178,11 @@ def test_refusals() -> None:
     twice = [vv.HeatContact(contact=contact, conductance=1.0) for _ in range(2)]
     with pytest.raises(vv.InputError, match=r"has another .*HeatContact already"):
         vv.System([lower, upper, contact, *twice])
+
+
+@pytest.mark.parametrize(
+    ("example", "given"), [(brake, {"until": 0.01}), (tori_thermal, {"around": 16, "until": 1.1})]
+)
+def test_examples_pass_their_own_checks(example: Any, given: dict[str, Any]) -> None:
+    study = example.study(**given)
+    example.check(vv.simulate(study.system, until=study.until, step=study.step))
