@@ -108,6 +108,7 @@ from .mesh.generate import (
 from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
+from .mesh.spline import SplineBox, SplinePatch
 from .model.term import Term
 from .output.reader import StoredRun, read
 from .phase.allen_cahn import AllenCahn
@@ -306,6 +307,8 @@ __all__ = [
     "Sphere",
     "SphereMesh",
     "Spherical",
+    "SplineBox",
+    "SplinePatch",
     "Spring",
     "SquaredDistance",
     "Static",

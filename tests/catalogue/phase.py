@@ -27,6 +27,19 @@ def mixture(cell: str = "quad4", **options: Any) -> vv.CahnHilliard:
     return vv.CahnHilliard(mesh=mesh, **given)
 
 
+def splines(**options: Any) -> vv.CahnHilliard:
+    box = vv.SplineBox(size=(1, 0.8), counts=(4, 4), degree=2)
+    return vv.CahnHilliard(
+        mesh=box,
+        free_energy=WELL,
+        gradient_energy=2.0,
+        mobility=0.3,
+        concentration=wave,
+        periodic=[("x0", "x1")],
+        **options,
+    )
+
+
 def order(**options: Any) -> vv.AllenCahn:
     mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2), cell="tri6")
     given = {"free_energy": WELL, "gradient_energy": 2.0, "mobility": 3.0, "order": wave, **options}
@@ -78,6 +91,7 @@ PHASE = [
     Entry("mixture, Redlich-Kister", lambda: [mixture("tet4", free_energy=KISTER)], NOTHING, steps=20),
     Entry("mixture, anisotropic", lambda: [mixture("hex8", gradient_energy=TENSOR)], NOTHING, steps=40),
     Entry("mixture with walls", walled, NOTHING, steps=40),
+    Entry("mixture on splines", lambda: [splines()], NOTHING, steps=40),
     Entry("order parameter", lambda: [order()], NOTHING, steps=40),
     Entry("order parameter, conserved, with a wall", walled_order, NOTHING, steps=40),
     Entry("mixtures, plain", plain, NOTHING, steps=20),

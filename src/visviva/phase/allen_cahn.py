@@ -12,6 +12,7 @@ from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.spline import SplineSource
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.phase.cahn_hilliard import Pairs
@@ -31,7 +32,7 @@ class AllenCahn(PhaseBody):
 
     Parameters
     ----------
-    mesh : Mesh, or a generator or file that gives one
+    mesh : Mesh, or a generator or file that gives one, or a patch of splines
     free_energy : FreeEnergy
         ``f(c)`` per volume.
     gradient_energy : float, or array (3,) or (3, 3)
@@ -66,7 +67,7 @@ class AllenCahn(PhaseBody):
     True
     """
 
-    mesh: Mesh | MeshSource
+    mesh: Mesh | MeshSource | SplineSource
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
     order: NumberOrFunction

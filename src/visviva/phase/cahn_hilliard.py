@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import LISTED
+from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.spline import SplineBox, SplineSource
 from visviva.model.field import Role
 from visviva.model.points import PhysicsKind, add_points
-from visviva.phase.free_energy import FreeEnergy
+from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
 from visviva.phase.mobility import Mobility, mobility_of
 from visviva.phase.phase_body import PhaseBody
+from visviva.phase.spline_space import SplineSpace
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -36,7 +39,7 @@ class CahnHilliard(PhaseBody):
 
     Parameters
     ----------
-    mesh : Mesh, or a generator or file that gives one
+    mesh : Mesh, or a generator or file that gives one, or a patch of splines
     free_energy : FreeEnergy
         ``f(c)`` per volume.
     gradient_energy : float, or array (3,) or (3, 3)
@@ -49,12 +52,18 @@ class CahnHilliard(PhaseBody):
         Pairs of sets of faces, of equal meshes, that are taken for the same. Other faces let nothing through.
     thickness : float
         Of a plane mesh.
+    form : {'mixed', 'direct'}
+        'direct' has no potential, and needs splines with continuous first derivatives (Gomez et al. 2008).
 
     Notes
     -----
     The potential that moves the mixture in a step is the discrete gradient of the energy: with the energy-momentum
     scheme, the energy falls in every step, of any length, by exactly what diffusion dissipates, and the integral of the
     concentration is kept to rounding. The ledger books the energy as "stored".
+
+    The direct form tests ``c' - div(M grad(f' - kappa laplace c))`` with functions that do not hold the potential, so
+    that it keeps the mass and the order, and measures the energy, but makes no promise about it (Gomez & Hughes 2011).
+    At the sides of a `SplineBox` that are not periodic, the concentration has no slope across them.
 
     Examples
     --------
@@ -73,23 +82,47 @@ class CahnHilliard(PhaseBody):
     (True, True)
     """
 
-    mesh: Mesh | MeshSource
+    mesh: Mesh | MeshSource | SplineSource
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
     concentration: NumberOrFunction
     mobility: Number | Mobility = 1.0
     periodic: Pairs = ()
     thickness: Number = 1.0
+    form: Literal["mixed", "direct"] = "mixed"
     quantity = "concentration"
 
     def __post_init__(self) -> None:
         self._mobility = mobility_of(self.label, self.mobility)
+        self.level_at_sides = self.form == "direct"
         self._prepare(self.concentration)
+        if self.form == "direct":
+            self._refuse_rough()
+
+    def _refuse_rough(self) -> None:
+        if not isinstance(self.space, SplineSpace) or self.space.patch.smoothness < 1:
+            raise InputError(
+                f"{self.label}: form = 'direct' needs splines whose first derivatives are continuous, such as "
+                "vv.SplineBox(degree=2); take form = 'mixed' on others"
+            )
+        if np.ptp(self._tensor[:3]) or np.any(self._tensor[3:]):
+            raise InputError(
+                f"{self.label}: form = 'direct' needs an isotropic gradient_energy; take 'mixed'"
+            )
+        if not isinstance(self.mesh, SplineBox) and len(self.periodic) < self.space.patch.dimension:
+            raise InputError(
+                f"{self.label}: form = 'direct' knows sides without flux of vv.SplineBox alone; take form = 'mixed'"
+            )
+        if isinstance(self.free_energy, UserFreeEnergy):
+            raise InputError(
+                f"{self.label}: form = 'direct' needs an energy of the core, such as PolynomialEnergy"
+            )
 
     def declare(self, model: Model) -> None:
         c = self.space.fitted(self.start_values)
         self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.scale)
-        self.potential = model.field(self, "potential", 0 * c, role=Role.MULTIPLIER, instantaneous=False)
+        if self.form == "mixed":
+            self.potential = model.field(self, "potential", 0 * c, role=Role.MULTIPLIER, instantaneous=False)
 
     def _mobility_constants(self) -> list[float]:
         return self._mobility.constants()
@@ -97,19 +130,21 @@ class CahnHilliard(PhaseBody):
     def contribute(self, model: Model) -> None:
         energy = self._user_energy()
         for table in self.space.cells():
-            weights = table.columns()
-            groups = [self.group(f, table, weights) for f in (self.phase, self.potential)]
-            term = add_points(
-                model, self, PhysicsKind.MIXTURE, groups, table.size, self.constants(), energy=energy
-            )
+            kind, weights = PhysicsKind.MIXTURE, table.columns()
+            if self.potential is None:
+                kind, weights = PhysicsKind.SMOOTH_MIXTURE, table.smooth_columns()
+            groups = [self.group(f, table, weights) for f in (self.phase, self.potential) if f is not None]
+            term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
             term.limit(0, 0.5 * self.scale)
 
     def widths(self) -> Mapping[str, int]:
-        return {"concentration": 1, "potential": 1}
+        return {"concentration": 1, "potential": 1} if self.form == "mixed" else {"concentration": 1}
 
     def _shown(self, name: str, x: Array) -> Array:
         return self.potentials(x) if name == "potential" else self.values(x)
 
     def potentials(self, x: Array) -> Array:
         """Chemical potentials (n,) at the nodes, of the last step, at the unknowns `x` of the system."""
+        if self.potential is None:
+            raise InputError(f"{self.label}: form = 'direct' has no potentials")
         return self.space.at_nodes(self.coefficients(self.potential, x))

@@ -15,11 +15,13 @@ from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.spline import SplineSource
 from visviva.model.callback import Function
 from visviva.model.field import Field
 from visviva.model.points import Group
 from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy, interface
 from visviva.phase.space import MeshSpace, ScalarSpace, Table
+from visviva.phase.spline_space import SplineSpace
 
 if TYPE_CHECKING:
     pass
@@ -40,7 +42,7 @@ class PhaseBody(Meshed):
         At the nodes, at the start.
     """
 
-    mesh: Mesh | MeshSource
+    mesh: Mesh | MeshSource | SplineSource
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
     periodic: Any
@@ -49,6 +51,8 @@ class PhaseBody(Meshed):
     space: ScalarSpace
     start_values: Array
     quantity: str
+    potential: Field | None = None
+    level_at_sides = False
 
     def _prepare(self, given: NumberOrFunction) -> None:
         """Mesh, space, start values, and what is refused of them."""
@@ -65,11 +69,13 @@ class PhaseBody(Meshed):
         self._refuse_thin_interfaces()
 
     def _space(self) -> ScalarSpace:
-        grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
-        pairs = [tuple(pair) for pair in self.periodic]
+        pairs = [(pair[0], pair[-1]) for pair in self.periodic]
         for pair in pairs:
-            if len(pair) != 2 or pair[0] == pair[1]:
+            if pair[0] == pair[1]:
                 raise InputError(f"periodic has {pair!r}, which is no pair of two sets of faces")
+        if isinstance(self.mesh, SplineSource):
+            return SplineSpace(self.mesh, pairs, self.thickness, self.level_at_sides)
+        grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
         return MeshSpace(grid, pairs, self.thickness, label=self.label)
 
     def _sampled(self, given: NumberOrFunction) -> Array:

@@ -28,6 +28,19 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+def refuse_direct(label: str, body: CahnHilliard | AllenCahn) -> None:
+    """Refuse a mixture without a potential, which conditions act by.
+
+    Raises
+    ------
+    InputError
+    """
+    if isinstance(body, CahnHilliard) and body.form == "direct":
+        raise InputError(
+            f"{label}: {body.label} has form = 'direct', without a potential; take form = 'mixed'"
+        )
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class Wetting(Component):
     """A wall with an energy per area of the concentration there, and so an angle at which interfaces meet it.
@@ -66,6 +79,7 @@ class Wetting(Component):
     energy: FreeEnergy | None = None
 
     def __post_init__(self) -> None:
+        refuse_direct(self.label, self.body)
         try:
             self._faces = self.body.faces(self.faces)
         except InputError as error:
@@ -93,9 +107,8 @@ class Wetting(Component):
 
     def contribute(self, model: Model) -> None:
         model.index(self.body)
-        mixture = isinstance(self.body, CahnHilliard)
-        kind = PhysicsKind.MIXTURE_WALL if mixture else PhysicsKind.ORDER_WALL
-        fields = [self.body.phase, *([self.body.potential] if isinstance(self.body, CahnHilliard) else [])]
+        kind = PhysicsKind.ORDER_WALL if self.body.potential is None else PhysicsKind.MIXTURE_WALL
+        fields = [f for f in (self.body.phase, self.body.potential) if f is not None]
         for table in self.body.space.walls(self._faces):
             groups = [Group(f.start + table.numbers, table.columns(gradients=False)) for f in fields]
             add_points(model, self, kind, groups, table.size, self.wall_energy.constants())
@@ -122,6 +135,7 @@ class PrescribedConcentration(Component):
     value: OfTimeAndPlace
 
     def __post_init__(self) -> None:
+        refuse_direct(self.label, self.body)
         try:
             self._chosen = self.body.nodes(self.nodes)
         except InputError as error:
@@ -136,11 +150,11 @@ class PrescribedConcentration(Component):
 
     def wanted(self, time: float) -> Array:
         """Coefficients (k,) of what is held."""
-        values = np.zeros(self.body.grid.n_nodes)
-        values[self._chosen] = self._values.at(time, self.body.points[self._chosen])
-        return np.asarray(self.body.space.fitted(values)[self._held])
+        values = self._values.at(time, self.body.points[self._chosen])
+        return self.body.space.fitted_on(self._chosen, values)
 
     def contribute(self, model: Model) -> None:
+        assert self.body.potential is not None
         unknowns = [f.start + self._held for f in (self.body.phase, self.body.potential)]
         unknowns.append(self.inflow.start + np.arange(len(self._held)))
         model.term(self, Inflow(np.stack(unknowns, axis=1).astype(np.int32), self))
@@ -189,9 +203,8 @@ class ConcentrationSource(Component):
 
     def contribute(self, model: Model) -> None:
         model.index(self.body)
-        potential = self.body.potential if isinstance(self.body, CahnHilliard) else None
         for table in self.body.space.cells():
-            model.term(self, Source(self.body.phase, potential, table, self._values))
+            model.term(self, Source(self.body.phase, self.body.potential, table, self._values))
 
 
 class Source(Term):

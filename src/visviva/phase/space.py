@@ -10,7 +10,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError
 from visviva.body.element import depth
 from visviva.body.mesh_points import face_points, in_space
 from visviva.mesh.cells import CELLS
@@ -63,6 +62,11 @@ class Table:
         value = self.N[..., None]
         return np.concatenate([value, self.gradients], axis=3) if gradients else value
 
+    def smooth_columns(self) -> Array:
+        """Weights (m, q, k, 5) of the value, the gradient and the Laplacian."""
+        assert self.laplacians is not None
+        return np.concatenate([self.N[..., None], self.gradients, self.laplacians[..., None]], axis=3)
+
 
 class ScalarSpace(Protocol):
     """What components ask of the space that their scalar fields are in.
@@ -101,6 +105,10 @@ class ScalarSpace(Protocol):
 
     def held(self, nodes: Ints) -> Ints:
         """Coefficients (k,) that values at nodes of the grid, such as those of a face, are given by."""
+        ...
+
+    def fitted_on(self, nodes: Ints, values: Array) -> Array:
+        """Those coefficients (k,) by values at these nodes."""
         ...
 
 
@@ -190,16 +198,5 @@ class MeshSpace:
     def held(self, nodes: Ints) -> Ints:
         return np.unique(self.number[nodes])
 
-
-def checked_periods(grid: Mesh, periodic: Sequence[tuple[str, str]], label: str) -> None:
-    """Refuse pairs of periodic sides that are none.
-
-    Raises
-    ------
-    InputError
-    """
-    for pair in periodic:
-        if len(pair) != 2 or pair[0] == pair[1]:
-            raise InputError(f"{label}: periodic has {pair!r}, which is no pair of two sets of faces")
-        for name in pair:
-            grid.faces(name)
+    def fitted_on(self, nodes: Ints, values: Array) -> Array:
+        return np.asarray(values[np.unique(self.number[nodes], return_index=True)[1]])

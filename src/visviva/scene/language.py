@@ -19,6 +19,7 @@ from visviva.material.branch import Branch
 from visviva.material.material import Material
 from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
+from visviva.mesh.spline import SplineSource
 from visviva.phase.free_energy import FreeEnergy
 from visviva.phase.mobility import Mobility
 from visviva.scheme.schemes import Scheme
@@ -40,6 +41,7 @@ ATTACHMENTS: dict[str, tuple[str, ...]] = {
 CHOICES: dict[str, type[Any]] = {
     "shape": Shape,
     "mesh": MeshSource,
+    "splines": SplineSource,
     "material": Material,
     "branch": Branch,
     "section": Section,
