@@ -82,6 +82,7 @@ from .measure.measures import (
     Separation,
     SquaredDistance,
 )
+from .measure.phase_probes import DomainSize, InterfaceArea, PhaseEnergy, PhaseVolume
 from .measure.reactions import ReactionForce, ReactionTorque, reaction
 from .measure.solid_probes import (
     Displacement,
@@ -115,6 +116,7 @@ from .phase.allen_cahn import AllenCahn
 from .phase.cahn_hilliard import CahnHilliard
 from .phase.fracturing_solid import FracturingSolid
 from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, RegularSolution, UserFreeEnergy
+from .phase.mixture_solid import MixtureSolid
 from .phase.mobility import DegenerateMobility, UserMobility
 from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
 from .results.result import Result
@@ -188,6 +190,7 @@ __all__ = [
     "Distance",
     "DistributedCoupling",
     "Divergence",
+    "DomainSize",
     "DoubleWell",
     "EdgeMoment",
     "ElasticFoundation",
@@ -233,6 +236,7 @@ __all__ = [
     "ImmersedBody",
     "ImmersedThin",
     "InputError",
+    "InterfaceArea",
     "Iterative",
     "JointCoordinate",
     "JointDamper",
@@ -247,6 +251,7 @@ __all__ = [
     "Mesh",
     "MeshFile",
     "Midpoint",
+    "MixtureSolid",
     "Modes",
     "MooneyRivlin",
     "Motor",
@@ -258,6 +263,8 @@ __all__ = [
     "Offset",
     "Ogden",
     "Outlet",
+    "PhaseEnergy",
+    "PhaseVolume",
     "Planar",
     "Plane",
     "Ply",

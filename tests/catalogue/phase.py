@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
-from catalogue.entry import NOTHING, Components, Entry
+from catalogue.entry import MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
 WELL = vv.DoubleWell(barrier=4.0)
 CHAINS = vv.FloryHuggins(chi=2.5, lengths=(1.0, 2.0))
@@ -83,6 +83,34 @@ def walled_order() -> Components:
     ]
 
 
+def alloy(mesh: Any, **options: Any) -> vv.MixtureSolid:
+    given = {
+        "material": vv.NeoHooke(young=20.0, poisson=0.3),
+        "density": 1.0,
+        "free_energy": WELL,
+        "gradient_energy": 2.0,
+        "mobility": 0.3,
+        "concentration": wave,
+        "eigenstrain": (0.2, 0.1, -0.1),
+        "reference": 0.4,
+        "moduli": (0.5, 0.2, -0.1),
+        "velocity": lambda X: 0.3 * X * X,
+        **options,
+    }
+    return vv.MixtureSolid(mesh=mesh, **given)
+
+
+def plain_alloy() -> Components:
+    """Without functions of Python."""
+    mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2))
+    body = alloy(mesh, concentration=0.6, velocity=(0.1, 0.0, 0.0), periodic=[["y0", "y1"]])
+    return [
+        body,
+        vv.ConcentrationSource(body=body, rate="0.1*t"),
+        vv.Wetting(body=body, faces="x0", angle=60.0),
+    ]
+
+
 TENSOR = [[2.0, 0.3, 0.0], [0.3, 1.5, 0.1], [0.0, 0.1, 1.0]]
 PHASE = [
     Entry("mixture", lambda: [mixture()], NOTHING, steps=40),
@@ -92,6 +120,19 @@ PHASE = [
     Entry("mixture, anisotropic", lambda: [mixture("hex8", gradient_energy=TENSOR)], NOTHING, steps=40),
     Entry("mixture with walls", walled, NOTHING, steps=40),
     Entry("mixture on splines", lambda: [splines()], NOTHING, steps=40),
+    Entry(
+        "mixture in a plate",
+        lambda: [alloy(vv.RectangleMesh(size=(1, 0.8), counts=(3, 2)))],
+        PLANE_MOMENTA,
+        steps=40,
+    ),
+    Entry(
+        "mixture in a brick",
+        lambda: [alloy(vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1)))],
+        MOMENTA,
+        steps=40,
+    ),
+    Entry("mixture in a plate, plain", plain_alloy, NOTHING, steps=20),
     Entry("order parameter", lambda: [order()], NOTHING, steps=40),
     Entry("order parameter, conserved, with a wall", walled_order, NOTHING, steps=40),
     Entry("mixtures, plain", plain, NOTHING, steps=20),

@@ -123,9 +123,8 @@ def test_mass_is_kept_and_energy_falls(form: str) -> None:
 
 def test_box_in_space() -> None:
     """Degree 3 in three dimensions: 64 functions in an element."""
-    body = mixture(
-        vv.SplineBox(size=(1, 1, 1), counts=(2, 2, 2), degree=3), concentration=lambda X: 0.5 + 0.1 * X[:, 0]
-    )
+    cube = vv.SplineBox(size=(1, 1, 1), counts=(2, 2, 2), degree=3)
+    body = mixture(cube, concentration=lambda X: 0.5 + 0.1 * X[:, 0])
     result = vv.simulate(vv.System([body]), until=0.1, step=0.05)
     assert result.conservation()["energy"] < 1e-10
 

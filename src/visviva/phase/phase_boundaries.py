@@ -18,6 +18,7 @@ from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
+from visviva.phase.mixture_solid import MixtureSolid
 from visviva.phase.space import Table
 from visviva.thermal.boundaries import Values
 
@@ -28,7 +29,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def refuse_direct(label: str, body: CahnHilliard | AllenCahn) -> None:
+def refuse_direct(label: str, body: CahnHilliard | MixtureSolid | AllenCahn) -> None:
     """Refuse a mixture without a potential, which conditions act by.
 
     Raises
@@ -47,7 +48,7 @@ class Wetting(Component):
 
     Parameters
     ----------
-    body : CahnHilliard or AllenCahn
+    body : CahnHilliard, MixtureSolid or AllenCahn
     faces : str or Faces
     angle : float, optional
         In degrees, measured in the phase of the higher concentration (Young): below 90 it wets the wall.
@@ -73,7 +74,7 @@ class Wetting(Component):
     0.5
     """
 
-    body: CahnHilliard | AllenCahn
+    body: CahnHilliard | MixtureSolid | AllenCahn
     faces: FaceSet
     angle: Number | None = None
     energy: FreeEnergy | None = None
@@ -120,7 +121,7 @@ class PrescribedConcentration(Component):
 
     Parameters
     ----------
-    body : CahnHilliard
+    body : CahnHilliard or MixtureSolid
     nodes : str or int array
         Name of a set of nodes or faces, 'all', or numbers.
     value : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
@@ -130,7 +131,7 @@ class PrescribedConcentration(Component):
     The ledger books what the inflow brings, its potential times its amount, as "supply".
     """
 
-    body: CahnHilliard
+    body: CahnHilliard | MixtureSolid
     nodes: Nodes
     value: OfTimeAndPlace
 
@@ -189,12 +190,12 @@ class ConcentrationSource(Component):
 
     Parameters
     ----------
-    body : CahnHilliard or AllenCahn
+    body : CahnHilliard, MixtureSolid or AllenCahn
     rate : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
         Of an order parameter: a force, which adds to ``-(f' - div(K grad c))``.
     """
 
-    body: CahnHilliard | AllenCahn
+    body: CahnHilliard | MixtureSolid | AllenCahn
     rate: OfTimeAndPlace
 
     def __post_init__(self) -> None:

@@ -1,0 +1,113 @@
+"""Probes of mixtures and order parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.measure.measures import Reading
+from visviva.phase.allen_cahn import AllenCahn
+from visviva.phase.cahn_hilliard import CahnHilliard
+from visviva.phase.mixture_solid import MixtureSolid
+from visviva.phase.statistics import domain_size, interface_area, phase_volume
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+Body = CahnHilliard | AllenCahn | MixtureSolid
+
+
+def coefficients(body: Body, system: System) -> Array:
+    """Of the concentration or order parameter."""
+    return np.asarray(system.x[body.phase.start : body.phase.start + body.phase.size])
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class InterfaceArea(Reading):
+    """Probe: area of the interfaces, ``integral of |grad c|`` over the difference of the phases.
+
+    Parameters
+    ----------
+    body : CahnHilliard, MixtureSolid or AllenCahn
+        Its free energy has two phases.
+    """
+
+    body: Body
+
+    def __post_init__(self) -> None:
+        if self.body.interface() is None:
+            raise InputError(f"InterfaceArea: the free energy of {self.body.label} has no two phases")
+
+    def __call__(self, system: System) -> Any:
+        found = self.body.interface()
+        assert found is not None
+        return interface_area(
+            self.body.space.cells(), coefficients(self.body, system), found.high - found.low
+        )
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class PhaseVolume(Reading):
+    """Probe: volume where the concentration or order parameter is above a value.
+
+    Parameters
+    ----------
+    body : CahnHilliard, MixtureSolid or AllenCahn
+    above : float
+    """
+
+    body: Body
+    above: Number
+
+    def __call__(self, system: System) -> Any:
+        return phase_volume(self.body.space.cells(), coefficients(self.body, system), self.above)
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class PhaseEnergy(Reading):
+    """Probe: energy of a mixture or order parameter.
+
+    Parameters
+    ----------
+    body : CahnHilliard or AllenCahn
+    part : {'all', 'chemical', 'gradient'}
+    """
+
+    body: CahnHilliard | AllenCahn
+    part: Literal["all", "chemical", "gradient"] = "all"
+
+    def __call__(self, system: System) -> Any:
+        chemical, gradient = self.body.energies(system.x)
+        return {"all": chemical + gradient, "chemical": chemical, "gradient": gradient}[self.part]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class DomainSize(Reading):
+    """Probe: wavelength of the phases, ``2 pi / <k>`` by the structure factor of a box.
+
+    Parameters
+    ----------
+    body : CahnHilliard, MixtureSolid or AllenCahn
+    waves : int
+        So many are looked at along each edge.
+    """
+
+    body: Body
+    waves: int = 12
+
+    def __post_init__(self) -> None:
+        if self.waves < 1:
+            raise InputError(f"DomainSize: waves = {self.waves} is not positive")
+
+    def __call__(self, system: System) -> Any:
+        size = np.ptp(self.body.grid.points, axis=0)
+        return domain_size(
+            self.body.space.cells(), coefficients(self.body, system), size.tolist(), self.waves
+        )

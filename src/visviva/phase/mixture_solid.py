@@ -1,0 +1,263 @@
+"""Solids whose phases separate: composition strains them, and stress drives diffusion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass as plain_dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.arguments import LISTED
+from visviva.base.errors import InputError
+from visviva.body.element import geometry, solid_rule
+from visviva.body.solid import Solid
+from visviva.body.solid_fields import FULL, Evaluated, components, of_points
+from visviva.body.solid_term import Elements
+from visviva.component.component import settings
+from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.mesh.cells import CELLS
+from visviva.mesh.quadrature import mass_rule
+from visviva.model.field import Field, Role
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.phase.cahn_hilliard import CahnHilliard, Pairs
+from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy
+from visviva.phase.mobility import Mobility
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+A, B = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
+
+
+@plain_dataclass(frozen=True, eq=False)
+class StressedCells:
+    """What is asked of a type of cells: fields at points and forces on nodes, in Python."""
+
+    solid: MixtureSolid
+    nodes: Ints
+    gradients: Array
+    volume: Array
+    N: Array
+
+    def fields(self, x: Array, start: int, stop: int) -> Array:
+        """Rows (m, q, 16) as the core's terms of solids give them."""
+        nodes, d = self.nodes[start:stop], self.gradients.shape[3]
+        F = np.zeros((*self.volume[start:stop].shape, 3, 3))
+        F[..., 2, 2] = 1.0
+        place = self.solid.positions(x)[nodes][..., :d]
+        F[..., :d, :d] = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], place)
+        c = self.solid.values(x)[nodes] @ self.N.T
+        C = components(np.swapaxes(F, -1, -2) @ F)
+        W, S = self.solid.respond(C.reshape(-1, 6), c.ravel())
+        return np.concatenate([F.reshape(*c.shape, 9), S.reshape(C.shape), W.reshape(*c.shape, 1)], axis=-1)
+
+    def forces(self, x: Array) -> Array:
+        """Residuals (m, k, d) by nodes of the strained cells."""
+        rows, d = self.fields(x, 0, len(self.nodes)), self.gradients.shape[3]
+        P = rows[..., :9].reshape(*rows.shape[:2], 3, 3) @ rows[..., 9:15][..., FULL]
+        return np.asarray(np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :d, :d], self.gradients))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class MixtureSolid(Solid):
+    """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
+
+    Takes the arguments of `Solid`, in space or in plane strain, with ``formulation="displacement"``, those of
+    `CahnHilliard` (`free_energy`, `gradient_energy`, `concentration`, `mobility`, `periodic`), and
+
+    Parameters
+    ----------
+    eigenstrain : float, or (float, float, float)
+        Strain per concentration that it alone would leave (Vegard): the same in all directions, or along the axes.
+    reference : float
+        Concentration at which there is no such strain, and the material is as given.
+    moduli : sequence of float
+        Further coefficients m_k of its stiffness ``1 + m_1 (c - c0) + m_2 (c - c0)^2 + m_3 (c - c0)^3``.
+
+    Notes
+    -----
+    The energy per reference volume is ``f(c) + grad c . K grad c / 2 + m(c) W(F0^-T C F0^-1)`` with ``F0 = 1 + (c - c0)
+    eigenstrain``, any material's W; gradients and diffusion are those of the reference. One discrete gradient in
+    (C, c, grad c) gives stress and potential: with the energy-momentum scheme kinetic, elastic, chemical and gradient
+    energy together fall by exactly what diffusion dissipates, and the ledger has one sum of them. Without density the
+    stress is in balance at every step while diffusion marches.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> import numpy as np
+    >>> alloy = vv.MixtureSolid(
+    ...     mesh=vv.RectangleMesh(size=(8, 8), counts=(8, 8)),
+    ...     material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+    ...     density=1.0,
+    ...     free_energy=vv.DoubleWell(barrier=5.0, low=0.3, high=0.7),
+    ...     gradient_energy=2.0,
+    ...     mobility=5.0,
+    ...     concentration=lambda X: 0.5 + 0.05 * np.cos(0.8 * X[:, 0]),
+    ...     eigenstrain=0.05,
+    ...     reference=0.5,
+    ... )
+    >>> result = vv.simulate(vv.System([alloy]), until=0.5, step=0.05)
+    >>> result.conservation()["energy"] < 1e-10
+    True
+    """
+
+    free_energy: FreeEnergy
+    gradient_energy: Number | Matrix
+    concentration: NumberOrFunction
+    mobility: Number | Mobility = 1.0
+    periodic: Pairs = ()
+    eigenstrain: Number | tuple[Number, Number, Number] = 0.0
+    reference: Number = 0.0
+    moduli: Annotated[tuple[Number, ...], LISTED] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_others()
+        self.chemistry = CahnHilliard(
+            name=self.name or type(self).__name__,
+            mesh=self.grid,
+            free_energy=self.free_energy,
+            gradient_energy=self.gradient_energy,
+            concentration=self.concentration,
+            mobility=self.mobility,
+            periodic=self.periodic,
+            thickness=self.thickness,
+        )
+        self.space = self.chemistry.space
+        self._strains = np.broadcast_to(np.asarray(self.eigenstrain, dtype=float), (3,))
+        self._moduli = np.array([1.0, *self.moduli, *[0.0] * (3 - len(self.moduli))])
+        self._refuse_lost(self.chemistry.start_values)
+
+    def _refuse_others(self) -> None:
+        if self.formulation != "displacement" or self.plane == "stress" or self.axisymmetric:
+            raise InputError(
+                f"{self.label}: a mixture needs formulation = 'displacement' in space or in plane strain, not "
+                f"{self.formulation!r} and plane = {self.plane!r}"
+            )
+        if self.material.small or self.material.energy is not None:
+            raise InputError(
+                f"{self.label}: {type(self.material).__name__} is no material of finite strains of the core; for small "
+                "strains take vv.SaintVenantKirchhoff"
+            )
+        if isinstance(self.free_energy, UserFreeEnergy):
+            raise InputError(f"{self.label}: needs a free energy of the core, such as vv.PolynomialEnergy")
+        if self._is_heated or self._is_damped or self.tangent:
+            raise InputError(f"{self.label}: takes no thermal_strain, damping or tangent")
+        if len(self.moduli) > 3:
+            raise InputError(f"{self.label}: moduli has {len(self.moduli)} coefficients, 3 are known")
+
+    def _refuse_lost(self, c: Array) -> None:
+        """Refuse concentrations at the start that leave no length or stiffness."""
+        off = c - self.reference
+        if not np.all(1 + off[:, None] * self._strains > 0) or not np.all(self._stiffness(off) > 0):
+            raise InputError(
+                f"{self.label}: eigenstrain = {self.eigenstrain} or moduli = {self.moduli} leave no length or no "
+                f"stiffness at concentrations from {c.min():g} to {c.max():g}, with the reference {self.reference:g}"
+            )
+
+    def _stiffness(self, off: Array) -> Array:
+        return np.asarray(np.polynomial.polynomial.polyval(off, self._moduli))
+
+    def interface(self) -> Interface | None:
+        """The flat interface between its phases, without stress."""
+        return self.chemistry.interface()
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        c = self.space.fitted(self.chemistry.start_values)
+        self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale)
+        self.potential: Field | None = model.field(
+            self, "potential", 0 * c, role=Role.MULTIPLIER, instantaneous=False
+        )
+
+    def contribute(self, model: Model) -> None:
+        self._elements, self._energy, self._starts_stress = [], None, False
+        self._stressed: list[StressedCells] = []
+        first = 0
+        for k, (cell, nodes) in enumerate(self.grid.cells.items()):
+            self._elements.append(self._mixed(model, k, cell, nodes, first))
+            first += len(nodes)
+        self.volumes = [elements.volume for elements in self._elements]
+
+    def _cells(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
+        g = geometry(self.grid.points, nodes, cell, rule=rule, thickness=self.thickness)
+        return StressedCells(self, nodes, g.gradients, g.volume, CELLS[cell].N(rule.points))
+
+    def _mixed(self, model: Model, k: int, cell: str, nodes: Ints, first: int) -> Elements:
+        at, table = self._cells(cell, nodes, mass_rule(cell)), self.space.cells()[k]
+        kind = PhysicsKind.MIXTURE_IN_PLANE if self.dimension == 2 else PhysicsKind.MIXTURE_SOLID
+        mass = self._cell_masses(cell, nodes) if self.density > 0 else None
+        groups = [Group(self.node_unknowns(nodes), at.gradients, mass, True)]
+        groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
+        term = add_points(model, self, kind, groups, at.volume, self.constants())
+        term.limit(1, 0.5 * self.chemistry.scale)
+        self._stressed.append(at)
+        looks: Any = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
+        return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=looks.volume)
+
+    def constants(self) -> list[float]:
+        """Of the core, see ``visviva/point/mixture.hpp``."""
+        own = self.material.constants()
+        rest = [0.0] * (_core.MATERIAL_PARAMETERS - len(own))
+        solid = [self.reference, *self._moduli, *self._strains, float(int(self.material.kind))]
+        return [*self.chemistry.constants(), *solid, *own, *rest]
+
+    def respond(self, C: Array, c: Array) -> tuple[Array, Array]:
+        """Elastic energies (n,) and second Piola-Kirchhoff stresses (n, 6) at C (n, 6) and concentrations (n,)."""
+        off = c - self.reference
+        stretch = 1 / (1 + off[:, None] * self._strains)
+        share, m = stretch[:, A] * stretch[:, B], self._stiffness(off)
+        W, S, _ = self.material.respond(C * share)
+        return m * W, m[:, None] * share * S
+
+    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
+        total, first = np.zeros((self.grid.n_nodes, 3)), 0
+        for part in self._stressed:
+            force = part.forces(x)
+            if cells is not None:
+                force *= cells[first : first + len(force), None, None]
+            np.subtract.at(total, part.nodes, np.pad(force, ((0, 0), (0, 0), (0, 3 - force.shape[2]))))
+            first += len(force)
+        return total
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def _evaluated(self, x: Array) -> Iterator[Evaluated]:
+        for part in self._elements:
+            numbers = slice(part.first, part.first + len(part.nodes))
+            fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
+            yield part.cell, part.nodes, numbers, part.volume, fields
+
+    def values(self, x: Array) -> Array:
+        """Concentrations (n,) at the nodes at the unknowns `x` of the system."""
+        return self.space.at_nodes(x[self.phase.start : self.phase.start + self.phase.size])
+
+    def potentials(self, x: Array) -> Array:
+        """Chemical potentials (n,) at the nodes, of the last step, with the part of stress."""
+        assert self.potential is not None
+        return self.space.at_nodes(x[self.potential.start : self.potential.start + self.potential.size])
+
+    def integral(self, x: Array) -> float:
+        """Of the concentration over the reference volume, at the unknowns `x`."""
+        c = x[self.phase.start : self.phase.start + self.phase.size]
+        return float(sum((t.size * t.at(c)).sum() for t in self.space.cells()))
+
+    def elastic_energy(self, x: Array) -> float:
+        """Energy of strains at the unknowns `x`."""
+        parts = ((p.volume * p.fields(x, 0, len(p.nodes))[..., 15]).sum() for p in self._stressed)
+        return float(sum(parts))
+
+    def widths(self) -> Mapping[str, int]:
+        return {**super().widths(), "concentration": 1, "potential": 1}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        own = {"concentration": self.values, "potential": self.potentials}
+        others = super().smoothed([n for n in names if n not in own], x)
+        return others | {n: own[n](x) for n in names if n in own}

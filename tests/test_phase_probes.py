@@ -1,0 +1,62 @@
+"""Figures of phases against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.phase.statistics import structure_factor
+
+WELL = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
+
+
+def disc(radius: float = 12.0) -> vv.CahnHilliard:
+    return vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(40, 40), counts=(40, 40), cell="quad9", origin=(-20, -20)),
+        free_energy=WELL,
+        gradient_energy=2.0,
+        concentration=lambda X: 0.5 + 0.2 * np.tanh(0.4472136 * (radius - np.hypot(X[:, 0], X[:, 1]))),
+    )
+
+
+def test_disc() -> None:
+    body = disc()
+    system = vv.System([body])
+    assert vv.InterfaceArea(body=body)(system) == pytest.approx(2 * np.pi * 12, rel=1e-3)
+    assert vv.PhaseVolume(body=body, above=0.5)(system) == pytest.approx(np.pi * 144, rel=5e-3)
+    chemical, gradient = (vv.PhaseEnergy(body=body, part=p)(system) for p in ("chemical", "gradient"))
+    assert chemical == pytest.approx(gradient, rel=1e-3)
+    assert vv.PhaseEnergy(body=body)(system) == pytest.approx(0.04770278352 * 2 * np.pi * 12, rel=1e-3)
+
+
+def test_size_of_stripes() -> None:
+    """Five waves along x."""
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(40, 20), counts=(40, 20), cell="quad9"),
+        free_energy=WELL,
+        gradient_energy=2.0,
+        concentration=lambda X: 0.5 + 0.1 * np.cos(2 * np.pi * X[:, 0] / 8),
+    )
+    system = vv.System([body])
+    assert vv.DomainSize(body=body)(system) == pytest.approx(8.0, rel=1e-3)
+    c = body.coefficients(body.phase, system.x)
+    S = structure_factor(body.space.cells(), c, [(2 * np.pi / 8, 0.0), (np.pi, 0.0)])
+    assert S[0] == pytest.approx(800 * (0.1 / 2) ** 2, rel=1e-3)
+    assert S[1] < 1e-4 * S[0]
+
+
+def test_refusals() -> None:
+    body = disc()
+    with pytest.raises(vv.InputError, match=r"waves are finite vectors \(n, 2\) or \(n, 3\)"):
+        structure_factor(body.space.cells(), body.start_values, [1.0])
+    with pytest.raises(vv.InputError, match="waves = 0 is not positive"):
+        vv.DomainSize(body=body, waves=0)
+    mixed = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+        free_energy=vv.FloryHuggins(chi=1.0),
+        gradient_energy=1.0,
+        concentration=0.5,
+    )
+    with pytest.raises(vv.InputError, match="has no two phases"):
+        vv.InterfaceArea(body=mixed)

@@ -1,0 +1,116 @@
+"""Mixtures that strain: growth of waves with misfit (Cahn 1961), free swelling, drift in stress, refusals."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+PFHUB = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
+
+
+def solid(mesh: Any, **options: Any) -> vv.MixtureSolid:
+    given = {
+        "material": vv.SaintVenantKirchhoff(young=20.0, poisson=0.3),
+        "free_energy": PFHUB,
+        "gradient_energy": 2.0,
+        "mobility": 5.0,
+        "concentration": 0.5,
+        "reference": 0.5,
+        **options,
+    }
+    return vv.MixtureSolid(mesh=mesh, **given)
+
+
+@pytest.mark.parametrize("cell", ["quad9", "hex20"])
+def test_growth_with_misfit(cell: str) -> None:
+    """``R = -M k^2 (f'' + 2 eta^2 E / (1 - nu) + kappa k^2)``, of waves that strain along themselves alone."""
+    k, eta, E, nu, end, h = 0.35, 0.06, 20.0, 0.3, 1.0, 0.02
+    length, n = np.pi / k, 12
+    mesh: Any = (
+        vv.RectangleMesh(size=(length, length / n), counts=(n, 1), cell=cell)
+        if cell == "quad9"
+        else vv.BoxMesh(size=(length, length / n, length / n), counts=(n, 1, 1), cell=cell)
+    )
+    body = solid(mesh, eigenstrain=eta, concentration=lambda X: 0.5 + 1e-5 * np.cos(k * X[:, 0]))
+    across = vv.Prescribed(solid=body, nodes="all", motion=(None, 0.0, 0.0 if cell == "hex20" else None))
+    held = [vv.Prescribed(solid=body, nodes="x0", motion=(0.0, None, None))]
+    held.append(vv.Prescribed(solid=body, nodes="x1", motion=(0.0, None, None)))
+    system = vv.System([body, across, *held])
+    vv.simulate(system, until=end, step=h)
+    rate = -5 * k**2 * (-0.8 + 2 * eta**2 * E / (1 - nu) + 2 * k**2)
+    assert np.log((body.values(system.x)[0] - 0.5) / 1e-5) / end == pytest.approx(rate, rel=1e-3)
+
+
+def test_free_swelling() -> None:
+    """A uniform composition off the reference strains a free body without stress."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    body = solid(mesh, eigenstrain=(0.1, 0.2, -0.3), concentration=0.6, gradient_energy=4.0)
+    F = np.diag([1.01, 1.02, 0.97])
+    C = np.array([[*(np.diag(F) ** 2), 0.0, 0.0, 0.0]])
+    W, S = body.respond(C, np.array([0.6]))
+    assert abs(W[0]) < 1e-15
+    assert np.abs(S).max() < 1e-13
+
+
+def test_dynamics_and_diffusion_close_one_balance() -> None:
+    """In finite strain, with moduli that depend on the composition."""
+    rng = np.random.default_rng(4)
+    body = solid(
+        vv.RectangleMesh(size=(10, 10), counts=(8, 8)),
+        material=vv.NeoHooke(young=20.0, poisson=0.3),
+        density=0.2,
+        eigenstrain=0.3,
+        moduli=(0.8, 0.5),
+        concentration=lambda X: 0.5 + 0.05 * rng.standard_normal(len(X)),
+        periodic=[("x0", "x1")],
+        velocity=lambda X: 0.02 * X,
+    )
+    system = vv.System([body])
+    mass = body.integral(system.x)
+    result = vv.simulate(system, until=10.0, step=0.25)
+    figures = result.conservation()
+    assert figures["energy"] < 1e-10
+    assert max(figures["momentum_x"], figures["momentum_y"], figures["angular_z"]) < 1e-11
+    assert body.integral(system.x) == pytest.approx(mass, rel=1e-13)
+    assert np.all(np.diff(result.ledger["total"]) < 0)
+
+
+def test_stress_drives_diffusion() -> None:
+    """A bent beam whose large component strains: that goes to where it is stretched."""
+    mesh = vv.RectangleMesh(size=(8, 2), counts=(16, 4), cell="quad9")
+    well = vv.PolynomialEnergy(coefficients=(0.0, 0.0, 1.0), centre=0.5)
+    body = solid(mesh, free_energy=well, eigenstrain=0.2, gradient_energy=0.01)
+    clamp = vv.Fixed(solid=body, nodes="x0")
+    load = vv.Traction(solid=body, faces="x1", traction=(0.0, -0.02, 0.0))
+    system = vv.System([body, clamp, load])
+    vv.simulate(system, until=20.0, step=0.5, scheme=vv.BackwardEuler())
+    c, X = body.values(system.x), body.points
+    middle = np.abs(X[:, 0] - 4.0) < 1e-9
+    top, bottom = c[middle & (X[:, 1] > 1.99)], c[middle & (X[:, 1] < 0.01)]
+    assert top[0] - 0.5 == pytest.approx(0.5 - bottom[0], rel=0.05)
+    # 2 (c - 1/2) = eta tr sigma, of which sigma_z = nu sigma_x - E eta (c - 1/2), and sigma_x = M y / I
+    stress = 0.02 * 2 * 4 * 1.0 / (8 / 12)
+    assert top[0] - 0.5 == pytest.approx(0.2 * 1.3 * stress / (2 + 20 * 0.2**2), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"eigenstrain": -20.0, "concentration": 0.6}, "leave no length or no stiffness"),
+        ({"moduli": (-20.0,), "concentration": 0.6}, "leave no length or no stiffness"),
+        ({"moduli": (1.0, 1.0, 1.0, 1.0)}, "moduli has 4 coefficients, 3 are known"),
+        ({"plane": "stress"}, "plane = 'stress'"),
+        ({"free_energy": vv.UserFreeEnergy(function=lambda c: c * c)}, "needs a free energy of the core"),
+        ({"material": vv.LinearElastic(young=1.0, poisson=0.3)}, "take vv.SaintVenantKirchhoff"),
+        ({"gradient_energy": 0.01}, "less than two cells resolve it"),
+        ({"mobility": -1.0}, "mobility = -1 is not positive"),
+    ],
+)
+def test_refusals(options: Any, words: str) -> None:
+    with pytest.raises(vv.InputError, match=re.escape(words)):
+        solid(vv.RectangleMesh(size=(4, 4), counts=(4, 4)), **options)
