@@ -265,6 +265,23 @@ def picture(
 
 
 @app.command
+def html(
+    directory: Directory,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(help="*.html; motion.html in the directory if not given.")] = None,
+    size: Annotated[float, Parameter(help="Megabytes the page may have; frames are thinned to that.")] = 20.0,
+) -> None:
+    """Turn a run into one page that browsers play without a network."""
+    from visviva.output.page import write_page
+    from visviva.study.progress import counting_bar
+
+    with counting_bar("page") as show:
+        file = write_page(directory, out, largest=int(1e6 * size), progress=show)
+    print(file)
+
+
+@app.command
 def view(directory: Directory, /, *, field: Field = None) -> None:
     """Show a run in a window."""
     from visviva.output.directory import RunDirectory

@@ -97,6 +97,11 @@ class RunDirectory:
         return self.path / "movie.mp4"
 
     @property
+    def page(self) -> Path:
+        """The motion as a page for browsers."""
+        return self.path / "motion.html"
+
+    @property
     def starting(self) -> Path:
         """Mark of a run that has not yet saved its first state: nothing in it is worth keeping."""
         return self.path / ".starting"
@@ -121,7 +126,7 @@ class RunDirectory:
             self.arguments,
             self.labels,
         )
-        return (*series, self.energy_plot, self.probes_plot, self.picture, self.movie)
+        return (*series, self.energy_plot, self.probes_plot, self.picture, self.movie, self.page)
 
     @classmethod
     def create(cls, path: str | Path, overwrite: bool = False) -> Self:
