@@ -68,6 +68,7 @@ def test_run_directory(tmp_path):
         "probes.png",
         "picture.png",
         "movie.mp4",
+        "motion.html",
     ]
     RunDirectory.create(run.path)  # still empty
     with pytest.raises(InputError, match="holds no run"):
