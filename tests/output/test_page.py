@@ -29,7 +29,9 @@ def swinging(tmp_path_factory):
         name="ball", shape=vv.Sphere(0.2), density=100, position=(1, 2, 0), velocity=(1, 0, 1)
     )
     system = vv.System([bar, ball, vv.Fixed(solid=bar, nodes="x0"), vv.Gravity(acceleration=(0, 0, -9.81))])
-    study = vv.Study(system, until=0.4, step=0.02, fields=("von_mises",), title="A bar </script> & a ball", units="SI")
+    study = vv.Study(
+        system, until=0.4, step=0.02, fields=("von_mises",), title="A bar </script> & a ball", units="SI"
+    )
     study.probes = {"tip": vv.Position(of=ball)}
     from visviva.study.run import run
 
