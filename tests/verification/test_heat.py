@@ -209,3 +209,25 @@ def test_what_exchanges_no_heat_has_no_steady_state() -> None:
     for settle in (vv.equilibrium, steady):
         with pytest.raises(vv.InputError, match="nothing holds the temperature of ThermalBody"):
             settle(vv.System([bar(temperature=lambda X: X[:, 0])]))
+
+
+def test_large_bodies_are_solved_by_multigrid_and_find_what_factors_find() -> None:
+    """In time steps and steady, at once as the equations are linear; properties that depend on heat take factors."""
+    found = []
+    for linear in (None, vv.Direct()):
+        body = vv.ThermalBody(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(24, 24, 24)),
+            conductivity=1.0,
+            temperature=lambda X: X[:, 1],
+        )
+        exchange = vv.Convection(body=body, faces="x1", coefficient=2.0, ambient=3.0)
+        system = vv.System([body, held(body, "x0", "1 + t"), exchange], vv.Newton(linear=linear))
+        if linear is None:
+            assert "conjugate gradients to 1e-08, preconditioner multigrid" in system.linear_explanation
+        vv.simulate(system, until=0.02, step=0.01)
+        found.append(body.temperatures(system.x))
+    assert np.abs(found[0] - found[1]).max() < 1e-8
+    uneven = vv.ThermalBody(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4)), conductivity=1.0, conductivity_slope=0.1
+    )
+    assert "positive definite" not in vv.System([uneven]).linear_explanation

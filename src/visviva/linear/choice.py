@@ -41,6 +41,9 @@ TINY = 10_000
 DENSE_ROWS = 40
 """Rows with more entries than this belong to a three-dimensional mesh, whose factors fill."""
 
+DENSE_ROWS_OF_HEAT = 12
+"""The same for temperatures, one to a node."""
+
 DENSE_ROWS_OF_FLOWS = 50
 """The same for velocities with pressures."""
 
@@ -53,6 +56,9 @@ LARGE_FOR_EIGEN = 5000
 FEW, LOOSE = 100, 1e-3
 """Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway.
 Beyond this, they cost more than their share of a factorisation that serves several of Newton's iterations."""
+
+LINEAR = 1e-8
+"""Tolerance of iterations for equations that are linear: they are solved once in a step."""
 
 FEW_SADDLE = 40
 """The same of GMRES with contact pressures."""
@@ -98,6 +104,8 @@ class Problem:
         Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
     is_flow : bool
         Nothing else is: all constraints are pressures.
+    is_conduction : bool
+        All unknowns are temperatures, one to a node.
     n_condensed : int
         Pressures of contact that have left the equations; they leave them unsymmetric.
     """
@@ -115,6 +123,7 @@ class Problem:
     has_diagonal: bool = False
     has_flow: bool = False
     is_flow: bool = False
+    is_conduction: bool = False
     n_condensed: int = 0
 
     @property
@@ -133,6 +142,8 @@ class Problem:
     @property
     def is_solid(self) -> bool:
         """A positive definite tangent with the pattern of a three-dimensional mesh."""
+        if self.is_conduction:
+            return self.is_definite and self.n_entries > DENSE_ROWS_OF_HEAT * self.n
         return self.is_definite and self.has_modes and self.n_entries > DENSE_ROWS * self.n
 
     @property
@@ -354,7 +365,7 @@ class Iterative(LinearOptions):
 class Automatic(LinearOptions):
     """Choose by size, kind of the matrix and what is installed.
 
-    Large three-dimensional positive definite problems are solved by conjugate gradients with multigrid and,
+    Large three-dimensional positive definite problems, heat too, are solved by conjugate gradients with multigrid and,
     should that fail, by factors, large flows in space by GMRES with the commutator of the pressures; everything else by
     factors. Time steps of large solids in contact whose iterative solver fails are cut in halves, three times, before
     factors are made. In time steps, conjugate gradients with the diagonal
@@ -399,7 +410,7 @@ class Automatic(LinearOptions):
             first.append(
                 Iterative(method="gmres", preconditioner="augmented", tolerance=CLOSE, max_iterations=100)
             )
-        if problem.is_solid and problem.has_inertia:
+        if problem.is_solid and problem.has_inertia and not problem.is_conduction:
             first.append(
                 Iterative(method="cg", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
             )
@@ -408,7 +419,10 @@ class Automatic(LinearOptions):
             method: Literal["cg", "gmres"] = "gmres" if problem.nearly else "cg"
             first.append(
                 Iterative(
-                    method=method, preconditioner="multigrid", tolerance=self.tolerance, max_iterations=limit
+                    method=method,
+                    preconditioner="multigrid",
+                    tolerance=min(self.tolerance, LINEAR) if problem.is_conduction else self.tolerance,
+                    max_iterations=limit,
                 )
             )
         choices = [*(f.choose(problem) for f in first), direct]

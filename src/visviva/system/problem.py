@@ -46,14 +46,15 @@ def problem_of(system: System) -> Problem:
     fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
     symmetric = not any(f.role in CARRIED for f in fields)
+    conduction = is_conduction(model)
     has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
     return Problem(
         n=core.n_equations,
         n_entries=core.n_entries,
         symmetric=symmetric,
-        nearly=symmetric and system.has_discrete_gradient and not condensed,
-        definite=all(f.role.has_least_energy or f.multiplier for f in fields),
+        nearly=symmetric and system.has_discrete_gradient and not condensed and not conduction,
+        definite=conduction or all(f.role.has_least_energy or f.multiplier for f in fields),
         n_multipliers=system.n_constraints - core.n_eliminated - core.n_lengths,
         has_modes=any(f.node > 1 for f in fields)
         and not model.reductions.directors
@@ -63,8 +64,16 @@ def problem_of(system: System) -> Problem:
         has_inertia=system.has_inertia,
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
         has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
+        is_conduction=conduction,
         has_flow=has_flow,
         is_flow=has_flow and all(f.order < 2 for f in fields),
+    )
+
+
+def is_conduction(model: Model) -> bool:
+    """Whether all unknowns are temperatures of bodies that conduct by constant properties."""
+    return bool(model.fields) and all(
+        f.role is Role.CONTENT and getattr(f.component, "conducts_evenly", False) for f in model.fields
     )
 
 

@@ -115,6 +115,11 @@ class ThermalBody(Meshed, HeatCarrier):
             raise InputError(f"{self.label}: its temperature is not finite everywhere")
         return start
 
+    @property
+    def conducts_evenly(self) -> bool:
+        """Whether its tangent is symmetric: conductivity does not depend on the temperature."""
+        return self.conductivity_slope == 0
+
     def beyond_slopes(self, temperatures: Array) -> str:
         """Say which of conductivity and capacity is not positive at some of these temperatures; empty if none."""
         for what in ("conductivity", "capacity"):
