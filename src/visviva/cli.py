@@ -18,6 +18,7 @@ from visviva.scene.commands import (
     compose,
     execute,
     introduce,
+    looks,
     refuse_earlier_run,
     say,
     shown,
@@ -64,6 +65,20 @@ Field = Annotated[
     ),
 ]
 Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
+Range = Annotated[
+    str | None,
+    Parameter(name="--range", help="Values at the ends of the colour bar, e.g. 0,250; round ones else."),
+]
+Cmap = Annotated[str, Parameter(help="Colour map of matplotlib.")]
+Deform = Annotated[float, Parameter(help="Factor of displacements.")]
+CameraText = Annotated[
+    str | None,
+    Parameter(
+        name="--camera",
+        help="front, back, left, right, top, bottom, iso; or eye, target and up as nine numbers x,y,z,x,y,z,x,y,z.",
+    ),
+]
+SizeText = Annotated[str | None, Parameter(name="--size", help="Width and height in pixels, e.g. 1920x1080.")]
 Settings = Annotated[
     list[str],
     Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat."),
@@ -222,6 +237,11 @@ def movie(
     speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
     field: Field = None,
     outline: Outline = False,
+    camera: CameraText = None,
+    size: SizeText = None,
+    limits: Range = None,
+    cmap: Cmap = "viridis",
+    deform: Deform = 1.0,
 ) -> None:
     """Turn a run into a movie."""
     from visviva.output.directory import RunDirectory
@@ -239,6 +259,7 @@ def movie(
             field=shown(files.trajectory, field),
             outline=outline,
             progress=show,
+            **looks(camera, size, limits, cmap, deform),
         )
     print(target)
 
@@ -249,9 +270,18 @@ def picture(
     /,
     *,
     out: Annotated[Path | None, Parameter(help="*.png; picture.png in the directory if not given.")] = None,
-    time: Annotated[float | None, Parameter(help="Moment to draw; the end if not given.")] = None,
+    time: Annotated[
+        float | Literal["max"] | None,
+        Parameter(help="Moment to draw; the end if not given, max when the field is largest."),
+    ] = None,
     field: Field = None,
     outline: Outline = False,
+    camera: CameraText = None,
+    size: SizeText = None,
+    limits: Range = None,
+    cmap: Cmap = "viridis",
+    deform: Deform = 1.0,
+    transparent: Annotated[bool, Parameter(negative="", help="Without a background.")] = False,
 ) -> None:
     """Draw one moment of a run."""
     from visviva.output.directory import RunDirectory
@@ -260,7 +290,10 @@ def picture(
     files = RunDirectory.open(directory)
     target = out or files.picture
     field = shown(files.trajectory, field)
-    snapshot(files.trajectory, target, time=time, field=field, outline=outline)
+    look = looks(camera, size, limits, cmap, deform)
+    snapshot(
+        files.trajectory, target, time=time, field=field, outline=outline, transparent=transparent, **look
+    )
     print(target)
 
 

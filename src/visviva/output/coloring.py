@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, nearest
 from visviva.output.trajectory import Trajectory
 
 COLORS = "viridis"
@@ -25,9 +25,25 @@ class Coloring:
     low: float
     high: float
     title: str = ""
+    colors: str = COLORS
+
+    @property
+    def ticks(self) -> NDArray[np.float64]:
+        """Round values (n,) between the ends, these included where they are round."""
+        from matplotlib.ticker import MaxNLocator
+
+        values = np.array(MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(self.low, self.high))
+        reach = 1e-6 * (self.high - self.low)
+        return values[(values >= self.low - reach) & (values <= self.high + reach)]
 
     @classmethod
-    def of(cls, motion: Trajectory, name: str, limits: tuple[float, float] | None = None) -> Coloring:
+    def of(
+        cls,
+        motion: Trajectory,
+        name: str,
+        limits: tuple[float, float] | None = None,
+        colors: str = COLORS,
+    ) -> Coloring:
         """A field of a motion.
 
         Parameters
@@ -37,7 +53,9 @@ class Coloring:
         name
             A scalar, or a vector (3,) whose length is shown.
         limits
-            Values at the ends of the colour bar; if not given, the least and greatest of the motion.
+            Values at the ends of the colour bar; if not given, round ones around those of the motion.
+        colors
+            A colour map of matplotlib.
 
         Raises
         ------
@@ -49,12 +67,12 @@ class Coloring:
             raise InputError(
                 f"{motion.path}: {name} has too many components to be shown; choose of {scalars}"
             )
-        low, high = _range(motion, name) if limits is None else limits
+        low, high = rounded(*_range(motion, name)) if limits is None else limits
+        refuse_unknown_colors(colors)
         if not low <= high:
             raise InputError(f"{motion.path}: colours of {name} cannot span {low} to {high}")
-        return cls(
-            name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9, motion.labels.field(name)
-        )
+        title = motion.labels.field(name, size_of=motion.fields[name] == 3)
+        return cls(name, low, high if high > low else low + (abs(low) or 1.0) * 1e-9, title, colors)
 
     def values(self, motion: Trajectory, time: float) -> list[NDArray[np.float64] | None]:
         """Values (n,) on every surface at a time; None where a surface has none, or swims in what flows."""
@@ -72,6 +90,43 @@ class Coloring:
         moved = motion.field("displacement", len(motion.times) - 1)
         velocities = enumerate(motion.field_at("velocity", time))
         return {k: v for k, v in velocities if not np.isnan(v).any() and not moved[k].any()}
+
+
+def rounded(low: float, high: float) -> tuple[float, float]:
+    """Round ends around a range.
+
+    Examples
+    --------
+    >>> rounded(0.013, 87.3)
+    (0.0, 100.0)
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    if not high > low:
+        return low, high
+    ticks = MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    return float(ticks[0]), float(ticks[-1])
+
+
+def refuse_unknown_colors(name: str) -> None:
+    """Refuse colour maps that matplotlib does not know."""
+    from matplotlib import colormaps
+
+    if name not in colormaps:
+        raise InputError(f"there is no colour map {name!r}{nearest(name, list(colormaps))}")
+
+
+def fluids_of(motion: Trajectory) -> frozenset[int]:
+    """Numbers of the surfaces that something flows through, while their meshes stand still."""
+    if not {"velocity", "displacement"} <= set(motion.fields):
+        return frozenset()
+    last = len(motion.times) - 1
+    parts = zip(motion.field("displacement", last), motion.field("velocity", last), strict=True)
+    return frozenset(
+        k
+        for k, (u, v) in enumerate(parts)
+        if not np.isnan(v).any() and not np.nan_to_num(u).any() and v.any()
+    )
 
 
 def _scalar(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,6 +25,8 @@ class Labels:
         Human names of fields.
     field_units : mapping of str to str
         Their units.
+    up : tuple of float, optional
+        What is up, against gravity.
 
     Examples
     --------
@@ -39,6 +41,7 @@ class Labels:
     columns: Mapping[str, str] = field(default_factory=dict)
     fields: Mapping[str, str] = field(default_factory=dict)
     field_units: Mapping[str, str] = field(default_factory=dict)
+    up: tuple[float, float, float] | None = None
 
     @classmethod
     def of(cls, noted: Mapping[str, Any]) -> Self:
@@ -64,9 +67,10 @@ class Labels:
         unit = self.unit("time") if name == "time" else self.columns.get(name, "")
         return with_unit(name, unit)
 
-    def field(self, name: str) -> str:
-        """A field with its unit."""
-        return with_unit(self.fields.get(name, name.replace("_", " ")), self.field_units.get(name, ""))
+    def field(self, name: str, *, size_of: bool = False) -> str:
+        """A field with its unit; of a vector its size."""
+        spoken = self.fields.get(name, name.replace("_", " ")) + (" magnitude" if size_of else "")
+        return with_unit(spoken, self.field_units.get(name, ""))
 
     def moment(self, time: float, span: float) -> str:
         """A time for a picture, with digits enough to tell moments of a span apart."""

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, RunError
-from visviva.output.coloring import Coloring
+from visviva.output.coloring import COLORS, Coloring, fluids_of
 from visviva.output.picture import trails_until
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
+from visviva.output.standing import Standing
 from visviva.output.trajectory import Trajectory
 from visviva.output.view import NO_STREAMS, Camera, Scene
 
@@ -31,8 +32,10 @@ def movie(
     outline: bool = False,
     trails: Sequence[str] = (),
     colors: Sequence[str] = (),
-    camera: Camera | None = None,
+    camera: Camera | str | None = None,
     size: tuple[int, int] = (1280, 720),
+    cmap: str = COLORS,
+    deform: float = 1.0,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
     """Turn a stored motion into a movie.
@@ -51,8 +54,10 @@ def movie(
         As for `snapshot`.
     trails
         Names of the surfaces whose centres leave a trail.
-    colors, camera
+    colors
         As for `picture`.
+    camera, cmap, deform
+        As for `snapshot`.
     size
         Width and height in pixels, both even.
     progress
@@ -71,10 +76,11 @@ def movie(
     if size[0] % 2 or size[1] % 2 or min(size) < 16:
         raise InputError(f"a movie needs an even width and height of at least 16 pixels, got {size}")
     encode = _encode_gif if target.suffix.lower() == ".gif" else _encode_mp4
-    with Trajectory(trajectory) as motion:
-        coloring = Coloring.of(motion, field, limits) if field else None
+    with Standing(trajectory, deform) as motion:
+        coloring = Coloring.of(motion, field, limits, cmap) if field else None
         shade = motion.points(0) if outline else None
-        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size, coloring, shade)
+        looking = (tuple(colors), motion.camera(camera), size, coloring, shade, fluids_of(motion))
+        scene = Scene(motion.surfaces, motion.cloud(), *looking)
         times = _frame_times(motion.times, speed / fps)
         frames = _frames(motion, scene, times, trails, progress)
         try:

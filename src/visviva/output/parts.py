@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.output.coloring import COLORS, Coloring
+from visviva.output.coloring import Coloring
 from visviva.output.skin import skin
 from visviva.output.streamlines import StreamFunction, levels
 from visviva.output.surface import Surface
@@ -41,12 +41,13 @@ class Part:
 class Skin(Part):
     """Faces, shaded smoothly between their sharp edges."""
 
-    def __init__(self, surface: int, mesh: Any, ids: NDArray[np.int64], mapper: Any) -> None:
+    def __init__(self, surface: int, mesh: Any, ids: NDArray[np.int64], actor: Any) -> None:
         super().__init__(surface, mesh, ids)
-        self._mapper = mapper
+        self._actor = actor
 
     def paint(self, values: NDArray[np.float64] | None) -> None:
-        self._mapper.scalar_visibility = values is not None
+        self._actor.mapper.scalar_visibility = values is not None
+        self._actor.prop.lighting = values is None  # lit colours would not be those of the bar
         if values is not None:
             self._mesh.point_data["field"] = values[self._ids]
             self._mesh.set_active_scalars("field")
@@ -121,6 +122,9 @@ def parts_of(plotter: Any, scene: Scene, k: int, surface: Surface, fine: int) ->
     """Add what draws one surface: faces with their sharp edges, lines, single points, and the shadows."""
     import pyvista
 
+    if k in scene.fluids and not scene.is_flat and scene.coloring is not None:
+        yield from _opened(plotter, scene, k, surface, fine)
+        return
     faces = skin(surface)
     lines = [block for block in surface.cells if block.shape[1] == 2]
     dots = [block for block in surface.cells if block.shape[1] == 1]
@@ -156,14 +160,57 @@ def _solid(plotter: Any, scene: Scene, k: int, whole: Any, fine: int) -> Iterato
         actor.mapper.lookup_table = table(scene.coloring, scene.color(k))
         actor.mapper.SetUseLookupTableScalarRange(True)
         actor.mapper.SetInterpolateScalarsBeforeMapping(True)
-    yield Skin(k, smooth, ids, actor.mapper)
-    yield _shadow(plotter, scene, k, smooth, ids)
+    yield Skin(k, smooth, ids, actor)
+    if not scene.is_flat:
+        yield _shadow(plotter, scene, k, smooth, ids)
     edges = whole.extract_feature_edges(feature_angle=SHARP, boundary_edges=True, manifold_edges=False)
     if edges.n_points:
         ids = np.asarray(edges["ids"])
         edges.clear_data()
         plotter.add_mesh(edges, color=INK, line_width=fine, opacity=0.7, lighting=False, render=False)
         yield Edges(k, edges, ids, plotter.camera)
+
+
+class Cut(Part):
+    """A section through cells that stand still, coloured by the field inside."""
+
+    def __init__(
+        self, surface: int, grid: Any, section: Any, across: NDArray[np.float64], actor: Any
+    ) -> None:
+        super().__init__(surface, grid, np.arange(grid.n_points))
+        self._section, self._across, self._actor = section, across, actor
+
+    def move(self, points: NDArray[np.float64]) -> None:
+        """Nothing: what flows through stands still."""
+
+    def paint(self, values: NDArray[np.float64] | None) -> None:
+        if values is not None:
+            self._mesh.point_data["field"] = values
+            self._section.copy_from(self._mesh.slice(normal=self._across, origin=self._mesh.center))
+            self._section.set_active_scalars("field")
+
+
+def _opened(plotter: Any, scene: Scene, k: int, surface: Surface, fine: int) -> Iterator[Part]:
+    """A fluid in space: the edges of its box, glassy walls, and a section along it through its middle."""
+    import pyvista
+
+    assert scene.coloring is not None
+    cells = [np.insert(block, 0, block.shape[1], axis=1).ravel() for block in surface.cells]
+    kinds = [np.full(len(b), kind, np.uint8) for b, kind in zip(surface.cells, surface.types, strict=True)]
+    grid = pyvista.UnstructuredGrid(np.concatenate(cells), np.concatenate(kinds), surface.points)
+    size = np.ptp(surface.points, axis=0)
+    across = np.eye(3)[1 if size[1] <= size[0] else 0]  # along the longer side of the floor
+    grid.point_data["field"] = np.zeros(grid.n_points)
+    section = grid.slice(normal=across, origin=grid.center)
+    actor = plotter.add_mesh(section, scalars="field", lighting=False, show_scalar_bar=False, render=False)
+    actor.mapper.lookup_table = table(scene.coloring, scene.color(k))
+    actor.mapper.SetUseLookupTableScalarRange(True)
+    walls = pyvista.PolyData(surface.points, faces=_packed(skin(surface)))
+    edges = walls.extract_feature_edges(feature_angle=SHARP, boundary_edges=True, manifold_edges=False)
+    plotter.add_mesh(walls, color=INK, opacity=0.05, lighting=False, render=False)
+    if edges.n_points:
+        plotter.add_mesh(edges, color=INK, line_width=fine, opacity=0.5, lighting=False, render=False)
+    yield Cut(k, grid, section, across, actor)
 
 
 def _shade(plotter: Any, whole: Any, points: NDArray[np.float64], fine: int) -> None:
@@ -182,7 +229,7 @@ def table(coloring: Coloring, plain: str = INK) -> Any:
     """Colours of a field, and a plain one where it has no value."""
     import pyvista
 
-    return pyvista.LookupTable(COLORS, scalar_range=(coloring.low, coloring.high), nan_color=plain)
+    return pyvista.LookupTable(coloring.colors, scalar_range=(coloring.low, coloring.high), nan_color=plain)
 
 
 def _thread(plotter: Any, scene: Scene, k: int, mesh: Any) -> Iterator[Part]:
@@ -194,7 +241,8 @@ def _thread(plotter: Any, scene: Scene, k: int, mesh: Any) -> Iterator[Part]:
     tube.SetInputData(mesh)
     plotter.add_mesh(tube, color=scene.color(k), smooth_shading=True, render=False, **GLOSS)
     yield Part(k, mesh, ids)
-    yield _shadow(plotter, scene, k, mesh, ids)
+    if not scene.is_flat:
+        yield _shadow(plotter, scene, k, mesh, ids)
 
 
 def _dots(plotter: Any, scene: Scene, k: int, ids: NDArray[np.int64]) -> Iterator[Part]:

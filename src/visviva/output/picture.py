@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
-from visviva.output.coloring import Coloring
+from visviva.output.coloring import COLORS, Coloring, fluids_of
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
+from visviva.output.standing import Standing
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 from visviva.output.view import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
@@ -64,14 +66,17 @@ def snapshot(
     trajectory: str | Path,
     png: str | Path,
     *,
-    time: float | None = None,
+    time: float | Literal["max"] | None = None,
     field: str = "",
     limits: tuple[float, float] | None = None,
     outline: bool = False,
     trails: Sequence[str] = (),
     colors: Sequence[str] = (),
-    camera: Camera | None = None,
+    camera: Camera | str | None = None,
     size: tuple[int, int] = (1600, 1000),
+    cmap: str = COLORS,
+    deform: float = 1.0,
+    transparent: bool = False,
 ) -> None:
     """Draw one moment of a stored motion into a PNG file.
 
@@ -82,36 +87,74 @@ def snapshot(
     png
         File to write.
     time
-        In s; the end if not given.
+        Time of the motion; the end if not given, ``max`` when the field is largest.
     field
         Quantity that colours the surfaces which have it, with a colour bar; of a vector its length.
     limits
-        Values at the ends of the colour bar; those of the whole motion if not given.
+        Values at the ends of the colour bar; round ones around those of the whole motion if not given.
     outline
         Draw everything as it was at the start, too, as a shade.
     trails
         Names of the surfaces whose centres leave a trail.
-    colors, camera, size
+    colors, size
         As for `picture`.
+    camera
+        Position, point looked at and up direction in the coordinates of the model, or ``front``, ``back``, ``left``,
+        ``right``, ``top``, ``bottom``, ``iso``; what is against gravity is up then.
+    cmap
+        Colour map of matplotlib.
+    deform
+        Factor of displacements, of what has some.
+    transparent
+        Without a background.
 
     Raises
     ------
     InputError
         If there is no such field, it has too many components to be shown, or the time is not in the motion.
     """
-    with Trajectory(trajectory) as motion:
-        coloring = Coloring.of(motion, field, limits) if field else None
-        shade = motion.points(0) if outline else None
-        scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), camera, size, coloring, shade)
-        first, last = float(motion.times[0]), float(motion.times[-1])
-        moment = last if time is None else time
-        if not first - 1e-6 * (last - first) <= moment <= last + 1e-6 * (last - first):
-            raise InputError(f"{trajectory}: has no time {moment:g}; it goes from {first:g} to {last:g}")
+    with Standing(trajectory, deform) as motion:
+        coloring = Coloring.of(motion, field, limits, cmap) if field else None
+        moment = chosen_moment(motion, time, coloring)
+        scene = Scene(
+            motion.surfaces,
+            motion.cloud(),
+            tuple(colors),
+            motion.camera(camera),
+            size,
+            coloring,
+            motion.points(0) if outline else None,
+            fluids_of(motion),
+            transparent,
+        )
         points = motion.points_at(moment)
         passed = trails_until(motion, motion.centres(trails), moment, points)
         values = coloring.values(motion, moment) if coloring else ()
         streams = coloring.streams(motion, moment) if coloring else NO_STREAMS
         _draw(scene, points, passed, motion.moment(moment), Path(png), values, streams)
+
+
+def chosen_moment(motion: Trajectory, time: float | str | None, coloring: Coloring | None) -> float:
+    """The time to draw: the end, one that is given, or that at which a field is largest."""
+    first, last = float(motion.times[0]), float(motion.times[-1])
+    if isinstance(time, str):
+        if time != "max" or coloring is None:
+            raise InputError(f"{motion.path}: time {time!r} is no number; 'max' goes with a field")
+        return largest(motion, coloring)
+    moment = last if time is None else time
+    if not first - 1e-6 * (last - first) <= moment <= last + 1e-6 * (last - first):
+        raise InputError(f"{motion.path}: has no time {moment:g}; it goes from {first:g} to {last:g}")
+    return moment
+
+
+def largest(motion: Trajectory, coloring: Coloring) -> float:
+    """Time of the frame in which a field is largest."""
+    times = [float(motion.times[step]) for step in motion.chosen_steps()]
+    peaks = [
+        max((float(np.nanmax(v)) for v in coloring.values(motion, t) if v is not None), default=-np.inf)
+        for t in times
+    ]
+    return times[int(np.argmax(peaks))]
 
 
 def trails_until(

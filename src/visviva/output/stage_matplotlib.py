@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.output.coloring import COLORS
 from visviva.output.skin import skin
 from visviva.output.view import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
@@ -30,14 +30,15 @@ class MatplotlibStage:
         self._figure = Figure(figsize=(scene.size[0] / DOTS_PER_INCH, scene.size[1] / DOTS_PER_INCH))
         self._canvas: Any = FigureCanvasAgg(self._figure)
         self._figure.set_dpi(DOTS_PER_INCH)
-        self._figure.set_facecolor("#f4f7fa")
+        self._figure.set_facecolor("none" if scene.transparent else "#f4f7fa")
         self._colors = [np.array(to_rgb(scene.color(k))) for k in range(len(scene.surfaces))]
         left, bottom, width, height = _square(scene.size)
         place = (left - (1 - scene.room) / 2, bottom, width, height)
         self._axes: Any = self._figure.add_axes(place, projection="3d", computed_zorder=False)
         self._skins = [skin(surface) for surface in scene.surfaces]
         self._set_up()
-        self._ground()
+        if not scene.is_flat:
+            self._ground()
         self._map = self._color_bar()
         if scene.outline is not None:
             self._shade(scene.outline)
@@ -57,7 +58,8 @@ class MatplotlibStage:
 
     def image(self) -> NDArray[np.uint8]:
         self._canvas.draw()
-        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+        drawn = np.asarray(self._canvas.buffer_rgba())
+        return drawn.copy() if self.scene.transparent else drawn[..., :3].copy()
 
     def close(self) -> None:
         self._figure.clear()
@@ -71,7 +73,8 @@ class MatplotlibStage:
         axes.set_box_aspect(size, zoom=0.95 * scene.room)
         axes.set_axis_off()
         axes.patch.set_visible(False)
-        view = np.array(scene.view[0]) if scene.camera is None else np.subtract(*scene.camera[:2])
+        given = scene.camera is not None and not isinstance(scene.camera, str)
+        view = np.subtract(*scene.camera[:2]) if given else np.array(scene.view[0])  # type: ignore[index]
         axes.view_init(
             elev=np.degrees(np.arctan2(view[2], np.hypot(view[0], view[1]))),
             azim=np.degrees(np.arctan2(view[1], view[0])) if np.any(view[:2]) else -90.0,
@@ -97,12 +100,12 @@ class MatplotlibStage:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 
-        mapping = ScalarMappable(Normalize(coloring.low, coloring.high), COLORS)
+        mapping = ScalarMappable(Normalize(coloring.low, coloring.high), coloring.colors)
         size = self.scene.size[1] / 60
         place = self._figure.add_axes((0.9, 0.2, 0.02, 0.6))
-        bar = self._figure.colorbar(mapping, cax=place, format="%.3g")
+        bar = self._figure.colorbar(mapping, cax=place, format="%.3g", ticks=coloring.ticks)
         bar.ax.tick_params(labelsize=size, colors=INK)
-        bar.ax.set_title(coloring.name, size=size, color=INK)
+        bar.ax.set_title("\n".join(textwrap.wrap(coloring.title, 16)), size=size, color=INK, pad=12)
         return mapping
 
     def _shade(self, points: Points) -> None:

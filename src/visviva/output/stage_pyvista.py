@@ -39,7 +39,8 @@ class PyVistaStage:
                 self.plotter = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
             self._light()
             self._look()
-            self._ground()
+            if not (scene.is_flat or scene.transparent):
+                self._ground()
             self._label = self._label_in_corner()
             self._trails: dict[int, Any] = {}
             self._parts = [
@@ -65,7 +66,10 @@ class PyVistaStage:
     def image(self) -> NDArray[np.uint8]:
         with _quiet():
             self.plotter.render()  # a screenshot alone would repeat the picture before
-            fine: NDArray[np.uint8] = np.asarray(self.plotter.screenshot(return_img=True))
+            see_through = self.scene.transparent
+            fine: NDArray[np.uint8] = np.asarray(
+                self.plotter.screenshot(return_img=True, transparent_background=see_through)
+            )
         corners = [
             fine[row :: self._fine, column :: self._fine] for row, column in np.ndindex(2 * (self._fine,))
         ]
@@ -80,7 +84,8 @@ class PyVistaStage:
     def _light(self) -> None:
         import pyvista
 
-        self.plotter.set_background("#f3f6f9", top="#cfdbe6")
+        if not self.scene.transparent:
+            self.plotter.set_background("#f3f6f9", top="#cfdbe6")
         self.plotter.enable_anti_aliasing("msaa", multi_samples=1 if self._fine > 1 else 4)
         eye, target, up = self.scene.fitted_camera(self.plotter.camera.view_angle)
         sight = np.subtract(eye, target) / np.linalg.norm(np.subtract(eye, target))
@@ -115,6 +120,10 @@ class PyVistaStage:
     def _look(self) -> None:
         camera = self.plotter.camera
         camera.position, camera.focal_point, camera.up = self.scene.fitted_camera(camera.view_angle)
+        if self.scene.is_flat:  # what is flat has no depth to be drawn
+            far = np.linalg.norm(np.subtract(camera.position, camera.focal_point))
+            camera.parallel_projection = True
+            camera.parallel_scale = float(far * np.tan(np.radians(camera.view_angle) / 2))
 
     def _label_in_corner(self) -> Any:
         size = max(8, round(self._fine * self.scene.size[1] / 62))
@@ -124,16 +133,40 @@ class PyVistaStage:
 
     def _color_bar(self, coloring: Coloring) -> None:
         import pyvista
+        from vtkmodules.vtkCommonCore import vtkDoubleArray
 
         mapper = pyvista.DataSetMapper()
         mapper.lookup_table = table(coloring)
         size = max(8, round(self._fine * self.scene.size[1] / 45))
-        place = {"position_x": 0.9, "position_y": 0.2, "width": 0.035, "height": 0.6}
-        look: dict[str, Any] = {"color": INK, "title_font_size": size, "label_font_size": size}
+        place = {"position_x": 0.9, "position_y": 0.16, "width": 0.035, "height": 0.6}
+        look: dict[str, Any] = {"color": INK, "title_font_size": 1, "label_font_size": size}
         bar = self.plotter.add_scalar_bar(
-            f"{coloring.name}\n", mapper=mapper, n_labels=5, fmt="%.3g", vertical=True, **place, **look
+            " ",
+            mapper=mapper,
+            n_labels=max(len(coloring.ticks), 2),
+            fmt="%.3g",
+            vertical=True,
+            **place,
+            **look,
         )
         bar.SetUnconstrainedFontSize(True)
+        ticks = vtkDoubleArray()
+        for value in coloring.ticks:
+            ticks.InsertNextValue(float(value))
+        bar.SetUseCustomLabels(True)
+        bar.SetCustomLabels(ticks)
+        self._title(coloring.title, size)
+
+    def _title(self, title: str, size: int) -> None:
+        """The name of a field above its bar, in lines that fit beside the picture."""
+        import textwrap
+
+        lines = "\n".join(textwrap.wrap(title, 16))
+        text = self.plotter.add_text(
+            lines, position=(0.92, 0.79), viewport=True, font_size=size, color=INK, render=False
+        )
+        text.prop.justification_horizontal, text.prop.justification_vertical = "center", "bottom"
+        text.prop.font_size = size
 
     def _draw_trails(self, trails: Trails) -> None:
         """Draw lines that fade backwards; new points for old actors, since VTK takes long over new ones."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,7 +24,18 @@ Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 NO_STREAMS: Streams = {}
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
+PRESETS = {
+    "front": ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
+    "back": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    "left": ((-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "right": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "top": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    "bottom": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
+    "iso": ((1.0, -1.0, 0.8), (0.0, 0.0, 1.0)),
+}
+"""Directions from which one looks at the whole, and what is up then."""
 MARGIN = 1.12  # of the view around what is shown
+WIDE = 1.25  # the same of what is flat, which would lie under the label
 VIEW = ((1.0, -1.7, 0.75), (0.0, 0.0, 1.0))  # from where one looks by default, and what is up
 ABOVE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))  # the same for what lies in the plane of the first two axes
 
@@ -41,11 +53,15 @@ class Scene:
     colors
         One per surface, any notation of matplotlib; none for a default palette.
     camera
-        Position, point looked at and up direction, (3,) each; none to look at the whole cloud.
+        Position, point looked at and up direction, (3,) each, or one of `PRESETS`; none to look at the whole cloud.
     size
         Width and height in pixels.
     coloring
         Field by which surfaces are coloured, with its colour bar; none for plain colours.
+    fluids
+        Numbers of the surfaces that something flows through: in space they are cut open.
+    transparent
+        No background.
     outline
         Points of every surface at which it is drawn a second time as a shade; none for no shade.
     """
@@ -53,14 +69,28 @@ class Scene:
     surfaces: tuple[Surface, ...]
     cloud: NDArray[np.float64]
     colors: tuple[str, ...] = ()
-    camera: Camera | None = None
+    camera: Camera | str | None = None
     size: tuple[int, int] = (1280, 720)
     coloring: Coloring | None = None
     outline: Points | None = None
+    fluids: frozenset[int] = frozenset()
+    transparent: bool = False
 
     def color(self, k: int) -> str:
-        """Colour of the surface number `k`."""
-        return self.colors[k] if self.colors else PALETTE[k % len(PALETTE)]
+        """Colour of the surface number `k`; names that differ by a number alone share one."""
+        return self.colors[k] if self.colors else PALETTE[self._kinds[k] % len(PALETTE)]
+
+    @cached_property
+    def _kinds(self) -> list[int]:
+        """Numbers of the surfaces' names without the numbers behind them."""
+        stems = [re.sub(r"[\s_.-]*\d+$", "", surface.name) or surface.name for surface in self.surfaces]
+        known = {stem: k for k, stem in enumerate(dict.fromkeys(stems))}
+        return [known[stem] for stem in stems]
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether all lies in the plane of the first two axes, and is seen from above, without a floor."""
+        return bool(self.camera is None and self.high[2] - self.low[2] < 1e-3 * self.extent)
 
     @cached_property
     def low(self) -> NDArray[np.float64]:
@@ -87,7 +117,9 @@ class Scene:
     @property
     def view(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Direction from which one looks if no camera is given, and the direction that is up."""
-        return ABOVE if self.high[2] - self.low[2] < 1e-3 * self.extent else VIEW
+        if isinstance(self.camera, str):
+            return PRESETS[self.camera]
+        return ABOVE if self.is_flat else VIEW
 
     @property
     def ground(self) -> float:
@@ -119,14 +151,14 @@ class Scene:
         opening
             Angle between the upper and lower edge of the view, in degrees.
         """
-        if self.camera is not None:
+        if self.camera is not None and not isinstance(self.camera, str):
             return self.camera
         direction, up = self.view
         back = np.array(direction) / np.linalg.norm(direction)
         right = np.cross(up, back)
         axes = np.array([right / np.linalg.norm(right), np.zeros(3), back])
         axes[1] = np.cross(back, axes[0])
-        half = np.tan(np.radians(opening) / 2) / MARGIN
+        half = np.tan(np.radians(opening) / 2) / (WIDE if self.is_flat else MARGIN)
         aspect = self.size[0] / self.size[1]
         slopes = half * np.array([self.room * aspect, 1.0])
         middle = (self.low + self.high) / 2
@@ -135,7 +167,7 @@ class Scene:
         upper = (seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
         lower = (-seen[:, :2] / slopes + seen[:, 2:]).max(axis=0)
         distance = max(float(((upper + lower) / 2).max()), 0.5 * self.extent)
-        aside = (1 - self.room) * distance * half * MARGIN * aspect * axes[0]
+        aside = (1 - self.room) * distance * np.tan(np.radians(opening) / 2) * aspect * axes[0]
         target = middle + (slopes * (upper - lower) / 2) @ axes[:2] + aside
         return tuple(target + distance * back), tuple(target), up
 

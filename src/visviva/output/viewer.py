@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from visviva.base.errors import InputError
-from visviva.output.coloring import Coloring
+from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.picture import trails_until
+from visviva.output.standing import Standing
 from visviva.output.trajectory import Trajectory
 from visviva.output.view import INK, NO_STREAMS, Scene
 
@@ -38,7 +39,7 @@ def show(
     """
     if not _has_screen():
         raise InputError("there is no screen to show the motion on; write a picture or a movie instead")
-    with Trajectory(trajectory) as motion:
+    with Standing(trajectory) as motion:
         plotter = build_viewer(motion, trails, colors, off_screen=False, field=field)
         plotter.show(title=str(trajectory))
 
@@ -55,7 +56,14 @@ def build_viewer(
 
     plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=[1280, 800], lighting="none")
     coloring = Coloring.of(motion, field) if field else None
-    scene = Scene(motion.surfaces, motion.cloud(), tuple(colors), size=(1280, 800), coloring=coloring)
+    scene = Scene(
+        motion.surfaces,
+        motion.cloud(),
+        tuple(colors),
+        size=(1280, 800),
+        coloring=coloring,
+        fluids=fluids_of(motion),
+    )
     stage = PyVistaStage(scene, plotter)
     paths = motion.centres(trails)
 

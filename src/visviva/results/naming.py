@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from visviva.base.unit_labels import BASE, DERIVED, Units
+from visviva.load.gravity import Gravity
 from visviva.measure.names import FIELDS, quantity_of, spoken
 from visviva.output.labels import Labels
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
+    from visviva.system.system import System
 
 LABELLED = (*BASE, *DERIVED, "stress", "energy", "power", "angle")
 
@@ -28,6 +32,7 @@ def labels_of(
     title: str = "",
     fields: Iterable[str] = FIELDS,
     columns: Mapping[str, str] | None = None,
+    up: tuple[float, float, float] | None = None,
 ) -> Labels:
     """Labels of what a run writes.
 
@@ -48,7 +53,24 @@ def labels_of(
         dict(columns or {}),
         {name: spoken(name) for name in named},
         {name: unit for name in named if (unit := units[quantity_of(name)])},
+        up,
     )
+
+
+def up_of(system: System) -> tuple[float, float, float] | None:
+    """What is up in a system: against its gravity, if there is some.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> up_of(vv.System([vv.PointMass(mass=1.0), vv.Gravity(acceleration=(0, -9.81, 0))]))
+    (0.0, 1.0, 0.0)
+    """
+    weights = [c.acceleration for c in system.components if isinstance(c, Gravity)]
+    pull = np.sum(weights, axis=0) if weights else np.zeros(3)
+    size = float(np.linalg.norm(pull))
+    x, y, z = (-pull / size + 0.0).tolist() if size > 0 else (0.0, 0.0, 1.0)
+    return (x, y, z) if size > 0 else None
 
 
 def ledger_units(names: Iterable[str], units: Units, scheme: Scheme) -> dict[str, str]:

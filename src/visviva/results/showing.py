@@ -15,7 +15,7 @@ from visviva.base.html import Markup, sparkline, table
 from visviva.output.directory import RunDirectory
 from visviva.results.audit import course, figures, judgements
 from visviva.results.looking_back import tabulated, units_of_columns
-from visviva.results.naming import labels_of
+from visviva.results.naming import labels_of, up_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -68,7 +68,7 @@ def made(path: Path, file: str | Path | None) -> Picture:
 
 def labels(result: Result, columns: Mapping[str, str] | None = None) -> Labels:
     """How a result calls what it shows."""
-    return labels_of(result.system.units, result.scheme, columns=columns)
+    return labels_of(result.system.units, result.scheme, columns=columns, up=up_of(result.system))
 
 
 def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) -> Picture:

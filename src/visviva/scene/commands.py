@@ -106,6 +106,35 @@ def shown(trajectory: Path, field: str | None) -> str:
         return "von_mises" if "von_mises" in motion.fields else ""
 
 
+def looks(
+    camera: str | None, size: str | None, limits: str | None, cmap: str, deform: float
+) -> dict[str, Any]:
+    """Options of pictures from the texts of a command line."""
+    found: dict[str, Any] = {"cmap": cmap, "deform": deform}
+    if camera is not None and camera.isalpha():
+        found["camera"] = camera
+    elif camera is not None:
+        v = numbers("--camera", camera, 9, "a name, or x,y,z of the eye, of the target, and of what is up")
+        found["camera"] = (v[:3], v[3:6], v[6:])
+    if size is not None:
+        width, height = numbers("--size", size.replace("x", ","), 2, "WIDTHxHEIGHT")
+        found["size"] = (int(width), int(height))
+    if limits is not None:
+        found["limits"] = tuple(numbers("--range", limits, 2, "LOW,HIGH"))
+    return found
+
+
+def numbers(option: str, text: str, n: int, wanted: str) -> list[float]:
+    """So many numbers with commas between."""
+    try:
+        found = [float(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != n:
+        raise InputError(f"{option} {text!r}: write {wanted}")
+    return found
+
+
 def execute(
     source: Source, directory: Path, *, pictures: bool = True, movies: bool = True, **options: Any
 ) -> int:

@@ -22,7 +22,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.results.audit import figures
 from visviva.results.ledger import Bookkeeper
-from visviva.results.naming import labels_of, ledger_units
+from visviva.results.naming import labels_of, ledger_units, up_of
 from visviva.results.result import Result
 from visviva.study import restart
 from visviva.study.origin import Origin
@@ -178,7 +178,9 @@ class Recorder:
     def write_labels(self, columns: Mapping[str, str]) -> Labels:
         """Note names and units of what the files hold."""
         study = self.study
-        labels = labels_of(study.system.units, study.scheme, study.title, columns=columns)
+        labels = labels_of(
+            study.system.units, study.scheme, study.title, columns=columns, up=up_of(study.system)
+        )
         self.files.write_labels(labels)
         return labels
 
