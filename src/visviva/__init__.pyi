@@ -137,6 +137,7 @@ from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemp
 from .thermal.fluid_heat import FluidHeat
 from .thermal.heat import Heat
 from .thermal.heat_contact import HeatContact
+from .thermal.heat_link import HeatLink
 from .thermal.heat_tie import HeatTie
 from .thermal.thermal_body import ThermalBody
 from .thermal.thermoelastic_solid import ThermoelasticSolid
@@ -224,6 +225,7 @@ __all__ = [
     "HeatContact",
     "HeatFlow",
     "HeatFlux",
+    "HeatLink",
     "HeatSource",
     "HeatTie",
     "Hencky",

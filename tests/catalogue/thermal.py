@@ -136,6 +136,22 @@ def tied(*kinds: str, conductance: float | None = None) -> Components:
     return [first, second, tie, vv.HeatFlux(body=first, faces="x0", flux="3 + t")]
 
 
+def linked() -> Components:
+    """A bolt between a solid that deforms and a body that does not, a coupling between two solids."""
+    first, body, _, flux = tied("solid", "body")
+    other = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(0, 3, 0)),
+        material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        heat=HEAT,
+        temperature=22.0,
+        angular_velocity=(0.1, 0.4, 0.2),
+    )
+    bolt = vv.HeatLink(first=first, first_at=(1, 0.3, 0.4), second=body, second_faces="x0", conductance=0.3)
+    strap = vv.HeatLink(first=first, first_faces="y1", second=other, second_faces="y0", conductance=0.2)
+    return [first, body, other, flux, bolt, strap]
+
+
 def touching(**options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
@@ -167,6 +183,7 @@ THERMAL = [
         for a, b in (("body", "body"), ("solid", "solid"), ("body", "solid"))
         for c in (None, 2.0)
     ],
+    Entry("heat links", linked, NOTHING, steps=20),
     *[
         Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)
         for name, options in (

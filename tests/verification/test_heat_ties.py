@@ -211,6 +211,53 @@ def test_a_channel_with_a_wall_that_conducts() -> None:
     assert heat.temperatures(system.x) == pytest.approx(at_wall + flow / 0.25 * (y - y**2 / 2), abs=1e-10)
 
 
+def test_a_bolt_conducts_as_its_place_and_faces_say() -> None:
+    """Two insulated bodies that conduct well: the difference of their temperatures falls by exp(-C (1/c1 + 1/c2) t)."""
+    first, second = (
+        vv.ThermalBody(mesh=block("hex8", k), conductivity=1e6, temperature=10.0 * k, capacity=2.0 + k)
+        for k in (True, False)
+    )
+    bolt = vv.HeatLink(
+        first=first, first_at=(0.9, 0.4, 0.4), second=second, second_faces="x0", conductance=0.7
+    )
+    system = vv.System([first, second, bolt])
+    vv.simulate(system, until=1.0, step=0.01)
+    left, right = (body.temperatures(system.x) for body in (first, second))
+    assert left.mean() - right.mean() == pytest.approx(10 * np.exp(-0.7 * (1 / 3 + 1 / 2)), rel=1e-4)
+    assert 3 * left.mean() + 2 * right.mean() == pytest.approx(30.0, rel=1e-6)
+
+
+def test_a_turning_link_keeps_energy_and_makes_entropy() -> None:
+    core, ring, _ = rings(0.3)
+    strap = vv.HeatLink(first=core, first_faces="top", second=ring, second_faces="bottom", conductance=0.4)
+    system = vv.System([core, ring, strap], vv.Newton(tolerance=1e-13))
+    entropy: list[float] = []
+    result = vv.simulate(
+        system, until=0.5, step=0.05,
+        observe=lambda s: entropy.append(core.total_entropy(s.x) + ring.total_entropy(s.x)),
+    )  # fmt: skip
+    assert result.conservation()["energy"] < 1e-12
+    assert np.min(np.diff(entropy)) > 0
+
+
+def test_refusals_of_links() -> None:
+    first, second = blocks("quad4", "quad4")
+    given: dict[str, Any] = {
+        "first": first, "second": second, "first_at": (0.5, 0.5, 0), "second_faces": "x0", "conductance": 1.0
+    }  # fmt: skip
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"conductance": -1.0}, "conductance = -1 is not positive"),
+        ({"second": first}, "first and second are the same"),
+        ({"first_at": None}, "give one of first_at and first_faces"),
+        ({"second_at": (1, 1, 0)}, "give one of second_at and second_faces"),
+        ({"first_at": (9, 9, 0)}, "lies in none of its elements"),
+        ({"second_faces": "x7"}, "x7"),
+    ]
+    for options, words in cases:
+        with pytest.raises(vv.InputError, match=words):
+            vv.HeatLink(**{**given, **options})
+
+
 def test_a_tie_that_conducts_is_not_said_to_insulate() -> None:
     core, ring, tie = rings(0.3)
     held = vv.Tie(first=core, first_faces="outer", second=ring, second_faces="inner", reach=0.1)
