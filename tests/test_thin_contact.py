@@ -123,6 +123,25 @@ def test_a_rod_slides_along_another() -> None:
     assert abs(bar.velocities(system.x, system.v)[:, 1]).max() < 1e-6
 
 
+def test_a_beam_is_peeled_off_the_ground() -> None:
+    """The length a that half its weight q a lifts at the tip rises by q a^4 / (24 E I); the rest lies on the ground."""
+    radius, bending, count = 0.01, 1e3, 40
+    section = vv.TubeSection(radius=radius, young=4 * bending / np.pi / radius**4)
+    beam = rod((0, 0, radius), (4, 0, radius), count, section)
+    plane = vv.Plane()
+    parts = [
+        vv.Contact(first=beam, second=plane),
+        vv.LineLoad(beam=beam, force=(0, 0, -1), times="min(1, 4*t)"),
+        vv.SymmetryPlane(solid=beam, nodes="all", normal=(0, 1, 0)),
+        vv.Fixed(solid=beam, nodes="start", directions=(True, False, False)),
+        vv.Force(on=beam.point((4, 0, radius)), force=(0, 0, 1), times="max(0, (t-.25)/.75)"),
+    ]
+    system = vv.System([beam, plane, *parts])
+    result = vv.quasi_static(system, until=1.0, step=0.25)
+    assert result.statistics.rejected == 0
+    assert beam.displacements(system.x)[-1, 2] == pytest.approx(2**4 / 24 / bending, rel=1 / count**2 * 5)
+
+
 def test_rope_on_a_drum_holds_eulers_ratio() -> None:
     study = rope_on_drum.study()
     result = vv.simulate(study.system, until=2.0, step=0.1, scheme=vv.BackwardEuler())

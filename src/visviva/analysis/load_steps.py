@@ -214,14 +214,15 @@ class Equilibrium:
     def _search(self, time: float, d: Array, g0: float) -> Array | None:
         """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen.
 
-        Returns the residual there, or nothing where the search ended without an answer. With friction, which has no
-        potential, the work then tells nothing, and the whole increment is taken where that is possible.
+        Returns the residual there, or nothing where the search ended without an answer. With contact, whose set of
+        closed gaps changes along the way, and with friction, which has no potential, the work then tells nothing, and
+        the whole increment is taken where that is possible.
         """
-        s, rubs, possible = 1.0, any(c.rubs for c in self.system.components), False
+        s, touches, possible = 1.0, any(c.touches or c.rubs for c in self.system.components), False
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)
-            possible = possible or (rubs and s == 1.0 and np.isfinite(g) and not self._refused(time))
+            possible = possible or (touches and s == 1.0 and np.isfinite(g) and not self._refused(time))
             if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
                 return r
             shorter = s * np.clip(g0 / (g0 - g), 0.1, 0.5) if np.isfinite(g) and g0 != g else 0.25 * s

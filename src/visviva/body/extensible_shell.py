@@ -57,7 +57,8 @@ class ExtensibleShell(Shell):
 
     Parameters
     ----------
-    mesh, first, velocity, angular_velocity
+    mesh : of quadrilaterals of four nodes, without kinks
+    first, velocity, angular_velocity
         As for `Shell`.
     section : SolidSection or SolidLaminate, or one for each cell
     formulation : {'displacement', 'mixed'}

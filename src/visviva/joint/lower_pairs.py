@@ -102,7 +102,11 @@ class Screw(Cylindrical):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Universal(Joint):
-    """Cardan joint: points together, first director of a normal to second director of b (4 constraints)."""
+    """Cardan joint: points together, first director of a normal to second director of b (4 constraints).
+
+    These directors are the pins of the cross. Where the shafts are bent at the start, give the axis of the shaft of b
+    as ``axis`` and the pin on a, which is normal to both shafts, as ``first``: other choices are joints with skew pins.
+    """
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         return [*(B.p - A.p), dot(A.d1, B.d2)]
