@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -315,13 +316,40 @@ def html(
 
 
 @app.command
-def view(directory: Directory, /, *, field: Field = None) -> None:
-    """Show a run in a window."""
+def view(
+    directory: Directory,
+    /,
+    *,
+    live: Annotated[bool, Parameter(negative="", help="Follow a run that is going on.")] = False,
+    port: Annotated[
+        int, Parameter(converter=whole, help="Where the page is served; 0 for any free one.")
+    ] = 0,
+    browser: Annotated[bool, Parameter(help="Open a browser, where there is one.")] = True,
+    window: Annotated[bool, Parameter(negative="", help="A window of PyVista in place of a page.")] = False,
+    field: Field = None,
+) -> None:
+    """Show a run as a page in the browser, served on this machine alone until Ctrl-C; nothing can be changed by it."""
     from visviva.output.directory import RunDirectory
-    from visviva.output.viewer import show
+    from visviva.output.viewer import has_screen, show
 
     trajectory = RunDirectory.open(directory).trajectory
-    show(trajectory, field=shown(trajectory, field))
+    colored = shown(trajectory, field)
+    if window:
+        show(trajectory, field=colored)
+        return
+    import webbrowser
+
+    from visviva.output.page_server import PageServer, RunPages
+
+    with PageServer(RunPages(directory, live, colored), port=port) as server:
+        print(
+            f"{server.address}\n(Ctrl-C ends it; on another machine: ssh -L PORT:127.0.0.1:PORT, the same PORT)"
+        )
+        sys.stdout.flush()
+        if browser and has_screen():  # browsers of terminals would take this one
+            webbrowser.open(server.address)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
 
 
 @app.command

@@ -6,8 +6,10 @@ import base64
 import html
 import json
 import re
+import tempfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,41 @@ ROWS = 800
 OPENING = 30.0
 """Degrees between the upper and lower edge of the view."""
 HERE = Path(__file__).parent
+
+
+@dataclass(frozen=True, repr=False)
+class Page:
+    """A page that notebooks show.
+
+    Attributes
+    ----------
+    text : str
+        As in a file.
+    """
+
+    text: str
+
+    def __repr__(self) -> str:
+        return f"Page({len(self.text) / 1e6:.1f} MB; save(file) keeps it, open() shows it)"
+
+    def _repr_html_(self) -> str:
+        inside = html.escape(self.text, quote=True)
+        return f'<iframe srcdoc="{inside}" style="width: 100%; height: 620px; border: 0"></iframe>'
+
+    def save(self, file: str | Path) -> Path:
+        """Write the page; returns the file."""
+        target = Path(file)
+        with reporting(target), replacing(target) as temporary:
+            temporary.write_text(self.text, encoding="utf-8")
+        return target
+
+    def open(self) -> None:
+        """Show it in the browser."""
+        import webbrowser
+
+        with tempfile.NamedTemporaryFile("w", suffix=".html", delete=False, encoding="utf-8") as file:
+            file.write(self.text)
+        webbrowser.open(Path(file.name).as_uri())
 
 
 def write_page(
@@ -75,9 +112,7 @@ def write_page(
         steps, packed = fitting(frames, room, progress)
         rest["times"] = motion.times[steps].tolist()
         text = compose(rest, packed)
-    with reporting(target), replacing(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return target
+    return Page(text).save(target)
 
 
 def fitting(

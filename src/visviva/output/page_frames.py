@@ -24,18 +24,13 @@ class Frames:
     Parameters
     ----------
     motion : Trajectory
-        May grow: a new one takes its place by `follow`.
+        A later reading of the same run may take its place.
     """
 
     def __init__(self, motion: Trajectory) -> None:
         self.motion = motion
         self.fields = [name for name, width in motion.fields.items() if width in (SCALARS, VECTORS)]
         self._ranges: dict[tuple[str, int], tuple[float, float]] = {}
-
-    def follow(self, motion: Trajectory) -> None:
-        """Go on with a later reading of the same run."""
-        self.motion.close()
-        self.motion = motion
 
     @cached_property
     def _shapes(self) -> list[Any]:

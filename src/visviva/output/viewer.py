@@ -37,7 +37,7 @@ def show(
     InputError
         If there is no screen, or PyVista is not installed.
     """
-    if not _has_screen():
+    if not has_screen():
         raise InputError("there is no screen to show the motion on; write a picture or a movie instead")
     with Standing(trajectory) as motion:
         plotter = build_viewer(motion, trails, colors, off_screen=False, field=field)
@@ -90,7 +90,8 @@ def build_viewer(
     return plotter
 
 
-def _has_screen() -> bool:
+def has_screen() -> bool:
+    """Whether windows can be opened."""
     if sys.platform != "linux":
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -35,6 +35,7 @@ from visviva.results.showing import (
 
 if TYPE_CHECKING:
     from visviva.output.directory import RunDirectory
+    from visviva.output.page import Page
     from visviva.scheme.schemes import Scheme
     from visviva.system.system import System
 
@@ -219,9 +220,22 @@ class Result:
         """A movie of the motion, ``*.mp4`` or ``*.gif``; options are those of `visviva.output.movie.movie`."""
         return movie_of(self, file, **options)
 
-    def view(self, **options: Any) -> None:
-        """Show the motion in a window."""
-        view_of(self, **options)
+    def view(self, *, window: bool = False, **options: Any) -> Page | None:
+        """Show the motion as a page that plays: below the cell of a notebook, or in the browser.
+
+        Parameters
+        ----------
+        window : bool
+            A window of PyVista in its place.
+        **options
+            ``largest=`` bytes of the page; of a window those of `visviva.output.viewer.show`.
+
+        Returns
+        -------
+        Page
+            With ``save(file)`` and ``open()``.
+        """
+        return view_of(self, window=window, **options)
 
     def write(
         self, path: str | Path, fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")

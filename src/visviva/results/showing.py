@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from visviva.output.labels import Labels
+    from visviva.output.page import Page
     from visviva.results.result import Result
 
 FIELDS = ("von_mises", "pressure", "cauchy", "energy")
@@ -112,12 +114,21 @@ def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
     return Path(file)
 
 
-def view_of(result: Result, **options: Any) -> None:
-    """The motion in a window."""
-    from visviva.output.viewer import show
+def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | None:
+    """The motion as a page, opened where there is a screen and no notebook; or in a window."""
+    from visviva.output.page import Page, write_page
+    from visviva.output.viewer import has_screen, show
 
-    with trajectory(result) as motion:
-        show(motion, **options)
+    if window:
+        with trajectory(result) as motion:
+            show(motion, **options)
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        write_directory(result, Path(folder) / "run", FIELDS)
+        page = Page(write_page(Path(folder) / "run", **options).read_text(encoding="utf-8"))
+    if has_screen() and "ipykernel" not in sys.modules:
+        page.open()
+    return page
 
 
 def write_trajectory(result: Result, path: str | Path, fields: Sequence[str]) -> None:
