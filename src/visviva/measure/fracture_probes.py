@@ -31,6 +31,10 @@ class CrackEnergy(Reading):
 
     solid: FracturingSolid
 
+    @property
+    def quantity(self) -> str:
+        return "energy"
+
     def __call__(self, system: System) -> float:
         return self.solid.crack_energy(system.x)
 
@@ -48,6 +52,10 @@ class CrackArea(Reading):
     """
 
     solid: FracturingSolid
+
+    @property
+    def quantity(self) -> str:
+        return "area"
 
     def __call__(self, system: System) -> float:
         return self.solid.crack_energy(system.x) / self.solid.toughness
@@ -74,6 +82,10 @@ class CrackTip(Reading):
             raise InputError("CrackTip: along = (0, 0, 0) is no direction")
         if not 0 < self.level < 1:
             raise InputError(f"CrackTip: level = {self.level:g} is not between 0 and 1")
+
+    @property
+    def quantity(self) -> str:
+        return "length"
 
     def __call__(self, system: System) -> Array:
         d, X = self.solid.damages(system.x), self.solid.points
