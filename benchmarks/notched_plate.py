@@ -14,48 +14,18 @@ import time
 import numpy as np
 
 import visviva as vv
+from visviva.examples.notch import lines, notched
 
 LENGTH, TOUGHNESS = 0.015, 2.7e-3  # mm, kN/mm
 
 
-def graded(a: float, b: float, c: float, d: float, fine: float, coarse: float) -> np.ndarray:
-    """Lines from a to d, `fine` between b and c, growing by a fifth towards `coarse` outside."""
-    inner = np.linspace(b, c, max(1, round((c - b) / fine)) + 1)
-
-    def outwards(gap: float) -> np.ndarray:
-        if gap <= 0:
-            return np.zeros(0)
-        sizes, size = [], fine
-        while sum(sizes) < gap:
-            size = min(1.2 * size, coarse)
-            sizes.append(size)
-        return np.cumsum(sizes) * gap / sum(sizes)
-
-    return np.concatenate([b - outwards(b - a)[::-1], inner, c + outwards(d - c)])
-
-
-def plate_mesh(x: np.ndarray, y: np.ndarray, tip: float, level: float) -> vv.Mesh:
-    """Quadrilaterals between lines, cut open at a level from the left to a tip."""
-    unit = vv.RectangleMesh(size=(1, 1), counts=(len(x) - 1, len(y) - 1)).build()
-    i, j = np.rint(unit.points * (len(x) - 1, len(y) - 1)).astype(int).T
-    points = np.stack([x[i], y[j]], axis=1)
-    mesh = vv.Mesh(points, unit.cells, face_sets=unit.face_sets)
-    near = 1e-9 * np.ptp(x)
-    return mesh.opened(
-        lambda X: (np.abs(X[:, 1] - level) < near) & (X[:, 0] < tip - near), lambda X: X[:, 1] > level
-    )
-
-
 def model(size: float, shear: bool, split: str, kind: str = "AT2") -> vv.System:
     """The plate with its supports."""
-    y = graded(0, 0.47 if not shear else 0.05, 0.53, 1, size, 0.05)
-    half = graded(0, 0.48, 1, 1, size, 0.05)
-    if shear:
-        y = graded(0, 0.0, 0.53, 1, size, 0.05)
-    y[np.argmin(np.abs(y - 0.5))] = 0.5
-    half[np.argmin(np.abs(half - 0.5))] = 0.5
+    half = round(0.04 / size) * size
+    x = lines(0.5 - half if shear else 0.5, 1, size)
+    y = lines(0.0 if shear else 0.5 - half, 0.5 + half, size)
     plate = vv.FracturingSolid(
-        mesh=plate_mesh(half, y, 0.5, 0.5),
+        mesh=notched(x, y, 0.5, 0.5),
         material=vv.SaintVenantKirchhoff(young=210.0, poisson=0.3),
         toughness=TOUGHNESS,
         length=LENGTH,

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.examples import surfing
 
 Array = NDArray[np.float64]
 
@@ -74,6 +75,13 @@ def test_energy_that_a_crack_takes_is_what_the_load_has_done() -> None:
         errors.append(result.conservation()["energy"])
     assert errors[0] < 2e-3
     assert errors[1] < 0.4 * errors[0]
+
+
+@pytest.mark.parametrize("model", ["AT1", "AT2"])
+def test_toughness_with_what_the_cells_add(model: Any) -> None:
+    """Gc (1 + 3h / 8l) and Gc (1 + h / 2l) within 2 %, by the crack's energy and by the work of the boundary."""
+    study = surfing.study(model, length=0.05, until=0.42)
+    surfing.check(vv.simulate(study.system, until=study.until, step=study.step, scheme=study.scheme))
 
 
 def test_tip_area_and_energy_of_a_crack_that_is_there_from_the_start() -> None:

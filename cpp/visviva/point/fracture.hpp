@@ -24,6 +24,31 @@ enum class CrackSplit : int {
     logarithmic = 4,
 };
 
+VISVIVA_INLINE bool none(VI mask) {
+    long long found = 0;
+    for (int l = 0; l < W; ++l) found |= mask[l];
+    return found == 0;
+}
+
+/// One of Jacobi's rotations of a symmetric matrix a, gathered in n.
+VISVIVA_INLINE void rotate_pair(V a[3][3], V n[3][3], int p, int q) {
+    const VI zero = vabs(a[p][q]) < 1e-300;
+    const V theta = 0.5 * (a[q][q] - a[p][p]) / select(zero, broadcast(1.0), a[p][q]);
+    const V size = 1.0 / (vabs(theta) + vsqrt(1.0 + theta * theta));
+    const V t = select(zero, V{}, select(theta < 0.0, -size, size));
+    const V cosine = 1.0 / vsqrt(1.0 + t * t), sine = t * cosine;
+    for (int k = 0; k < 3; ++k) {
+        const V x = a[k][p], y = a[k][q], u = n[k][p], w = n[k][q];
+        a[k][p] = cosine * x - sine * y, a[k][q] = sine * x + cosine * y;
+        n[k][p] = cosine * u - sine * w, n[k][q] = sine * u + cosine * w;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const V x = a[p][k], y = a[q][k];
+        a[p][k] = cosine * x - sine * y, a[q][k] = sine * x + cosine * y;
+    }
+    a[p][q] = a[q][p] = V{};
+}
+
 /// (C, d, grad d) in a plane, where nothing strains across.
 struct PlaneScalarMap : Layout<PlaneScalarMap> {
     static constexpr int n_groups = 2, n_components = 3, n_local = 7, n_strains = 10;
@@ -49,6 +74,22 @@ struct RevolutionScalarMap : Layout<RevolutionScalarMap> {
         e[9] = 0.0 * y[0];
     }
 };
+
+/// Principal values and directions as principal() gives them; done as soon as nothing is left off the
+/// diagonal in any lane, after one rotation where nothing strains across a plane.
+VISVIVA_INLINE void principal_of_strain(const V* c, V* value, V n[3][3]) {
+    V a[3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) a[i][j] = c[voigt[i][j]], n[i][j] = broadcast(i == j ? 1.0 : 0.0);
+    constexpr int pairs[3][2] = {{0, 1}, {1, 2}, {0, 2}};
+    for (int sweep = 0; sweep < 7; ++sweep) {
+        const V size = vabs(a[0][0]) + vabs(a[1][1]) + vabs(a[2][2]);
+        const VI left = vabs(a[0][1]) + vabs(a[1][2]) + vabs(a[0][2]) > 1e-18 * size;
+        if (none(left)) break;
+        for (const auto& pq : pairs) rotate_pair(a, n, pq[0], pq[1]);
+    }
+    for (int k = 0; k < 3; ++k) value[k] = a[k][k];
+}
 
 /// W+ of a whole W: what cracks take away.
 template <bool second>
@@ -80,7 +121,7 @@ struct CrackDriving {
     VISVIVA_INLINE void spectral(bool logarithmic, Response& minus) const {
         using J = Jet<3, second>;
         V e[3], n[3][3];
-        principal(c, e, n);
+        principal_of_strain(c, e, n);
         J strain[3];
         for (int a = 0; a < 3; ++a) {
             const J i = J::variable(e[a], a);
@@ -150,16 +191,44 @@ struct FractureEnergy : PlainEnergy {
     static constexpr double natural = 1, smooth = 1e-13;
     static constexpr int block(int k) { return k < 6 ? 0 : 1; }
     static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+    /// The parts of W at a strain, which discrete gradients ask for again and again at three of them.
+    struct Parts {
+        V c[6];
+        Response whole, minus;
+        bool has_second = false;
+    };
     const V* p;
+    mutable Parts parts[3];
+    mutable int n_parts = 0;
     explicit FractureEnergy(const V* par) : p(par) {}
 
     template <bool second>
+    void fill(const V* c, Parts& at) const {
+        for (int k = 0; k < 6; ++k) at.c[k] = c[k];
+        at.has_second = second;
+        respond<second>(static_cast<MaterialKind>(static_cast<int>(p[fracture::kind][0])), c,
+                        p + fracture::material, at.whole);
+        CrackDriving<second>{p, c}.left(static_cast<CrackSplit>(static_cast<int>(p[fracture::split][0])),
+                                        at.minus);
+    }
+    template <bool second>
+    const Parts& parts_at(const V* c) const {
+        for (int i = 0; i < n_parts && i < 3; ++i) {
+            VI other = parts[i].c[0] != c[0];
+            for (int k = 1; k < 6; ++k) other |= parts[i].c[k] != c[k];
+            if (!none(other)) continue;
+            if (second && !parts[i].has_second) fill<true>(c, parts[i]);
+            return parts[i];
+        }
+        Parts& at = parts[n_parts % 3];
+        ++n_parts;
+        fill<second>(c, at);
+        return at;
+    }
+
+    template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        Response whole, minus;
-        respond<second>(static_cast<MaterialKind>(static_cast<int>(p[fracture::kind][0])), e,
-                        p + fracture::material, whole);
-        CrackDriving<second>{p, e}.left(static_cast<CrackSplit>(static_cast<int>(p[fracture::split][0])),
-                                        minus);
+        const auto& [c, whole, minus, has_second] = parts_at<second>(e);
         const V sound = 1.0 - e[6], share = 1.0 - p[fracture::rest];
         const V g = share * sound * sound + p[fracture::rest], g1 = -2.0 * share * sound, g2 = 2.0 * share;
         const V local = p[fracture::local], linear = p[fracture::linear], along = p[fracture::gradient];

@@ -1,8 +1,8 @@
 """Notched plate: a square with a notch to its middle is pulled apart; the crack that runs from there snaps back.
 
-Miehe, Hofacker & Welschinger (2010): 1 mm x 1 mm of steel with Gc = 2.7 N/mm and l = 0.015 mm, AT2, in plane strain; kN and
-mm. Their load steps jump from the peak, digitised at 0.7012 kN and 0.00555 mm, to nothing. Steps of load and crack together
-follow the path between, on which the plate has to be let go for a while.
+Miehe, Hofacker & Welschinger (2010): 1 mm x 1 mm of steel with Gc = 2.7 N/mm and l = 0.015 mm, AT2, in plane strain;
+kN and mm. Their load steps jump from the peak, digitised at 0.7012 kN and 0.00555 mm, to nothing. Steps of load and
+crack together follow the path between, on which the plate has to be let go for a while.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ PEAK = 0.7012
 
 
 def lines(fine_from: float, fine_to: float, fine: float, coarse: float = 0.05) -> np.ndarray:
-    """Places 0 ... 1 of lines, of a `fine` distance in a part and growing by a fifth from line to line outside of it."""
+    """Places 0 ... 1 of lines, of a `fine` distance in a part, growing by a fifth from line to line outside."""
     inner = np.linspace(fine_from, fine_to, max(1, round((fine_to - fine_from) / fine)) + 1)
 
     def outwards(gap: float) -> np.ndarray:
-        sizes, size = [], fine
+        sizes: list[float] = []
+        size = fine
         while sum(sizes) < gap - 1e-12:
             size = min(1.2 * size, coarse)
             sizes.append(size)

@@ -1,4 +1,4 @@
-"""Surfing crack: a strip around which the field of a moving crack tip goes along tells what its cells add to the toughness.
+"""Surfing crack: a strip along which the field of a moving crack tip goes tells what cells add to the toughness.
 
 All of the boundary follows the displacements of the mode I field of a tip that moves (Hossain, Hsueh, Bourdin &
 Bhattacharya 2014). The crack, along a row of cells, follows at the same speed; its energy grows per length by
@@ -10,8 +10,11 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import visviva as vv
+
+Array = NDArray[np.float64]
 
 YOUNG, POISSON, TOUGHNESS = 1.0, 0.2, 1e-8
 WIDTH, HALF, NOTCH = 1.0, 0.3, 0.25
@@ -19,7 +22,7 @@ EXCESS = 1.2
 """Energy release rate of the field by the toughness."""
 
 
-def field(X: np.ndarray, tip: float) -> np.ndarray:
+def field(X: Array, tip: float) -> Array:
     """Displacements (n, 3) in plane strain of the mode I field of a tip at (tip, 0)."""
     x, y = X[:, 0] - tip, X[:, 1]
     r, a = np.hypot(x, y), np.arctan2(y, x)
@@ -29,9 +32,9 @@ def field(X: np.ndarray, tip: float) -> np.ndarray:
     return np.stack([size * np.cos(a / 2), size * np.sin(a / 2), 0 * a], axis=1)
 
 
-def profile(distance: np.ndarray, model: str) -> np.ndarray:
+def profile(distance: Array, model: str) -> Array:
     """The best damage at a distance, by the length, from what is broken."""
-    return np.maximum(1 - distance / 2, 0) ** 2 if model == "AT1" else np.exp(-distance)
+    return np.asarray(np.maximum(1 - distance / 2, 0) ** 2 if model == "AT1" else np.exp(-distance))
 
 
 def strip_mesh(length: float, h: float) -> vv.Mesh:
@@ -55,7 +58,7 @@ def study(
     """`cells` per `length` where the crack runs."""
     h = length / cells
 
-    def broken(X: np.ndarray) -> np.ndarray:
+    def broken(X: Array) -> Array:
         beside, ahead = np.maximum(np.abs(X[:, 1]) - h / 2, 0), np.maximum(X[:, 0] - NOTCH, 0)
         return profile(beside / length, model) * profile(ahead / length, model)
 
@@ -79,7 +82,7 @@ def study(
 
 
 def toughness(result: vv.Result) -> tuple[float, float, float]:
-    """Energy of the crack per length, work of the boundary less elastic energy per length, and Gc with the cells' part."""
+    """Energy of the crack and work of the boundary less elastic energy per length, and Gc with what cells add."""
     (strip,) = (c for c in result.system.components if isinstance(c, vv.FracturingSolid))
     probe, found = vv.CrackTip(solid=strip, along=(1, 0, 0)), []
     now = result.system.x.copy()

@@ -145,11 +145,20 @@ class FracturingSolid(Solid):
         )
         _ = self.law.number
         self._refuse_coarse()
-        given = self.damage(self.points) if callable(self.damage) else self.damage
-        self.start_damages = np.array(np.broadcast_to(np.asarray(given, dtype=float), self.grid.n_nodes))
-        if not np.all((self.start_damages >= 0) & (self.start_damages <= 1)):
-            worst = self.start_damages[np.argmax(np.abs(self.start_damages - 0.5))]
+        self.start_damages = self._given_damages()
+
+    def _given_damages(self) -> Array:
+        n = self.grid.n_nodes
+        given = np.asarray(self.damage(self.points) if callable(self.damage) else self.damage, dtype=float)
+        if given.shape not in ((), (n,)):
+            raise InputError(
+                f"{self.label}: the function damage gave shape {given.shape} for positions ({n}, 3); give shape ({n},)"
+            )
+        outside = given[~((given >= 0) & (given <= 1))]
+        if outside.size:
+            worst = outside.ravel()[np.argmax(np.nan_to_num(np.abs(outside.ravel()), nan=np.inf))]
             raise InputError(f"{self.label}: a damage of {worst:g} is outside 0 ... 1")
+        return np.array(np.broadcast_to(given, n))
 
     def _refuse_others(self) -> None:
         if self.formulation != "displacement" or self.plane == "stress":

@@ -1,0 +1,106 @@
+"""Solids that crack refuse what cannot be meant, with values and cures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+STEEL = vv.SaintVenantKirchhoff(young=210.0, poisson=0.3)
+GOOD: dict[str, Any] = {
+    "mesh": vv.RectangleMesh(size=(1, 1), counts=(10, 10)),
+    "material": STEEL,
+    "toughness": 1e-3,
+    "length": 0.2,
+    "name": "plate",
+}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"length": 0.05}, r"length = 0.05 is below the size of its smallest cell, 0.1;.*0.025 or finer"),
+        ({"length": 0.0}, "length = 0 is not positive"),
+        ({"toughness": -1.0}, "toughness = -1 is not positive"),
+        ({"residual": 0.0}, "residual = 0 must lie between 0 and 1: without any stiffness"),
+        ({"residual": 1.0}, "residual = 1 must lie between 0 and 1"),
+        ({"damage": 1.5}, "a damage of 1.5 is outside 0 ... 1"),
+        ({"damage": lambda X: -X[:, 0]}, "a damage of -1 is outside 0 ... 1"),
+        ({"damage": lambda X: np.full(len(X), np.nan)}, "a damage of nan is outside 0 ... 1"),
+        ({"damage": lambda X: np.zeros(3)}, r"gave shape \(3,\)"),
+        (
+            {"material": vv.LinearElastic(young=1.0, poisson=0.3)},
+            "no material of finite strains.*SaintVenantKirchhoff",
+        ),
+        ({"material": vv.UserMaterial(function=lambda C: C[0])}, "no material of finite strains of the core"),
+        (
+            {"split": "spectral", "material": vv.NeoHooke(young=1.0, poisson=0.3)},
+            "split = 'spectral' does not know NeoHooke",
+        ),
+        (
+            {"split": "volumetric", "material": vv.NeoHooke(young=1.0, poisson=0.3)},
+            "or one of isochoric=True",
+        ),
+        ({"plane": "stress"}, "plane = 'stress' does not crack yet"),
+        ({"formulation": "F-bar"}, "formulation = 'F-bar' does not crack yet"),
+        ({"stiffness_damping": 0.1}, "takes no"),
+        ({"model": "AT3"}, "model"),
+    ],
+)
+def test_what_is_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(vv.InputError, match=message) as found:
+        vv.FracturingSolid(**{**GOOD, **options})
+    assert "plate" in str(found.value) or "model" in options
+
+
+def test_coarse_cells_are_told_before_the_first_step() -> None:
+    """Between one length and half of it they add to the toughness, and the check says how much."""
+    coarse = vv.FracturingSolid(**{**GOOD, "length": 0.15})
+    assert "larger than half the length 0.15" in str(vv.System([coarse]).check())
+    fine = vv.FracturingSolid(**GOOD)
+    assert not fine.remarks()
+
+
+@pytest.mark.parametrize(
+    "scheme", [vv.AlternateMinimization(), vv.CrackControl(growth=1.0)], ids=["to and fro", "crack control"]
+)
+def test_schemes_of_cracks_want_something_that_cracks(scheme: vv.Static) -> None:
+    solid = vv.Solid(mesh=GOOD["mesh"], material=STEEL)
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0")])
+    with pytest.raises(vv.InputError, match="nothing here has damage"):
+        vv.quasi_static(system, until=1.0, step=0.5, scheme=scheme)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "message"),
+    [
+        (lambda: vv.CrackControl(), "growth"),
+        (lambda: vv.CrackControl(growth=-1.0), "growth"),
+        (lambda: vv.CrackControl(growth=1.0, branch=0.1), "branch goes with vv.ArcLength"),
+        (lambda: vv.AlternateMinimization(energy_tolerance=0.0), "energy_tolerance"),
+        (lambda: vv.AlternateMinimization(rounds=0), "rounds"),
+    ],
+)
+def test_options_of_schemes(scheme: Any, message: str) -> None:
+    with pytest.raises(vv.InputError, match=message):
+        scheme()
+
+
+def test_a_tip_needs_a_direction_and_a_level() -> None:
+    solid = vv.FracturingSolid(**GOOD)
+    with pytest.raises(vv.InputError, match="no direction"):
+        vv.CrackTip(solid=solid, along=(0, 0, 0))
+    with pytest.raises(vv.InputError, match="level = 1 is not between"):
+        vv.CrackTip(solid=solid, along=(1, 0, 0), level=1.0)
+
+
+def test_a_jump_that_newtons_method_does_not_get_over_is_told_with_its_cures() -> None:
+    solid = vv.FracturingSolid(**{**GOOD, "toughness": 1e-6, "model": "AT1"})
+    held = vv.Fixed(solid=solid, nodes="y0")
+    moved = vv.Prescribed(solid=solid, nodes="y1", motion=(0, "0.01*t", None))
+    system = vv.System([solid, held, moved])
+    with pytest.raises(vv.NoEquilibrium, match=r"vv\.arc_length"):
+        vv.quasi_static(system, until=1.0, step=0.1, scheme=vv.Static(unstable=True, halvings=2))
