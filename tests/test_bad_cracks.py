@@ -44,6 +44,7 @@ GOOD: dict[str, Any] = {
             {"split": "volumetric", "material": vv.NeoHooke(young=1.0, poisson=0.3)},
             "or one of isochoric=True",
         ),
+        ({"thermal_strain": 0.1}, "strains of heat are its free_strain"),
         ({"plane": "stress"}, "plane = 'stress' does not crack yet"),
         ({"formulation": "F-bar"}, "formulation = 'F-bar' does not crack yet"),
         ({"stiffness_damping": 0.1}, "takes no"),
@@ -54,6 +55,13 @@ def test_what_is_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(vv.InputError, match=message) as found:
         vv.FracturingSolid(**{**GOOD, **options})
     assert "plate" in str(found.value) or "model" in options
+
+
+@pytest.mark.parametrize("strain", [lambda t, X: 0.0, lambda t, X: np.full(len(X), -2.0)])
+def test_free_strains_are_those_of_the_nodes(strain: Any) -> None:
+    solid = vv.FracturingSolid(**{**GOOD, "free_strain": strain})
+    with pytest.raises(vv.InputError, match="free_strain gave shape"):
+        vv.System([solid])
 
 
 def test_coarse_cells_are_told_before_the_first_step() -> None:

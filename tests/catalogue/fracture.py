@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import visviva as vv
-from catalogue.entry import ALL, ENERGY, IN_PLANE, NOTHING, Components, Entry
+from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
 GREEN = vv.SaintVenantKirchhoff(young=30.0, poisson=0.3)
 HENCKY = vv.Hencky(young=30.0, poisson=0.3)
@@ -51,7 +51,27 @@ def pulled() -> Components:
     return [body, vv.Fixed(solid=body, nodes="x0"), pull]
 
 
+def cooled(plane: Any = None) -> Components:
+    mesh: Any = vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1))
+    if plane:
+        mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2), origin=(0.2, 0))
+    body = vv.FracturingSolid(
+        mesh=mesh,
+        material=HENCKY,
+        density=1.0,
+        toughness=0.5,
+        length=1.0,
+        split="spectral",
+        plane=plane or "strain",
+        free_strain=lambda t, X: -0.2 * t * (1 + X[:, 0]),
+    )
+    return [body]
+
+
 FRACTURE = [
+    Entry("cracking brick, cooled", cooled, MOMENTA, steps=20),
+    Entry("cracking plate, cooled", lambda: cooled("strain"), PLANE_MOMENTA, steps=20),
+    Entry("cracking ring, cooled", lambda: cooled("axisymmetric"), NOTHING, steps=20),
     Entry("cracking brick", lambda: [brick(vv.NeoHooke(young=30.0, poisson=0.3), "none")], ALL, steps=40),
     Entry("cracking brick, AT1", lambda: [brick(GREEN, "none", "tet10", "AT1")], ALL, steps=20),
     Entry("cracking brick, volume of Hencky", lambda: [brick(HENCKY, "volumetric")], ALL, steps=20),

@@ -141,3 +141,30 @@ def test_a_cracking_body_that_is_touched() -> None:
     result = vv.simulate(system, until=3.0, step=0.02)
     assert result.conservation()["energy"] < 1e-9
     assert solid.damages(system.x).max() > 0.2
+
+
+def test_a_cracking_body_that_is_heated() -> None:
+    """A plate held by its ends cools all over: the stress of the bar, then a crack; heat's work closes the balance."""
+    rate = 0.02
+    solid = plate(
+        mesh=vv.RectangleMesh(size=(1, 0.5), counts=(10, 5)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+        model="AT1",
+        density=1e-4,
+        free_strain=lambda t, X: np.full(len(X), -rate * t),
+    )
+    ends = [vv.Fixed(solid=solid, nodes=n, directions=(True, False, False)) for n in ("x0", "x1")]
+    system = vv.System([solid, *ends, vv.Fixed(solid=solid, nodes=[0])])
+    first, last = vv.Static(unstable=True), vv.EnergyMomentum()
+    strength = np.sqrt(3 * TOUGHNESS / (8 * LENGTH)) / np.sqrt(2)  # it is held across its plane, too
+    begin = strength / rate
+    vv.quasi_static(system, until=0.9 * begin, step=0.1 * begin, scheme=first)
+    assert solid.damages(system.x).max() < 1e-9
+    found = solid.fields(system.x).first_piola[..., 0, 0]
+    assert found == pytest.approx(0.9 * strength, rel=5e-3)
+    result = vv.simulate(system, until=1.5 * begin, step=0.01 * begin, scheme=last)
+    assert solid.damages(system.x).max() > 0.1
+    assert result.conservation()["energy"] < 1e-10
+    (work,) = np.diff(result.ledger["work_prescribed motion"][[0, -1]])
+    (gained,) = np.diff(result.ledger["total"][[0, -1]])
+    assert work == pytest.approx(gained, rel=1e-9)

@@ -91,6 +91,20 @@ VISVIVA_INLINE void principal_of_strain(const V* c, V* value, V n[3][3]) {
     for (int k = 0; k < 3; ++k) value[k] = a[k][k];
 }
 
+/// The strains of a map with a free strain behind them, which something else prescribes.
+template <class Base>
+struct StretchedMap : Layout<StretchedMap<Base>> {
+    static constexpr int n_groups = 3, n_components = Base::n_components + 1, n_local = Base::n_local + 1,
+                         n_strains = Base::n_strains + 1;
+    static constexpr Group groups[] = {Base::groups[0], Base::groups[1], {1, 1, 0}};
+    static constexpr double origin(int j) { return j < Base::n_local ? Base::origin(j) : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        Base::strains(y, e);
+        e[Base::n_strains] = y[Base::n_local];
+    }
+};
+
 /// W+ of a whole W: what cracks take away.
 template <bool second>
 struct CrackDriving {
@@ -186,10 +200,13 @@ struct CrackDriving {
 
 /// g(d) W+(C) + W-(C) + w(d) + |grad d|^2 / 2 times its factor, g = (1 - rest) (1 - d)^2 + rest,
 /// w = local ((1 - linear) d^2 + linear d). Not inlined by parts: many materials are behind respond().
+/// With a free strain s behind grad d both parts are (1 + s)^3 W(C / (1 + s)^2). It is prescribed, so that
+/// second derivatives by it are left out.
+template <bool stretches>
 struct FractureEnergy : PlainEnergy {
-    static constexpr int n = 10, max_par = fracture::n_par, n_blocks = 2;
+    static constexpr int n = stretches ? 11 : 10, max_par = fracture::n_par, n_blocks = stretches ? 3 : 2;
     static constexpr double natural = 1, smooth = 1e-13;
-    static constexpr int block(int k) { return k < 6 ? 0 : 1; }
+    static constexpr int block(int k) { return k < 6 ? 0 : k < 10 ? 1 : 2; }
     static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
     /// The parts of W at a strain, which discrete gradients ask for again and again at three of them.
     struct Parts {
@@ -228,22 +245,34 @@ struct FractureEnergy : PlainEnergy {
 
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        const auto& [c, whole, minus, has_second] = parts_at<second>(e);
-        const V sound = 1.0 - e[6], share = 1.0 - p[fracture::rest];
+        V c[6], stretch = broadcast(1.0);
+        if constexpr (stretches) stretch = 1.0 + e[10];
+        const V shrink = 1.0 / (stretch * stretch);
+        for (int k = 0; k < 6; ++k) c[k] = stretches ? shrink * e[k] + (k < 3 ? shrink - 1.0 : V{}) : e[k];
+        const Parts& at = parts_at<second>(c);
+        const Response &whole = at.whole, &minus = at.minus;
+        const V sound = 1.0 - e[6], share = 1.0 - p[fracture::rest], volume = stretch * stretch * stretch;
         const V g = share * sound * sound + p[fracture::rest], g1 = -2.0 * share * sound, g2 = 2.0 * share;
         const V local = p[fracture::local], linear = p[fracture::linear], along = p[fracture::gradient];
-        const V square = e[7] * e[7] + e[8] * e[8] + e[9] * e[9], plus = whole.W - minus.W;
-        to.W = g * plus + minus.W + local * e[6] * (linear + (1.0 - linear) * e[6]) + along * square;
-        for (int k = 0; k < 6; ++k) to.s[k] = g * (whole.s[k] - minus.s[k]) + minus.s[k];
+        const V square = e[7] * e[7] + e[8] * e[8] + e[9] * e[9], plus = volume * (whole.W - minus.W);
+        const V strain = g * plus + volume * minus.W;
+        to.W = strain + local * e[6] * (linear + (1.0 - linear) * e[6]) + along * square;
+        V pull{};  // stress times C / (1 + s)^2
+        for (int k = 0; k < 6; ++k) {
+            to.s[k] = stretch * (g * (whole.s[k] - minus.s[k]) + minus.s[k]);
+            pull += weight(k) * to.s[k] * (c[k] + (k < 3 ? 1.0 : 0.0));
+        }
         to.s[6] = g1 * plus + local * (linear + 2.0 * (1.0 - linear) * e[6]);
         for (int k = 7; k < 10; ++k) to.s[k] = 2.0 * along * e[k];
+        if constexpr (stretches) to.s[10] = (3.0 * strain) / stretch - (2.0 * stretch) * pull;
         if constexpr (second) {
             clear(to.d, n * (n + 1) / 2);
+            const V less = 1.0 / stretch;
             for (int k = 0; k < 6; ++k) {
                 for (int l = k; l < 6; ++l)
                     to.d[packed(n, k, l)] =
-                        g * (whole.second(k, l) - minus.second(k, l)) + minus.second(k, l);
-                to.d[packed(n, k, 6)] = g1 * (whole.s[k] - minus.s[k]);
+                        less * (g * (whole.second(k, l) - minus.second(k, l)) + minus.second(k, l));
+                to.d[packed(n, k, 6)] = g1 * stretch * (whole.s[k] - minus.s[k]);
             }
             to.d[packed(n, 6, 6)] = g2 * plus + 2.0 * (1.0 - linear) * local;
             for (int k = 7; k < 10; ++k) to.d[packed(n, k, k)] = 2.0 * along;

@@ -15,7 +15,10 @@ VISVIVA_PHYSICS(conduction, CONDUCTION, ScalarMap, CapacityEnergy, ConductionPai
 VISVIVA_PHYSICS(branch, BRANCH, SolidMap, BranchEnergy)  // C, with the viscous strain of a Maxwell branch
 VISVIVA_PHYSICS(branch_in_plane, BRANCH_IN_PLANE, PlaneMap, BranchEnergy)
 VISVIVA_PHYSICS(branch_of_revolution, BRANCH_OF_REVOLUTION, RevolutionMap, BranchEnergy)
-VISVIVA_PHYSICS(fracture, FRACTURE, SolidScalarMap, FractureEnergy)  // C, damage and its gradient
-VISVIVA_PHYSICS(fracture_in_plane, FRACTURE_IN_PLANE, PlaneScalarMap, FractureEnergy)
-VISVIVA_PHYSICS(fracture_of_revolution, FRACTURE_OF_REVOLUTION, RevolutionScalarMap, FractureEnergy)
+VISVIVA_PHYSICS(fracture, FRACTURE, SolidScalarMap, FractureEnergy<false>)  // C, damage and its gradient
+VISVIVA_PHYSICS(fracture_in_plane, FRACTURE_IN_PLANE, PlaneScalarMap, FractureEnergy<false>)
+VISVIVA_PHYSICS(fracture_of_revolution, FRACTURE_OF_REVOLUTION, RevolutionScalarMap, FractureEnergy<false>)
+VISVIVA_PHYSICS(heated_fracture, HEATED_FRACTURE, StretchedMap<SolidScalarMap>, FractureEnergy<true>)  // and a free strain
+VISVIVA_PHYSICS(heated_fracture_in_plane, HEATED_FRACTURE_IN_PLANE, StretchedMap<PlaneScalarMap>, FractureEnergy<true>)
+VISVIVA_PHYSICS(heated_fracture_of_revolution, HEATED_FRACTURE_OF_REVOLUTION, StretchedMap<RevolutionScalarMap>, FractureEnergy<true>)
 // clang-format on

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass as plain_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
@@ -28,6 +29,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+HEATED = {
+    PhysicsKind.FRACTURE: PhysicsKind.HEATED_FRACTURE,
+    PhysicsKind.FRACTURE_IN_PLANE: PhysicsKind.HEATED_FRACTURE_IN_PLANE,
+    PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HEATED_FRACTURE_OF_REVOLUTION,
+}
+"""The same with free strains."""
 
 
 @plain_dataclass(frozen=True, eq=False)
@@ -58,11 +65,13 @@ class Evaluation:
 
     def fields(self, x: Array, start: int, stop: int) -> Array:
         """Rows (m, q, 16) as the core's terms of solids give them."""
-        F = self.deformation(x, start, stop)
-        d = self.solid.damages(x)[self.nodes[start:stop]] @ self.N.T
-        C = components(np.swapaxes(F, -1, -2) @ F)
+        F, nodes = self.deformation(x, start, stop), self.nodes[start:stop]
+        d = self.solid.damages(x)[nodes] @ self.N.T
+        stretch = 1 + self.solid.free_strains(x)[nodes] @ self.N.T
+        C = components(np.swapaxes(F, -1, -2) @ F) / stretch[..., None] ** 2
         W, S = self.solid.law.respond(C.reshape(-1, 6), d.ravel())
-        return np.concatenate([F.reshape(*d.shape, 9), S.reshape(C.shape), W.reshape(*d.shape, 1)], axis=-1)
+        S, W = stretch[..., None] * S.reshape(C.shape), stretch**3 * W.reshape(d.shape)
+        return np.concatenate([F.reshape(*d.shape, 9), S, W[..., None]], axis=-1)
 
     def forces(self, x: Array) -> Array:
         """Residuals (m, k, 3) by nodes of the strained cells."""
@@ -98,6 +107,10 @@ class FracturingSolid(Solid):
         Share of the stiffness that full damage leaves.
     damage : float, or a function of reference positions (n, 3) with values (n,)
         At the start, 0 to 1: cracks that are there already.
+    free_strain : callable, optional
+        ``f(t, X)`` of time and reference positions (n, 3) with values (n,): the strain, the same in all directions,
+        that heat or drying alone would leave. Both parts of the energy are ``(1 + e)^3 W(C / (1 + e)^2)``; what it does
+        to the solid is booked as work "prescribed motion".
 
     Notes
     -----
@@ -128,6 +141,7 @@ class FracturingSolid(Solid):
     split: SplitName = "none"
     residual: Number = 1e-6
     damage: NumberOrFunction = 0.0
+    free_strain: Callable[[float, Array], Any] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -170,7 +184,9 @@ class FracturingSolid(Solid):
                 "strains take vv.SaintVenantKirchhoff"
             )
         if self._is_heated or self._is_damped or self.tangent:
-            raise InputError(f"{self.label}: takes no thermal_strain, damping or tangent")
+            raise InputError(
+                f"{self.label}: takes no thermal_strain, damping or tangent; strains of heat are its free_strain"
+            )
 
     def _refuse_coarse(self) -> None:
         """Where no cell resolves the length, nothing of the result is meant."""
@@ -198,6 +214,28 @@ class FracturingSolid(Solid):
         super().declare(model)
         self.damaged = model.field(self, "damage", self.start_damages, role=Role.STATE, scale=1.0)
         model.grow(self.damaged, self._volumes_of_nodes() / (2 * self.length))
+        if self.free_strain is not None:
+            self._stretched = model.field(self, "free strain", self._free_strains(0.0), role=Role.STATE)
+
+    def _free_strains(self, time: float) -> Array:
+        assert self.free_strain is not None
+        n, found = self.grid.n_nodes, np.asarray(self.free_strain(time, self.points), dtype=float)
+        if found.shape != (n,) or not np.all(found > -1):
+            raise InputError(
+                f"{self.label}: free_strain gave shape {found.shape}, or values that do not all exceed -1, at t = "
+                f"{time:g}; give strains, shape ({n},)"
+            )
+        return found
+
+    def _free_rates(self, time: float, step: float) -> Array:
+        rates: Array = forward_rate(self._free_strains, time, step)
+        return rates
+
+    def free_strains(self, x: Array) -> Array:
+        """Free strains (n,) of the nodes at the unknowns `x` of the system."""
+        if self.free_strain is None:
+            return np.zeros(self.grid.n_nodes)
+        return np.asarray(x[self._stretched.start : self._stretched.start + self._stretched.size])
 
     def _volumes_of_nodes(self) -> Array:
         """Shares (n,) of the nodes in the volume."""
@@ -207,6 +245,9 @@ class FracturingSolid(Solid):
         return total
 
     def contribute(self, model: Equations) -> None:
+        if self.free_strain is not None:
+            every = np.arange(self.grid.n_nodes)
+            model.prescribe(self, self._stretched, every, self._free_strains, self._free_rates)
         self._elements, self._energy, self._starts_stress = [], None, False
         self._evaluations: list[Evaluation] = []
         first = 0
@@ -243,6 +284,9 @@ class FracturingSolid(Solid):
             Group(self.node_unknowns(nodes), weights, mass, True),
             Group(self.damaged.start + nodes, scalar),
         ]
+        if self.free_strain is not None:
+            kind = HEATED[kind]
+            groups.append(Group(self._stretched.start + nodes, value))
         add_points(model, self, kind, groups, at.volume, self.law.parameters())
         self._evaluations.append(at)
         looks: Any = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
