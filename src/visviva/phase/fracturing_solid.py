@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass as plain_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -107,10 +107,10 @@ class FracturingSolid(Solid):
         Share of the stiffness that full damage leaves.
     damage : float, or a function of reference positions (n, 3) with values (n,)
         At the start, 0 to 1: cracks that are there already.
-    free_strain : callable, optional
-        ``f(t, X)`` of time and reference positions (n, 3) with values (n,): the strain, the same in all directions,
-        that heat or drying alone would leave. Both parts of the energy are ``(1 + e)^3 W(C / (1 + e)^2)``; what it does
-        to the solid is booked as work "prescribed motion".
+    free_strain : float, or callable, optional
+        The strain, the same in all directions, that heat or drying alone would leave; or ``f(t, X)`` of time and
+        reference positions (n, 3) with values (n,). Both parts of the energy are ``(1 + e)^3 W(C / (1 + e)^2)``; what
+        it does to the solid is booked as work "prescribed motion".
 
     Notes
     -----
@@ -141,7 +141,7 @@ class FracturingSolid(Solid):
     split: SplitName = "none"
     residual: Number = 1e-6
     damage: NumberOrFunction = 0.0
-    free_strain: Callable[[float, Array], Any] | None = None
+    free_strain: NumberOrFunction | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -218,8 +218,8 @@ class FracturingSolid(Solid):
             self._stretched = model.field(self, "free strain", self._free_strains(0.0), role=Role.STATE)
 
     def _free_strains(self, time: float) -> Array:
-        assert self.free_strain is not None
-        n, found = self.grid.n_nodes, np.asarray(self.free_strain(time, self.points), dtype=float)
+        n, given = self.grid.n_nodes, self.free_strain
+        found = np.asarray(given(time, self.points) if callable(given) else np.full(n, given), dtype=float)
         if found.shape != (n,) or not np.all(found > -1):
             raise InputError(
                 f"{self.label}: free_strain gave shape {found.shape}, or values that do not all exceed -1, at t = "
