@@ -316,6 +316,29 @@ def html(
 
 
 @app.command
+def export(
+    directory: Directory,
+    /,
+    *,
+    format: Annotated[
+        Literal["pvd"], Parameter(help="pvd: a *.pvd with a *.vtu per component and moment.")
+    ] = "pvd",
+    out: Annotated[
+        Path | None, Parameter(help="*.pvd; trajectory.pvd in the directory if not given.")
+    ] = None,
+) -> None:
+    """Write a run for programs that do not read its trajectory.vtkhdf, with names of components such as xx."""
+    from visviva.output.directory import RunDirectory
+    from visviva.output.pvd import write_pvd
+    from visviva.study.progress import counting_bar
+
+    files = RunDirectory.open(directory)
+    with counting_bar(format) as show:
+        file = write_pvd(files.trajectory, out or files.trajectory.with_suffix(f".{format}"), progress=show)
+    print(file)
+
+
+@app.command
 def view(
     directory: Directory,
     /,
