@@ -16,6 +16,10 @@ campaign: core  ## what takes longer than a test may; short forms of it are amon
 	cd tests && PYTHONPATH=../src $(PYTHON) -m campaign
 lint:
 	ruff check . && ruff format --check . && mypy
+	check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	check-jsonschema --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[!c]*.yml
+	check-jsonschema --builtin-schema vendor.github-issue-config .github/ISSUE_TEMPLATE/config.yml
+	check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
 	clang-format --dry-run --Werror $$(git ls-files 'cpp/*.cpp' 'cpp/*.hpp')
 docs:  ## of the package that is installed, or of what `make core` has built in place
 	PYTHONPATH=$(if $(wildcard src/visviva/_core.*.so),src) sphinx-build -W -b html docs $(HTML)

@@ -17,7 +17,7 @@ make_verification()
 project = "visviva"
 author = "the visviva developers"
 copyright = "2026, the visviva developers"
-release = "0.1.0"
+release = "0.2.0"
 
 extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.mathjax", "numpydoc"]
 exclude_patterns = ["_build"]

@@ -1,0 +1,61 @@
+"""What stands in several files of a release is the same in all of them; workflows do what they say."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+import visviva
+
+ROOT = Path(__file__).resolve().parents[1]
+WORKFLOWS = ROOT / ".github" / "workflows"
+pytestmark = pytest.mark.skipif(not WORKFLOWS.exists(), reason="not in a checkout")
+
+
+def project() -> dict:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+def test_one_version() -> None:
+    version = project()["version"]
+    recipe = yaml.safe_load((ROOT / "packaging/conda/recipe.yaml").read_text())
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    docs = re.search('release = "(.*)"', (ROOT / "docs/conf.py").read_text())
+    assert docs is not None
+    assert {visviva.__version__, recipe["context"]["version"], citation["version"], docs[1]} == {version}
+
+
+def test_the_recipe_runs_with_what_the_package_needs() -> None:
+    recipe = yaml.safe_load((ROOT / "packaging/conda/recipe.yaml").read_text())
+    known = {"PyYAML": "pyyaml", "matplotlib": "matplotlib-base"}
+    wanted = {
+        known.get(n, n) + " " + v for n, v in (re.split("(?=>=)", d) for d in project()["dependencies"])
+    }
+    assert set(recipe["requirements"]["run"]) - {"python"} == wanted
+
+
+def test_placeholders_stand_in_one_place() -> None:
+    files = [
+        *ROOT.glob("*.md"),
+        *ROOT.glob("*.cff"),
+        *(ROOT / ".github").rglob("*.*"),
+        *(ROOT / "packaging").rglob("*.*"),
+    ]
+    assert [str(f) for f in files if f.is_file() and "example.org" in f.read_text()] == []
+    assert all("example.org" in url for url in project()["urls"].values()) or "example.org" not in str(
+        project()
+    )
+
+
+def test_workflows_call_what_there_is() -> None:
+    text = "".join(file.read_text() for file in WORKFLOWS.glob("*.yml"))
+    for script in (".ci/run", "make docs"):
+        assert script in text
+    assert (ROOT / ".ci" / "run").exists()
+    called = re.findall(r"uses: \./(\S+)", text)
+    assert called
+    assert all((ROOT / path).exists() for path in called)
