@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "parts.hpp"
+#include "visviva/flow/immersed_heat.hpp"
 #include "visviva/flow/immersed_term.hpp"
 
 using namespace visviva;
@@ -109,4 +110,16 @@ void bind_immersed(nb::module_& m) {
             nb::arg("admit"), nb::arg("couple"), nb::arg("reach").none())
         .def_prop_ro("within", &within, nb::rv_policy::automatic)
         .def_prop_ro("location", &ImmersedTerm::location);
+    nb::class_<ImmersedHeat, Term>(m, "ImmersedHeat")
+        .def(
+            "__init__",
+            [](ImmersedHeat* t, std::shared_ptr<ImmersedTerm> body, const Ints& balance,
+               const Ints& temperature, const Doubles& conductance, bool entropy, int flow_start,
+               int heat_start, int dim) {
+                new (t) ImmersedHeat(std::move(body),
+                                     {vector_of(balance), vector_of(temperature), vector_of(conductance),
+                                      entropy, flow_start, heat_start, dim});
+            },
+            nb::arg("body"), nb::arg("balance"), nb::arg("temperature"), nb::arg("conductance"),
+            nb::arg("entropy"), nb::arg("flow_start"), nb::arg("heat_start"), nb::arg("dim"));
 }

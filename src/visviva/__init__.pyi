@@ -139,6 +139,7 @@ from .thermal.heat import Heat
 from .thermal.heat_contact import HeatContact
 from .thermal.heat_link import HeatLink
 from .thermal.heat_tie import HeatTie
+from .thermal.immersed_heat import ImmersedHeat
 from .thermal.thermal_body import ThermalBody
 from .thermal.thermoelastic_solid import ThermoelasticSolid
 from .user.servo import Servo, ServoInputs
@@ -236,6 +237,7 @@ __all__ = [
     "ISection",
     "Immersed",
     "ImmersedBody",
+    "ImmersedHeat",
     "ImmersedThin",
     "InputError",
     "InterfaceArea",

@@ -152,6 +152,19 @@ def linked() -> Components:
     return [first, body, other, flux, bolt, strap]
 
 
+def bathed() -> Components:
+    """A warm cube in a fluid that flows through a box."""
+    fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0)
+    mesh = vv.BoxMesh(size=(0.3, 0.3, 0.3), counts=(1, 1, 1), origin=(0.3, 0.35, 0.4))
+    material = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
+    cube = vv.ThermoelasticSolid(mesh=mesh, material=material, density=2.0, heat=HEAT, temperature=23.0)
+    immersed = vv.Immersed(solid=cube, fluid=fluid)
+    cooling = vv.ImmersedHeat(immersed=immersed, heat=heat, conductance=0.5)
+    down = vv.Gravity(acceleration=(0.3, -1.0, 0.2))
+    return [fluid, heat, cube, immersed, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
+
+
 def touching(**options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
@@ -183,6 +196,7 @@ THERMAL = [
         for a, b in (("body", "body"), ("solid", "solid"), ("body", "solid"))
         for c in (None, 2.0)
     ],
+    Entry("warm cube in a fluid", bathed, NOTHING, h=0.02, steps=10),
     Entry("heat links", linked, NOTHING, steps=20),
     *[
         Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)

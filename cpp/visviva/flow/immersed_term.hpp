@@ -64,6 +64,19 @@ class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     // Which points the fluid holds in the step evaluated last; none before it was asked.
     std::vector<char> within() const;
+    int n() const { return points_.n(); }
+    // First unknowns of velocities that a point may come to follow; whether the fluid holds it now, and
+    // f(first unknown, weight) of those that it follows.
+    const std::vector<int>& coupled(int point) const {
+        static const std::vector<int> none;
+        return coupled_.empty() ? none : coupled_[point];
+    }
+    bool holds(int point) const { return !coupled_.empty() && !is_free(point * points_.width); }
+    template <class F>
+    void each_weight(int point, F f) const {
+        for (int e = point * points_.width; e < (point + 1) * points_.width; ++e)
+            if (now_.weight[e] != 0) f(now_.unknown[e], now_.weight[e]);
+    }
     double location() const { return location_; }  // CPU seconds that it has taken
 
   private:

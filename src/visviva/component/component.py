@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from copy import deepcopy
 from dataclasses import MISSING, Field, fields, is_dataclass
 from types import FunctionType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ class Component(metaclass=Validated):
 
     name: str | None = None
 
-    contributes_last = False  # since it asks what others hold
+    contributes_last: ClassVar[int] = 0  # since it asks what others hold: those with larger numbers later
     carries_heat = False  # whether it has temperatures that what it touches could see
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 

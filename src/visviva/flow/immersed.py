@@ -271,6 +271,11 @@ class Immersed(Carried):
         unknowns = self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)
         return Displaced(unknowns.reshape(n, -1), mass, np.ones(k, dtype=bool), share, lambda: self._gravity)
 
+    @property
+    def followers(self) -> Cells:
+        """Nodes (k,) of the solid that follow the fluid or press on it, once it is part of a system."""
+        return self._nodes
+
     def point_name(self, k: int) -> str:
         return f"node {self._nodes[k]} of {self.solid.label}"
 

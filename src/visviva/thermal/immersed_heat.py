@@ -1,0 +1,105 @@
+"""Heat between a solid and the fluid that it is immersed in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.component.component import Component, settings
+from visviva.component.values import FaceSet, Number
+from visviva.flow.immersed import Immersed
+from visviva.thermal.carrier import HeatCarrier
+from visviva.thermal.fluid_heat import FluidHeat
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ImmersedHeat(Component):
+    """Heat that passes between the surface of an immersed solid and the fluid around it, wherever it moves.
+
+    Parameters
+    ----------
+    immersed : Immersed
+        Of a solid that carries heat.
+    heat : FluidHeat
+        Of the same fluid.
+    conductance : float
+        Heat per time, area and difference of temperatures: ``conductance (T_fluid - T_solid)`` flows into every node of
+        the surface, with its share of the area in the reference, out of the fluid where the node is.
+    faces : str or Faces
+        Which part of the surface.
+
+    Notes
+    -----
+    What leaves the fluid enters the solid, exactly. The fluid that a solid displaces is there as far as its heat is
+    concerned: it stores and conducts beside the solid. See :doc:`/theory/heat`.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> water = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4)), density=1.0, viscosity=1.0)
+    >>> heat = vv.FluidHeat(fluid=water, conductivity=0.1, capacity=1.0, temperature=300.0)
+    >>> mesh = vv.BoxMesh(size=(0.3, 0.3, 0.3), counts=(2, 2, 2), origin=(0.35, 0.35, 0.35))
+    >>> warm = vv.Heat(conductivity=1.0, capacity=2.0, reference=300.0)
+    >>> rubber = vv.NeoHooke(young=10.0, poisson=0.3)
+    >>> ball = vv.ThermoelasticSolid(mesh=mesh, material=rubber, density=1.0, heat=warm, temperature=400.0)
+    >>> immersed = vv.Immersed(solid=ball, fluid=water)
+    >>> cooling = vv.ImmersedHeat(immersed=immersed, heat=heat, conductance=2.0)
+    >>> system = vv.System([water, vv.NoSlip(fluid=water, faces="all"), heat, ball, immersed, cooling])
+    >>> result = vv.simulate(system, until=0.2, step=0.05)
+    >>> bool(310 < ball.temperatures(system.x).mean() < 340)
+    True
+    """
+
+    immersed: Immersed
+    heat: FluidHeat
+    conductance: Number
+    faces: FaceSet = "all"
+
+    contributes_last: ClassVar[int] = 2  # after what is immersed
+
+    def __post_init__(self) -> None:
+        if not self.conductance > 0:
+            raise InputError(f"{self.label}: conductance = {self.conductance:g} is not positive")
+        if not isinstance(self.immersed.solid, HeatCarrier):
+            raise InputError(
+                f"{self.label}: {self.immersed.solid.label} carries no heat; make it a vv.ThermoelasticSolid"
+            )
+        if self.heat.fluid is not self.immersed.fluid:
+            raise InputError(
+                f"{self.label}: {self.heat.label} is that of {self.heat.fluid.label}, and {self.immersed.label} lies "
+                f"in {self.immersed.fluid.label}"
+            )
+        try:
+            chosen = self.immersed.solid.faces(self.faces)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        self._areas = np.zeros(self.immersed.solid.grid.n_nodes)
+        for p in self.immersed.solid.face_points(chosen):
+            np.add.at(self._areas, p.nodes, p.size @ (p.N**2 / np.sum(p.N**2, axis=1)[:, None]))
+
+    def contribute(self, model: Model) -> None:
+        model.index(self.immersed), model.index(self.heat)
+        solid: Any = self.immersed.solid
+        nodes = self.immersed.followers
+        self.term = _core.ImmersedHeat(
+            self.immersed.term,
+            np.ascontiguousarray(solid.balance_unknowns(nodes), dtype=np.int32),
+            np.ascontiguousarray(solid.temperature_unknowns(nodes), dtype=np.int32),
+            np.ascontiguousarray(self.conductance * self._areas[nodes]),
+            solid.balances_entropy,
+            self.heat.fluid.flow.start,
+            self.heat.heat.start,
+            self.heat.dimension,
+        )
+        self.term.name = self.label
+        model.batch(self.term)

@@ -1,0 +1,78 @@
+"""Heat between an immersed solid and the fluid around it: balance, Newton's cooling, refusals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+RUBBER = vv.NeoHooke(young=10.0, poisson=0.3)
+
+
+def bathed(conductivity: float = 0.1, conductance: float = 2.0, n: int = 4) -> tuple[Any, ...]:
+    """A warm cube in a box that swirls."""
+
+    def swirl(X: Any) -> Any:
+        x, y = np.pi * X[:, 0], np.pi * X[:, 1]
+        v = [np.sin(x) ** 2 * np.sin(2 * y), -np.sin(2 * x) * np.sin(y) ** 2, 0 * x]
+        return np.stack(v, axis=1) * np.sin(np.pi * X[:, 2:]) ** 2
+
+    water = vv.Fluid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(n, n, n)),
+        density=1.0,
+        viscosity=0.1,
+        velocity=swirl,
+        name="water",
+    )
+    heat = vv.FluidHeat(
+        fluid=water, conductivity=conductivity, capacity=3.0, temperature=300.0, reference=300.0, name="bath"
+    )
+    mesh = vv.BoxMesh(size=(0.3, 0.25, 0.3), counts=(2, 2, 2), origin=(0.4, 0.45, 0.35))
+    warm = vv.Heat(conductivity=50.0, capacity=2.0, reference=300.0)
+    cube = vv.ThermoelasticSolid(mesh=mesh, material=RUBBER, density=1.2, heat=warm, temperature=350.0)
+    immersed = vv.Immersed(solid=cube, fluid=water)
+    cooling = vv.ImmersedHeat(immersed=immersed, heat=heat, conductance=conductance)
+    return water, heat, cube, immersed, cooling, vv.NoSlip(fluid=water, faces="all")
+
+
+def test_what_the_fluid_gives_the_solid_takes() -> None:
+    """While it moves through cells: energies of motion, strain and heat of both add up as the ledger says."""
+    parts = bathed()
+    system = vv.System(list(parts), vv.Newton(tolerance=1e-12))
+    start = parts[2].positions(system.x).mean(axis=0)
+    result = vv.simulate(system, until=0.5, step=0.05)
+    assert np.linalg.norm(parts[2].positions(system.x).mean(axis=0) - start) > 0.02
+    assert parts[2].temperatures(system.x).mean() < 340
+    assert parts[1].temperatures(system.x).mean() > 300.05
+    assert result.conservation()["energy"] < 1e-9
+
+
+def test_a_body_that_conducts_well_cools_as_newton_says() -> None:
+    """In a bath that conducts well and holds much: exp(-h A t / c V) of the difference is left."""
+    water, heat, cube, immersed, cooling, wall = bathed(conductivity=1e3, conductance=0.5)
+    bath = vv.PrescribedTemperature(body=heat, nodes="all", value=300.0)
+    system = vv.System([water, heat, cube, immersed, cooling, wall, bath])
+    vv.simulate(system, until=0.2, step=0.02)
+    size = np.array([0.3, 0.25, 0.3])
+    area = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0])
+    left = np.exp(-0.5 * area * 0.2 / (2.0 * size.prod()))
+    assert (cube.temperatures(system.x).mean() - 300) / 50 == pytest.approx(left, rel=2e-3)
+
+
+def test_refusals() -> None:
+    water, heat, cube, immersed, _, _ = bathed()
+    plain = vv.Immersed(solid=vv.Solid(mesh=cube.grid, material=RUBBER, density=1.0), fluid=water)
+    other = vv.Fluid(mesh=water.grid, density=1.0, viscosity=1.0, name="oil")
+    oil = vv.FluidHeat(fluid=other, conductivity=1.0, capacity=1.0, name="oil's")
+    given: dict[str, Any] = {"immersed": immersed, "heat": heat, "conductance": 1.0}
+    for options, words in (
+        ({"conductance": 0.0}, "conductance = 0 is not positive"),
+        ({"immersed": plain}, "carries no heat; make it a vv.ThermoelasticSolid"),
+        ({"heat": oil}, "is that of Fluid 'oil'"),
+        ({"faces": "north"}, "north"),
+    ):
+        with pytest.raises(vv.InputError, match=words):
+            vv.ImmersedHeat(**{**given, **options})
