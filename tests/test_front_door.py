@@ -150,3 +150,14 @@ def test_pages_of_the_gallery_keep_double_backticks() -> None:
     finally:
         sys.path.remove(str(path.parent))
     assert module.literal("`a` and ``--set b`` and `c`") == "``a`` and ``--set b`` and ``c``"
+
+
+def test_completion_of_the_shell(cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from visviva.cli import app
+
+    if not hasattr(app, "register_install_completion_command"):
+        pytest.skip("Cyclopts 3")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    code, _, err = cli("--install-completion", "--shell", "bash", "--output", tmp_path / "v.bash")
+    assert (code, err) == (0, "")
+    assert "no-movie" in (tmp_path / "v.bash").read_text()

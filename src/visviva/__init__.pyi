@@ -69,7 +69,7 @@ from .material.tissue import HolzapfelGasserOgden
 from .material.user_material import UserMaterial
 from .measure.beam_probes import Resultants
 from .measure.contact_probes import ContactArea, ContactForce, ContactGap, ContactPressure
-from .measure.flow_probes import Courant, Divergence, FlowField, FlowForce, FlowRate
+from .measure.flow_probes import Courant, Divergence, FlowField, FlowForce, FlowRate, WallShear
 from .measure.formula import Formula
 from .measure.fracture_probes import CrackArea, CrackEnergy, CrackTip
 from .measure.measures import (
@@ -82,6 +82,7 @@ from .measure.measures import (
     Separation,
     SquaredDistance,
 )
+from .measure.motion_probes import AngularVelocity, JointRate, Power
 from .measure.phase_probes import DomainSize, InterfaceArea, PhaseEnergy, PhaseVolume
 from .measure.reactions import ReactionForce, ReactionTorque, reaction
 from .measure.solid_probes import (
@@ -150,6 +151,7 @@ __all__ = [
     "Adaptive",
     "AllenCahn",
     "AlternateMinimization",
+    "AngularVelocity",
     "ArcLength",
     "ArcMesh",
     "Automatic",
@@ -245,6 +247,7 @@ __all__ = [
     "JointCoordinate",
     "JointDamper",
     "JointForce",
+    "JointRate",
     "JointSpring",
     "Laminate",
     "LineLoad",
@@ -279,6 +282,7 @@ __all__ = [
     "PolynomialEnergy",
     "Position",
     "Potential",
+    "Power",
     "Prescribed",
     "PrescribedConcentration",
     "PrescribedTemperature",
@@ -354,6 +358,7 @@ __all__ = [
     "ViscoelasticSolid",
     "VisvivaError",
     "Volume",
+    "WallShear",
     "Wetting",
     "Yeoh",
     "arc_length",

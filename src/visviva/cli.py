@@ -37,6 +37,8 @@ app = App(
     suppress_keyboard_interrupt=False,
     help_format="plaintext",
 )
+if hasattr(app, "register_install_completion_command"):  # since Cyclopts 4
+    app.register_install_completion_command()
 
 
 def whole(_: Any, tokens: Sequence[Any]) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
 
-from visviva.base.timefunction import TIME_SCHEMA, TimeFunction
+from visviva.base.timefunction import TIME_SCHEMA, Expression, TimeFunction
 
 Array = NDArray[np.float64]
 
@@ -101,6 +101,58 @@ Function = Annotated[
 VectorOrFunction = Annotated[
     Any, BeforeValidator(_vector_or_function), PlainSerializer(_plain_vector), WithJsonSchema(VECTOR_SCHEMA)
 ]
+
+
+class OfPlace:
+    """Three expressions in the time t and the place x, y, z as a function ``f(t, X)``.
+
+    Examples
+    --------
+    >>> OfPlace(["x*t", 0, "2"])(2.0, np.array([[3.0, 0.0, 0.0]])).tolist()
+    [[6.0, 0.0, 2.0]]
+    """
+
+    def __init__(self, source: Any) -> None:
+        self.source = list(source)
+        if len(self.source) != 3 or not all(isinstance(s, str | int | float) for s in self.source):
+            raise ValueError(f"expected three numbers or expressions in t, x, y, z, not {source!r}")
+        self._parts = [Expression(str(s)) for s in self.source]
+        unknown = {name for part in self._parts for name in part.names} - set("txyz")
+        if unknown:
+            raise ValueError(f"{min(unknown)!r} in {source!r} is unknown; there are t, x, y, z")
+
+    def __repr__(self) -> str:
+        return f"OfPlace({self.source!r})"
+
+    def __call__(self, t: float, X: Array) -> Array:
+        """Values (n, 3) at a time and places (n, 3)."""
+        found = np.empty((len(X), 3))
+        for k, part in enumerate(self._parts):
+            if part.names <= {"t"}:
+                found[:, k] = part({"t": complex(t)})
+            else:
+                found[:, k] = [
+                    part(dict(zip("txyz", map(complex, (t, *place)), strict=True))) for place in X.tolist()
+                ]
+        return found
+
+
+def _vector_or_field(value: Any) -> Any:
+    is_list = isinstance(value, list | tuple)
+    if is_list and any(isinstance(part, str) for part in value):
+        return OfPlace(value)
+    return value if isinstance(value, OfPlace) else _vector_or_function(value)
+
+
+def _plain_field(value: Any) -> Any:
+    return value.source if isinstance(value, OfPlace) else _plain_vector(value)
+
+
+FIELD_SCHEMA = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}
+VectorOrField = Annotated[
+    Any, BeforeValidator(_vector_or_field), PlainSerializer(_plain_field), WithJsonSchema(FIELD_SCHEMA)
+]
+"""A vector, a function ``f(t, X)``, or expressions in t, x, y, z."""
 
 
 def _number_or_function(value: Any) -> Any:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
-from visviva.body.solid_fields import linear
+from visviva.body.solid_fields import components, linear
 from visviva.mesh.cells import CELLS
 
 if TYPE_CHECKING:
     from visviva.flow.elements import Batch
     from visviva.flow.fluid import Fluid
+    from visviva.output.streamlines import StreamFunction
 
 Array = NDArray[np.float64]
 
@@ -84,11 +85,54 @@ def vorticity(fluid: Fluid, x: Array) -> Array:
     return curl[:, 2] if fluid.dimension == 2 else curl
 
 
+def velocity_gradient(fluid: Fluid, x: Array) -> Array:
+    """Gradients (n, 9) ``dv_i/dx_j`` at the nodes: xx, xy, xz, yx and so on."""
+    return nodal_gradients(fluid, x).reshape(-1, 9)
+
+
+def stress(fluid: Fluid, x: Array) -> Array:
+    """Cauchy's stress (n, 6) at the nodes: xx, yy, zz, xy, yz, zx of ``-p I + mu (grad v + grad v^T)``."""
+    L = nodal_gradients(fluid, x)
+    sigma = fluid.viscosity * (L + np.swapaxes(L, 1, 2)) - nodal_pressures(fluid, x)[:, None, None] * np.eye(
+        3
+    )
+    return components(sigma)
+
+
+def stream_function(fluid: Fluid, x: Array) -> Array:
+    """Stream function (n,) of a plane flow at the nodes, zero at the first one.
+
+    Raises
+    ------
+    InputError
+        In space.
+    """
+    if fluid.dimension != 2:
+        raise InputError(f"{fluid.label}: only plane flows have a stream function")
+    psi = streams(fluid)(fluid.by_node(x)[:, :2])
+    return np.asarray(psi - psi[0])
+
+
+@lru_cache(maxsize=4)
+def streams(fluid: Fluid) -> StreamFunction:
+    """What gives the stream function of a fluid, over triangles between all of its nodes."""
+    from visviva.output.skin import skin
+    from visviva.output.streamlines import StreamFunction
+
+    parts = []
+    for block in skin(fluid.drawn()):
+        parts += [block[:, [0, k, k + 1]] for k in range(1, block.shape[1] - 1)]
+    return StreamFunction(fluid.grid.points[:, :2], np.concatenate(parts))
+
+
 FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
     "velocity": lambda fluid, x: fluid.by_node(x),
     "speed": lambda fluid, x: np.asarray(np.linalg.norm(fluid.by_node(x), axis=1)),
     "pressure": lambda fluid, x: fluid.pressures(x),
     "vorticity": vorticity,
+    "velocity_gradient": velocity_gradient,
+    "stress": stress,
+    "stream_function": stream_function,
 }
 """What can be recorded and written of fluids by name."""
 
@@ -96,6 +140,7 @@ FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
 def widths(fluid: Fluid) -> dict[str, int]:
     """Number of components of every field."""
     own = {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if fluid.dimension == 2 else 3}
+    own |= {"velocity_gradient": 9, "stress": 6} | ({"stream_function": 1} if fluid.dimension == 2 else {})
     return own | dict.fromkeys(fluid.carried, 1)
 
 

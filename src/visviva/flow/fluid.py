@@ -14,7 +14,7 @@ from visviva import _core
 from visviva.base.errors import InputError, RunError
 from visviva.component.component import settings
 from visviva.component.meshed import Meshed
-from visviva.component.values import Number, VectorOrFunction
+from visviva.component.values import Number, VectorOrField, VectorOrFunction
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
@@ -57,8 +57,9 @@ class Fluid(Meshed):
         PSPG, LSIC), see :doc:`/theory/flow`.
     velocity : (3,), or a function of positions (n, 3) with values (n, 3)
         At the start.
-    body_force : (3,) or callable
-        Force per volume, or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
+    body_force : (3,), expressions or callable
+        Force per volume; expressions in t, x, y, z, ``("sin(y)", 0, 0)``; or ``f(t, X)`` of time and positions (n, 3)
+        with values (n, 3).
     periodic : pairs of str
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns. What is
         immersed passes them, on into the next period.
@@ -94,7 +95,7 @@ class Fluid(Meshed):
     viscosity: Number
     elements: str | None = None
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
-    body_force: VectorOrFunction = (0.0, 0.0, 0.0)
+    body_force: VectorOrField = (0.0, 0.0, 0.0)
     periodic: Pairs = ()
     convection: bool = True
     dry: bool = False

@@ -15,7 +15,7 @@ from visviva.body.director_body import refuse_thin
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
-from visviva.component.values import VectorOrFunction
+from visviva.component.values import VectorOrField
 from visviva.load.force import guarded
 from visviva.model.batch import components, strain_batch
 from visviva.model.law import Law, LawKind
@@ -99,7 +99,8 @@ class BodyForce(Component):
     ----------
     solid : Solid
     force : array (3,) or callable
-        Force per reference volume; or ``f(t, X)`` of time and reference positions (n, 3) with values (n, 3).
+        Force per reference volume; expressions in t, x, y, z of time and reference position, ``("-x*t", 0, 0)``; or
+        ``f(t, X)`` of time and reference positions (n, 3) with values (n, 3).
     times : number, expression, table or callable
         Factor as a function of time, see `TimeFunction`.
 
@@ -113,7 +114,7 @@ class BodyForce(Component):
     """
 
     solid: MeshBody
-    force: VectorOrFunction
+    force: VectorOrField
     times: OfTime | None = None
 
     def __post_init__(self) -> None:

@@ -11,12 +11,12 @@ from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
 from visviva.component.values import FaceSet, Vector3
-from visviva.flow.boundary_faces import flux_weights
+from visviva.flow.boundary_faces import flow_faces, flux_weights
 from visviva.flow.flow_fields import courant, divergence, flow_field
 from visviva.flow.fluid import Fluid
 from visviva.flow.location import Place
 from visviva.measure.measures import Reading
-from visviva.measure.names import quantity_of
+from visviva.measure.names import PARTS, parts_of, quantity_of
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -110,7 +110,7 @@ class FlowField(Reading):
     Parameters
     ----------
     fluid : Fluid
-    field : {'velocity', 'speed', 'pressure', 'vorticity'}
+    field : {'velocity', 'speed', 'pressure', 'vorticity', 'velocity_gradient', 'stress', 'stream_function'}
     at : array (3,)
         Position.
     """
@@ -126,6 +126,10 @@ class FlowField(Reading):
     def quantity(self) -> str:
         return quantity_of(self.field)
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return parts_of(self.field, len(PARTS.get(self.field, ())))
+
     def __post_init__(self) -> None:
         flow_field(self.fluid, self.field)
         _ = self._place
@@ -138,6 +142,57 @@ class FlowField(Reading):
         if self.field == "pressure":
             return float(self._place.pressures(system.x)[0])
         return self._place.of_nodes(flow_field(self.fluid, self.field)(system.x))[0]
+
+
+@dataclass(config=settings, frozen=True, kw_only=True)
+class WallShear(Reading):
+    """Probe: mean shear stress (3,) that a fluid exerts on faces, along them, where its normal looks out of the fluid.
+
+    It is read off the gradients of the velocity at the faces' points, of one order less than the force of `FlowForce`.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all'.
+
+    Examples
+    --------
+    A shear flow of rate 3 with the viscosity 0.5 drags its wall along:
+
+    >>> import visviva as vv
+    >>> mesh = vv.RectangleMesh(size=(2, 1), counts=(2, 2), cell="quad9")
+    >>> oil = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.5, velocity=lambda X: X[:, [1, 2, 2]] * (3, 0, 0))
+    >>> system = vv.System([oil, vv.FluidTraction(fluid=oil, faces="all", traction=(0, 0, 0))])
+    >>> vv.WallShear(fluid=oil, faces="y0")(system).round(9).tolist()
+    [1.5, 0.0, 0.0]
+    """
+
+    fluid: Fluid
+    faces: FaceSet
+
+    def __post_init__(self) -> None:
+        self.fluid.faces(self.faces)
+
+    @property
+    def quantity(self) -> str:
+        return "stress"
+
+    def told_by_state(self, system: System) -> bool:
+        return True
+
+    def __call__(self, system: System) -> Array:
+        v, d = self.fluid.by_node(system.x), self.fluid.dimension
+        total, area = np.zeros(3), 0.0
+        for part in flow_faces(self.fluid.grid, self.fluid.faces(self.faces)):
+            L = np.einsum("mki,mqkj->mqij", v[part.nodes][..., :d], part.gradients)
+            size = np.linalg.norm(part.normal, axis=2)
+            n = part.normal / size[..., None]
+            t = -self.fluid.viscosity * np.einsum("mqij,mqj->mqi", L + np.swapaxes(L, 2, 3), n)
+            along = t - np.einsum("mqi,mqi->mq", t, n)[..., None] * n
+            total[:d] += np.einsum("mq,mqi->i", size, along)
+            area += float(size.sum())
+        return total / area
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat
@@ -36,6 +36,34 @@ FULL = 2 * np.pi
 WELD = 1e-9  # of the size: distance below which nodes of neighbouring blocks are one
 
 
+Share = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Grade = Share | Annotated[tuple[Share, ...], LISTED]
+Grading2 = Annotated[tuple[Grade, Grade], LISTED]
+Grading3 = Annotated[tuple[Grade, Grade, Grade], LISTED]
+
+
+def graded(places: Array, counts: tuple[int, ...], grading: tuple[Any, ...] | None) -> Array:
+    """Coordinates (n, d) in [0, 1] of even blocks, moved to where blocks grow as told.
+
+    Examples
+    --------
+    >>> graded(np.array([[0.0], [0.5], [1.0]]), (2,), (3.0,)).ravel().tolist()
+    [0.0, 0.25, 1.0]
+    """
+    if grading is None:
+        return places
+    moved = []
+    for k, (n, grade) in enumerate(zip(counts, grading, strict=True)):
+        lengths = np.array(grade if isinstance(grade, tuple) else np.geomspace(1.0, grade, n), dtype=float)
+        if len(lengths) != n:
+            raise InputError(
+                f"grading has {len(lengths)} lengths for {n} blocks along axis {k + 1}: give one each"
+            )
+        ends = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
+        moved.append(np.interp(places[:, k], np.linspace(0.0, 1.0, n + 1), ends))
+    return np.column_stack(moved)
+
+
 class MeshSource(metaclass=Validated):
     """What gives a mesh: a generator or a file."""
 
@@ -57,6 +85,8 @@ class BoxMesh(MeshSource):
     cell : {"hex8", "hex20", "hex27", "tet4", "tet10", "wedge6"}
     origin : point
         The corner with the least coordinates.
+    grading : by axis a number or lengths, optional
+        The last block's length by the first one's, with powers between; or relative lengths of all blocks.
 
     Notes
     -----
@@ -72,11 +102,14 @@ class BoxMesh(MeshSource):
     counts: Counts3
     cell: SolidCell = "hex8"
     origin: Place3 = (0.0, 0.0, 0.0)
+    grading: Grading3 | None = None
 
     def build(self) -> Mesh:
         """The mesh."""
         grid = Grid(self.counts, self.cell)
-        return grid.mesh(np.array(self.origin) + grid.places * self.size, SIDES)
+        return grid.mesh(
+            np.array(self.origin) + graded(grid.places, self.counts, self.grading) * self.size, SIDES
+        )
 
 
 @dataclass(frozen=True, config=CONFIG)
@@ -91,6 +124,8 @@ class RectangleMesh(MeshSource):
     cell : {"quad4", "quad8", "quad9", "tri3", "tri6"}
     origin : point, (2,)
         The corner with the least coordinates.
+    grading : by axis a number or lengths, optional
+        The last block's length by the first one's, with powers between; or relative lengths of all blocks.
 
     Notes
     -----
@@ -106,11 +141,14 @@ class RectangleMesh(MeshSource):
     counts: Counts2
     cell: PlaneCell = "quad4"
     origin: Place2 = (0.0, 0.0)
+    grading: Grading2 | None = None
 
     def build(self) -> Mesh:
         """The mesh."""
         grid = Grid(self.counts, self.cell)
-        return grid.mesh(np.array(self.origin) + grid.places * self.size, SIDES[:2])
+        return grid.mesh(
+            np.array(self.origin) + graded(grid.places, self.counts, self.grading) * self.size, SIDES[:2]
+        )
 
 
 @dataclass(frozen=True, config=CONFIG)

@@ -13,6 +13,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import TimeFunction
 from visviva.component.component import Component
 from visviva.component.point import Frame, Point
+from visviva.component.values import OfPlace
 from visviva.measure.measures import Reading
 from visviva.mesh.mesh import Mesh
 from visviva.output.safe_files import replacing, reporting
@@ -124,7 +125,7 @@ def value(label: str, item: Any) -> Any:
         return {type(item).__name__: arguments} if arguments else type(item).__name__
     if isinstance(item, (*language.CHOICES.values(), Reading)):
         return described(label, item, {**language.values(), **language.probes()})
-    return plain(label, item.source if isinstance(item, TimeFunction) else item)
+    return plain(label, item.source if isinstance(item, TimeFunction | OfPlace) else item)
 
 
 def plain(label: str, item: Any) -> Any:
