@@ -180,6 +180,20 @@ class Mesh(metaclass=Named):
         """All faces that belong to one cell only."""
         return self._boundary
 
+    def surface(self, name: str) -> Mesh:
+        """The faces of a set as a mesh of their own: a surface in space, or lines in a plane.
+
+        Examples
+        --------
+        >>> from visviva import SphereMesh
+        >>> SphereMesh(radius=1, counts=(2, 1), cell="hex27").build().surface("outer")
+        <Mesh: 386 nodes, 96 quad9; sets: none>
+        """
+        found = self.faces(name)
+        place = np.full(self.n_nodes, -1, dtype=np.int64)
+        place[found.nodes] = np.arange(len(found.nodes))
+        return Mesh(self.points[found.nodes], {kind: place[rows] for kind, rows in found.cells.items()})
+
     def select_nodes(self, predicate: Predicate) -> Ints:
         """Nodes for which a function of positions (n, d) gives True (n,).
 
