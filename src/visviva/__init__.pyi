@@ -55,6 +55,7 @@ from .load.edge_moment import EdgeMoment
 from .load.force import FollowerForce, Force
 from .load.gravity import Gravity
 from .load.line_load import LineLoad
+from .load.periodic_faces import PeriodicFaces
 from .load.rotating_frame import RotatingFrame
 from .load.spring import Damper, Spring
 from .load.support import Clamped, Fixed, Prescribed, SymmetryPlane
@@ -270,6 +271,7 @@ __all__ = [
     "Offset",
     "Ogden",
     "Outlet",
+    "PeriodicFaces",
     "PhaseEnergy",
     "PhaseVolume",
     "Planar",

@@ -104,11 +104,9 @@ def plain_alloy() -> Components:
     """Without functions of Python."""
     mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2))
     body = alloy(mesh, concentration=0.6, velocity=(0.1, 0.0, 0.0), periodic=[["y0", "y1"]])
-    return [
-        body,
-        vv.ConcentrationSource(body=body, rate="0.1*t"),
-        vv.Wetting(body=body, faces="x0", angle=60.0),
-    ]
+    wall = vv.Wetting(body=body, faces="x0", angle=60.0)
+    sides = vv.PeriodicFaces(solid=body, pairs=[("y0", "y1")])
+    return [body, vv.ConcentrationSource(body=body, rate="0.1*t"), wall, sides]
 
 
 TENSOR = [[2.0, 0.3, 0.0], [0.3, 1.5, 0.1], [0.0, 0.1, 1.0]]
