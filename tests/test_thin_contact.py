@@ -142,6 +142,29 @@ def test_a_beam_is_peeled_off_the_ground() -> None:
     assert beam.displacements(system.x)[-1, 2] == pytest.approx(2**4 / 24 / bending, rel=1 / count**2 * 5)
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.EnergyMomentum()], ids=["euler", "conserving"])
+def test_a_rod_slides_across_two_others(friction: float, scheme: Any) -> None:
+    """Thrown along its axis over two rails, it is braked by mu times what they push with, whatever it passes on."""
+    r = 0.01
+    section = vv.TubeSection(radius=r, young=1e9, density=1000.0)
+    top = 2 * r * (1 - 1e-9)
+    line = vv.LineMesh(points=[(0, -0.4, top), (0, 0.4, top)], count=8)
+    bar = vv.Beam(mesh=line, section=section, velocity=(0.0, 1.0, 0.0))
+    rails = [rod((-0.2, y, 0), (0.2, y, 0), 4, section=section) for y in (-0.2, 0.2)]
+    options: Any = {"friction": friction, "tangential": "penalty"} if friction else {}
+    pressed: Any = {"enforcement": "penalty", "stiffness": 1e8, "initial": "press"}
+    contacts = [vv.Contact(first=bar, second=rail, **pressed, **options) for rail in rails]
+    held = [vv.Clamped(solid=rail, nodes="all") for rail in rails]
+    system = vv.System([bar, *rails, *contacts, *held, vv.Gravity()])
+    speed = []
+    for until in (0.05, 0.2):
+        vv.simulate(system, until=until, step=0.001, scheme=scheme)
+        speed.append(bar.velocities(system.x, system.v).mean(axis=0))
+    gained = speed[1] - speed[0]
+    assert -gained[1] == pytest.approx(friction * (9.81 * 0.15 + gained[2]), rel=0.03, abs=0.01 * 9.81 * 0.15)
+
+
 def test_rope_on_a_drum_holds_eulers_ratio() -> None:
     study = rope_on_drum.study()
     result = vv.simulate(study.system, until=2.0, step=0.1, scheme=vv.BackwardEuler())

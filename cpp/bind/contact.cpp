@@ -142,13 +142,14 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "line_gaps",
         [](const Skin& skin, const Doubles& areas, double radius, double reach, const Ints& start,
-           const Ints& own, const Ints& turning, const Ints& opposite, double inner) {
+           const Ints& own, const Ints& stretches, const Ints& turning, const Ints& opposite, double inner) {
             return shared(make_line_gaps(
                 skin, {vector_of<double>(areas), {}, radius, reach, false, vector_of<int>(turning), 0},
-                {vector_of<int>(start), vector_of<int>(own)}, {vector_of<int>(opposite), inner}));
+                {vector_of<int>(start), vector_of<int>(own)},
+                {vector_of<int>(opposite), inner, vector_of<int>(stretches)}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("start"),
-        nb::arg("own"), nb::arg("turning"), nb::arg("opposite"), nb::arg("inner"));
+        nb::arg("own"), nb::arg("stretches"), nb::arg("turning"), nb::arg("opposite"), nb::arg("inner"));
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,

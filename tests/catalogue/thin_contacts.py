@@ -169,9 +169,9 @@ THIN_CONTACTS = [
     Entry("contact, beams that cross", rods, ALL, 0.01, 20),
     Entry("contact, beams side by side", partial(rods, crossed=False), ALL, 0.01, 20),
     Entry("contact, beam with itself", coil, ALL, 0.01, 20),
-    Entry("contact, beams that cross, rubbing", partial(rods, **ELASTIC), MOMENTA, 0.0025, 40),
+    Entry("contact, beams that cross, rubbing", partial(rods, **ELASTIC), MOMENTA, 0.00125, 80),
     Entry(
-        "contact, beams side by side, rubbing", partial(rods, crossed=False, **ELASTIC), MOMENTA, 0.001, 60
+        "contact, beams side by side, rubbing", partial(rods, crossed=False, **ELASTIC), MOMENTA, 0.0005, 120
     ),
     Entry("shells tied", tied, ALL, 0.005, 40),
     Entry("shell on a hinge, rigid edge", partial(hinged, vv.RigidCoupling), ALL, 0.005, 40),

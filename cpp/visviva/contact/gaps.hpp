@@ -164,10 +164,11 @@ struct OwnSegments {
     std::vector<int> start, own;
 };
 /// Where bars rub: the first of the four vertices of the frame of each vertex of the second surface, and the
-/// radius about the vertices of the first one.
+/// radius about the vertices of the first one. Where that is a bar as well, pairs of neighbours along it.
 struct BarFrames {
     std::vector<int> second;
     double radius = 0;
+    std::vector<int> stretches;
 };
 std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside, BarFrames frames);
 

@@ -1,11 +1,12 @@
-// Gaps between round bars: of points along the middle of one to the middle of the other, less both radii.
-// The closest point may be an end or a joint of segments, so that what crosses, lies along or slides off is
-// one function of the positions, continuous with its gradient.
+// Gaps between round bars: of points of one to the middle of the other, less both radii. A point stands for
+// the stretches to its neighbours along its bar, so that bars that cross touch where they do and slide across
+// each other without a bump (see Crossing). What is nearest may be an end or a joint of segments: what
+// crosses, lies along or slides off is one function of the positions, continuous with its gradient.
 #include <algorithm>
 #include <cmath>
 
 #include "visviva/base/parallel.hpp"
-#include "visviva/contact/closest.hpp"
+#include "visviva/contact/crossing.hpp"
 #include "visviva/contact/point_gaps.hpp"
 #include "visviva/contact/search.hpp"
 
@@ -20,6 +21,19 @@ struct Candidate {
     int facet, local[2];  // a segment, and the places of its ends in the stencil, which their frames follow
 };
 
+/// A point along the same bar, and its place in the stencil.
+struct Neighbour {
+    int vertex, local;
+};
+
+/// What a point is nearest to: a segment and the stretch to a neighbour that comes nearest to it, as places
+/// of both ends of the stretch and of the segment in the stencil.
+struct Nearest {
+    int local[4];
+    Stretches stretches;
+    Crossing crossing;
+};
+
 constexpr int FRAME = 4;
 
 class LineGaps : public PointGaps {
@@ -28,12 +42,20 @@ class LineGaps : public PointGaps {
         : PointGaps(std::move(skin), std::move(options)),
           beside_(std::move(beside)),
           frames_(std::move(frames)),
-          candidates_(n_) {}
+          neighbours_(n_),
+          candidates_(n_) {
+        const auto& ends = frames_.stretches;
+        for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+            neighbours_[ends[i]].push_back({ends[i + 1], 0});
+            neighbours_[ends[i + 1]].push_back({ends[i], 0});
+        }
+    }
     bool search(const double* from, const double* to) override;
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
 
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
+    Vector3 push(const Distance& d, int vertex) const override;
     double way(const double* from, const double* to, int vertex) const override;
     bool is_inside(const double*, int) const override { return false; }
     int nearest_side(const double*, int) const override { return Sides::nearest; }
@@ -48,8 +70,8 @@ class LineGaps : public PointGaps {
                   *end = beside_.own.data() + beside_.start[A + 1];
         return std::find(begin, end, f) != end;
     }
-    FacetShape shape(const double* X, int f) const;
-    const Candidate* nearest(const double* X, int A, Foot& foot) const;
+    double longest(const double* X) const;
+    bool nearest(const double* X, int A, Nearest& found) const;
     bool rubs() const { return !frames_.second.empty(); }
     bool turns() const { return !options_.turning.empty(); }
     void make_stencil(int A, const std::vector<int>& facets);
@@ -57,19 +79,22 @@ class LineGaps : public PointGaps {
     OwnSegments beside_;
     BarFrames frames_;
     PointSearch near_facets_;
+    std::vector<std::vector<Neighbour>> neighbours_;
     std::vector<std::vector<Candidate>> candidates_;
 };
 
-FacetShape LineGaps::shape(const double* X, int f) const {
-    FacetShape s;
-    s.n = 2;
-    for (int i = 0; i < 2; ++i) s.corner[i] = At(X + 3 * skin_.corners(f)[i]);
-    return s;
+// Of the stretches.
+double LineGaps::longest(const double* X) const {
+    double length = 0;
+    for (int A = 0; A < n_; ++A)
+        for (const Neighbour& b : neighbours_[A])
+            length = std::max(length, (At(X + 3 * b.vertex) - At(X + 3 * A)).norm());
+    return length;
 }
 
 bool LineGaps::search(const double* from, const double* to) {
     const int begin = skin_.second_begin;
-    const double margin = 2 * options_.reach + options_.radius;
+    const double margin = 2 * options_.reach + options_.radius + longest(from);
     return near_facets_.find(skin_, begin, n_, from, to, margin, [&](int A, std::vector<int>& found) {
         std::erase_if(found, [&](int f) { return is_beside(A, f - begin); });
         const auto& old = candidates_[A];
@@ -88,6 +113,11 @@ void LineGaps::make_stencil(int A, const std::vector<int>& facets) {
         for (int k = 0; k < FRAME; ++k) stencil.push_back(first + k);
     };
     if (turns()) add_frame(options_.turning[A]);
+    for (Neighbour& b : neighbours_[A]) {
+        b.local = static_cast<int>(stencil.size());
+        stencil.push_back(b.vertex);
+        if (turns()) add_frame(options_.turning[b.vertex]);
+    }
     for (int f : facets) {
         Candidate c{f, {}};
         for (int i = 0; i < 2; ++i) {
@@ -103,13 +133,22 @@ void LineGaps::make_stencil(int A, const std::vector<int>& facets) {
     if (facets.empty()) stencil.clear();
 }
 
+// What pushes on a stretch pushes on both of its ends.
+Vector3 LineGaps::push(const Distance& d, int A) const {
+    Vector3 sum = d.gradient.head<3>();
+    for (const Neighbour& b : neighbours_[A]) sum += d.gradient.segment<3>(3 * b.local);
+    return sum;
+}
+
 double LineGaps::way(const double* from, const double* to, int A) const {
-    const Vector3 own = At(to + 3 * A) - At(from + 3 * A);
+    auto moved = [&](int v) -> Vector3 { return At(to + 3 * v) - At(from + 3 * v); };
     double farthest = 0;
     for (const Candidate& c : candidates_[A])
         for (int i = 0; i < 2; ++i) {
-            const int v = skin_.corners(c.facet)[i];
-            farthest = std::max(farthest, (At(to + 3 * v) - At(from + 3 * v) - own).norm());
+            const Vector3 other = moved(skin_.corners(c.facet)[i]);
+            farthest = std::max(farthest, (other - moved(A)).norm());
+            for (const Neighbour& b : neighbours_[A])
+                farthest = std::max(farthest, (other - moved(b.vertex)).norm());
         }
     return farthest;
 }
@@ -124,38 +163,38 @@ void LineGaps::approaches(const double* from, const double* to, std::vector<Appr
     }
 }
 
-const Candidate* LineGaps::nearest(const double* X, int A, Foot& foot) const {
-    const Candidate* found = nullptr;
+bool LineGaps::nearest(const double* X, int A, Nearest& found) const {
     double least = options_.reach + options_.radius;
+    auto take = [&](const Candidate& c, const Neighbour& b) {
+        const int* ends = skin_.corners(c.facet);
+        const Stretches m{At(X + 3 * A), At(X + 3 * b.vertex), At(X + 3 * ends[0]), At(X + 3 * ends[1])};
+        const Crossing crossing = cross(m);
+        if (crossing.distance >= least) return;
+        least = crossing.distance;
+        found = {{0, b.local, c.local[0], c.local[1]}, m, crossing};
+    };
     for (const Candidate& c : candidates_[A]) {
-        const Foot other = on_edge(shape(X, c.facet), 0, 0, 1, At(X + 3 * A));
-        if (other.distance < least) least = other.distance, foot = other, found = &c;
+        if (neighbours_[A].empty()) take(c, {A, 0});
+        for (const Neighbour& b : neighbours_[A]) take(c, b);
     }
-    return found;
+    return least < options_.reach + options_.radius;
 }
 
 PointGaps::Reach LineGaps::distance(const double* X, int A, int derivatives, Distance& out) const {
-    const At x(X + 3 * A);
-    Foot foot;
-    const Candidate* near = nearest(X, A, foot);
+    Nearest near;
+    const bool found = nearest(X, A, near);
     const int size = 3 * static_cast<int>(stencils_[A].size());
     if (derivatives > 0) out.gradient.setZero(size);
     if (derivatives > 1) out.hessian.setZero(size, size);
-    if (!near) return Reach::far;
-    out.value = foot.distance;
+    if (!found) return Reach::far;
+    out.value = near.crossing.distance;
     if (derivatives == 0) return Reach::near;
-    const FacetShape bar = shape(X, near->facet);
-    Vector3 normal = x;
-    for (int i = 0; i < foot.n; ++i) normal -= foot.coordinate[i] * bar.corner[foot.vertex[i]];
-    normal /= foot.distance;
-    Eigen::VectorXd g;
-    Eigen::MatrixXd H;
-    differentiate(bar, foot, normal, foot.distance, g, derivatives > 1 ? &H : nullptr);
-    auto place = [&](int c) { return c == 0 ? 0 : 3 * near->local[c - 1]; };
-    for (int c = 0; c < 3; ++c) out.gradient.segment<3>(place(c)) += g.segment<3>(3 * c);
-    for (int c = 0; c < 3 && derivatives > 1; ++c)
-        for (int d = 0; d < 3; ++d)
-            out.hessian.block<3, 3>(place(c), place(d)) += H.block<3, 3>(3 * c, 3 * d);
+    const CrossingDerivatives d = differentiate(near.stretches, near.crossing);
+    for (int c = 0; c < 4; ++c) out.gradient.segment<3>(3 * near.local[c]) += d.gradient.segment<3>(3 * c);
+    for (int c = 0; c < 4 && derivatives > 1; ++c)
+        for (int e = 0; e < 4; ++e)
+            out.hessian.block<3, 3>(3 * near.local[c], 3 * near.local[e]) +=
+                d.hessian.block<3, 3>(3 * c, 3 * e);
     return Reach::near;
 }
 
@@ -186,51 +225,45 @@ void add_arm(const double* frame, int own, const Vector3& arm, const Eigen::Matr
     out.weight_gradient.middleRows<3>(own + 1) += share.value * dy + y * share.gradient;
 }
 
-// Of the ends of a segment in the closest point to x, by the places of x and both ends.
-Share share_of_end(const FacetShape& bar, const Foot& foot, int i, const Vector3& x, const int (&place)[3],
-                   Eigen::Index size) {
-    Share share{foot.coordinate[i], Eigen::RowVectorXd::Zero(size)};
-    if (foot.n < 2) return share;
-    const int a = foot.vertex[1 - i], b = foot.vertex[i];
-    const Vector3 e = bar.corner[b] - bar.corner[a], r = x - bar.corner[a];
-    const double square = e.squaredNorm();
-    const Vector3 by_end = (r - 2 * share.value * e) / square;
-    share.gradient.segment<3>(3 * place[0]) += (e / square).transpose();
-    share.gradient.segment<3>(3 * place[1 + b]) += by_end.transpose();
-    share.gradient.segment<3>(3 * place[1 + a]) -= (e / square + by_end).transpose();
-    return share;
+// Rows by the ends of both stretches as rows by the stencil.
+template <class Rows>
+Eigen::MatrixXd spread(const Rows& rows, const Nearest& near, Eigen::Index size) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rows.rows(), size);
+    for (int c = 0; c < 4; ++c)
+        all.template middleCols<3>(3 * near.local[c]) += rows.template middleCols<3>(3 * c);
+    return all;
 }
 
 // Both bars touch at one point, which turns with each of them; tractions turn with the first one.
 void LineGaps::grip(const double* X, int A, bool gradients, Grip& out) const {
-    Foot foot;
-    const Candidate* near = nearest(X, A, foot);
-    if (!near) return;
-    Distance d;
-    distance(X, A, gradients ? 2 : 1, d);
+    Nearest near;
+    if (!nearest(X, A, near)) return;
+    const CrossingDerivatives d = differentiate(near.stretches, near.crossing);
     const auto& stencil = stencils_[A];
     const Eigen::Index size = 3 * static_cast<Eigen::Index>(stencil.size());
-    const Vector3 n = d.gradient.head<3>();
-    const double rest = d.value - frames_.radius;  // from the middle of the second bar to where they touch
+    const Vector3 n = d.normal;
+    const double rest = d.apart - frames_.radius;  // from the middle of the second bar to where they touch
     Eigen::MatrixXd N, first, second;
     if (gradients) {
-        N = d.hessian.topRows<3>();
+        N = spread(d.normals, near, size);
         first = -frames_.radius * N;
-        second = n * d.gradient.transpose() + rest * N;
+        second = n * spread(d.aparts.transpose(), near, size) + rest * N;
     }
-    const Share whole{-1, Eigen::RowVectorXd::Zero(size)};
-    if (turns())
-        add_arm(X + 3 * options_.turning[A], 1, -frames_.radius * n, first, whole, out);
-    else
-        out.weight[0] = -1;
-    const FacetShape bar = shape(X, near->facet);
-    const int place[3] = {0, near->local[0], near->local[1]};
-    for (int i = 0; i < foot.n; ++i) {
-        const int own = near->local[foot.vertex[i]] + 1;
-        add_arm(X + 3 * stencil[own], own, rest * n, second,
-                share_of_end(bar, foot, i, At(X + 3 * A), place, size), out);
+    const Eigen::MatrixXd places = spread(d.places, near, size);
+    for (int c = 0; c < 4; ++c) {
+        const int i = c / 2;
+        const double sign = (i == 0 ? -1 : 1) * (c % 2 == 0 ? -1 : 1), s = near.crossing.place[i];
+        const Share share{c % 2 == 0 ? -sign * (1 - s) : sign * s, sign * places.row(i)};
+        const int own = near.local[c] + 1;
+        if (i == 1 || turns()) {
+            add_arm(X + 3 * stencil[own], own, (i == 0 ? -frames_.radius : rest) * n, i == 0 ? first : second,
+                    share, out);
+        } else {
+            out.weight[near.local[c]] += share.value;
+            if (gradients) out.weight_gradient.row(near.local[c]) += share.gradient;
+        }
     }
-    const int origin = turns() ? 1 : near->local[0] + 1;
+    const int origin = turns() ? 1 : near.local[2] + 1;
     turn_with_frame(origin, out.turning);
     // the third axis, or the first where that is across
     constexpr double across = 0.9;

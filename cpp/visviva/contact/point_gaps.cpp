@@ -76,7 +76,7 @@ class PointGaps::Path {
     /// Zero where nothing is near.
     Vector3 normal(double t) const {
         const Distance d = near(t, 1);
-        return d.gradient.size() ? Vector3(d.gradient.head<3>().normalized()) : Vector3::Zero();
+        return d.gradient.size() ? gaps_.push(d, A_).normalized() : Vector3::Zero();
     }
 
   private:

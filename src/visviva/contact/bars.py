@@ -58,13 +58,20 @@ class Frames(NamedTuple):
 
 
 def bar_gaps(
-    pair: _core.Skin, first: Surface, apart: float, reach: float, own: Any, frames: Frames
+    pair: _core.Skin, first: Surface, apart: float, reach: float, bodies: tuple[Any, Any], frames: Frames
 ) -> _core.Gaps:
-    """Gaps between points and bars whose middles touch at a distance `apart`; `own` is the bar they are on."""
+    """Gaps between points of the first of two bodies, and bars whose middles they touch at a distance `apart`.
+
+    The second is None where the first one touches itself.
+    """
+    points, other = bodies
+    stretches = np.zeros(0, dtype=np.int32)
+    if is_bar(points):
+        stretches = points.skin("all", fine=True).round.segments.astype(np.int32).ravel()
     start, beside = np.zeros(len(first.forms) + 1, dtype=np.int32), np.zeros(0, dtype=np.int32)
-    if own is not None:
-        start, beside = own_segments(own.skin("all", fine=True).round, len(first.forms))
-    return _core.line_gaps(pair, first.areas, apart, reach, start, beside, *frames)
+    if other is None:
+        start, beside = own_segments(points.skin("all", fine=True).round, len(first.forms))
+    return _core.line_gaps(pair, first.areas, apart, reach, start, beside, stretches, *frames)
 
 
 def own_segments(bar: Round, n: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

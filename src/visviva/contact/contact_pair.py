@@ -156,8 +156,8 @@ class Pair:
             begin += sum(len(frame.forms) for frame in turning)
             frames = frames._replace(opposite=begin + FRAME * np.arange(len(opposite.forms), dtype=np.int32))
             turning = [*turning, turning_of(other, True, length)]
-        own = None if self.second else other
-        gaps = bar_gaps(self._paired(surface, opposite, *turning), surface, apart, reach, own, frames)
+        pair, bodies = self._paired(surface, opposite, *turning), (self.first, self.second)
+        gaps = bar_gaps(pair, surface, apart, reach, bodies, frames)
         return GapFunctions(gaps, min(surface.size or apart, apart), reach, opposite, turns)
 
     def _to_facets(self, surface: Surface, radius: float, length: float) -> GapFunctions:
