@@ -62,7 +62,7 @@ from .load.support import Clamped, Fixed, Prescribed, SymmetryPlane
 from .load.surface_loads import ElasticFoundation, Pressure, Traction
 from .load.thermal_strain import ThermalStrain
 from .load.torque import FollowerTorque, SemitangentialTorque, Torque, TorquePair
-from .material.branch import MaxwellBranch, prony
+from .material.branch import WLF, Arrhenius, MaxwellBranch, prony
 from .material.elastic import BlatzKo, LinearElastic, NeoHooke, SaintVenantKirchhoff
 from .material.material import Material
 from .material.rubber import Gent, Hencky, MooneyRivlin, Ogden, Yeoh
@@ -137,24 +137,32 @@ from .system.newton import Newton, StepFailure
 from .system.system import System
 from .thermal.boundaries import Convection, HeatFlux, HeatSource, PrescribedTemperature, Radiation
 from .thermal.fluid_heat import FluidHeat
-from .thermal.heat import Heat
+from .thermal.heat import Heat, UserHeat
 from .thermal.heat_contact import HeatContact
+from .thermal.heat_exchange import HeatExchange
 from .thermal.heat_link import HeatLink
 from .thermal.heat_tie import HeatTie
 from .thermal.immersed_heat import ImmersedHeat
+from .thermal.lumps import HeatStore
+from .thermal.thermal_beam import ThermalBeam
 from .thermal.thermal_body import ThermalBody
+from .thermal.thermal_shell import ThermalShell
+from .thermal.thermal_spring import ThermalSpring
 from .thermal.thermoelastic_solid import ThermoelasticSolid
+from .thermal.thermoviscoelastic_solid import ThermoviscoelasticSolid
 from .user.servo import Servo, ServoInputs
 from .user.terms import Constraint, GeneralizedForce, Potential, UserTerm
 
 __all__ = [
     "BDF2",
+    "WLF",
     "Adaptive",
     "AllenCahn",
     "AlternateMinimization",
     "AngularVelocity",
     "ArcLength",
     "ArcMesh",
+    "Arrhenius",
     "Automatic",
     "BackwardEuler",
     "Beam",
@@ -227,10 +235,12 @@ __all__ = [
     "Ground",
     "Heat",
     "HeatContact",
+    "HeatExchange",
     "HeatFlow",
     "HeatFlux",
     "HeatLink",
     "HeatSource",
+    "HeatStore",
     "HeatTie",
     "Hencky",
     "HollowCylinderMesh",
@@ -339,9 +349,13 @@ __all__ = [
     "System",
     "TemperatureAt",
     "Term",
+    "ThermalBeam",
     "ThermalBody",
+    "ThermalShell",
+    "ThermalSpring",
     "ThermalStrain",
     "ThermoelasticSolid",
+    "ThermoviscoelasticSolid",
     "Tie",
     "TimeFunction",
     "Torque",
@@ -350,6 +364,7 @@ __all__ = [
     "TubeSection",
     "Universal",
     "UserFreeEnergy",
+    "UserHeat",
     "UserMaterial",
     "UserMobility",
     "UserSection",

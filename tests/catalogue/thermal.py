@@ -5,12 +5,14 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+import numpy as np
 from flow_parts import stream
 
 import visviva as vv
-from catalogue.entry import ALL, MOMENTA, NOTHING, Components, Entry
+from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Components, Entry
 
 HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
+WARM = vv.Heat(conductivity=0.5, capacity=50.0, expansion=0.005, reference=20.0)
 
 
 GENT = vv.Gent(shear=10.0, limit=40.0, bulk=30.0)
@@ -33,9 +35,39 @@ def plain() -> Components:
         angular_velocity=(0.3, 0.6, 1.0),
     )
     body = vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), conductivity=2.0)
+    beam = vv.ThermalBeam(
+        mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0.2, 0)], count=2),
+        section=vv.RectangleSection(width=0.2, height=0.3, young=100.0, poisson=0.3, density=1.0),
+        heat=WARM,
+        temperature=22.0,
+        slopes=(1.0, 2.0),
+    )
+    shell = vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+        section=vv.SolidSection(
+            material=vv.NeoHooke(lame_lambda=20.0, shear=10.0), thickness=0.2, density=1.0
+        ),
+        heat=HEAT,
+        difference=2.0,
+    )
+    creeping = vv.ThermoviscoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(1, 1, 1)),
+        material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        heat=HEAT,
+        branches=vv.prony((0.5,), (0.3,), shift=vv.WLF(reference=20.0, c1=1.0, c2=30.0)),
+        angular_velocity=(0.3, 0.6, 1.0),
+    )
     return [
         brick,
         body,
+        beam,
+        shell,
+        creeping,
+        vv.HeatFlux(body=shell, faces="upper", flux="t"),
+        vv.HeatFlux(body=shell, faces="lower", flux=-0.1),
+        vv.HeatSource(body=beam, power=0.1),
+        vv.PrescribedTemperature(body=beam, nodes="start", value=21.5),
         vv.Convection(body=brick, faces="x1", coefficient=0.2, ambient="23 + t"),
         vv.PrescribedTemperature(body=body, nodes="x0", value="1 + t"),
         vv.HeatSource(body=body, power="1 + 2*t"),
@@ -60,13 +92,31 @@ def warm_box() -> Components:
     ]
 
 
+TABLE = vv.Heat(
+    conductivity=0.5,
+    conductivity_slope=0.01,
+    capacity=[(18.0, 0.15), (21.0, 0.2), (22.0, 0.4)],
+    expansion=0.005,
+    reference=20.0,
+    moduli_slope=0.02,
+)
+
+
+def free_energy(C: Any, T: Any) -> Any:
+    """Neo-Hookean rubber whose expansion and capacity depend on the temperature."""
+    J2 = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    J2 = J2 + C[5] * (C[3] * C[4] - C[1] * C[5])
+    W = 5.0 * (C[0] + C[1] + C[2] - 3 - np.log(J2)) + 2.5 * np.log(J2) ** 2
+    return W * T / 20 - 0.15 * (T - 20) * np.log(J2) - 0.2 * (T - 20) ** 2 / 20 * (1 + 0.1 * (T - 20) / 20)
+
+
 def held_slab() -> Components:
     body = slab()
     return [body, vv.PrescribedTemperature(body=body, nodes="x0", value=0.5)]
 
 
 def heated() -> Components:
-    body = slab()
+    body = slab(capacity=[(0.5, 0.8), (1.2, 1.0), (1.6, 2.0)], capacity_slope=0.0)
     return [
         body,
         vv.PrescribedTemperature(body=body, nodes="x0", value="1 + 0.3*sin(5*t)"),
@@ -77,16 +127,25 @@ def heated() -> Components:
     ]
 
 
-def brick(cell: str = "hex8", material: Any = None, **heat: Any) -> vv.ThermoelasticSolid:
+def brick(cell: str = "hex8", material: Any = None, **options: Any) -> vv.ThermoelasticSolid:
     mesh = vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1), cell=cell)
     return vv.ThermoelasticSolid(
         mesh=mesh,
         material=material or vv.NeoHooke(lame_lambda=20.0, shear=10.0),
         density=1.0,
-        heat=HEAT,
         temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
         angular_velocity=(0.3, 0.6, 1.0),
-        **heat,
+        **{"heat": HEAT, **options},
+    )
+
+
+def users_brick() -> vv.ThermoelasticSolid:
+    return vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(1, 1, 1)),
+        heat=vv.UserHeat(function=free_energy, conductivity=0.5, reference=20.0),
+        density=1.0,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        angular_velocity=(0.3, 0.6, 1.0),
     )
 
 
@@ -186,6 +245,72 @@ def touching(**options: Any) -> Components:
 
 RUBS: Any = {"friction": 0.3, "tangential": "penalty"}
 
+
+def beam(cell: str) -> Components:
+    return [
+        vv.ThermalBeam(
+            mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0.2, 0)], count=2, cell=cell),
+            section=vv.RectangleSection(width=0.2, height=0.3, young=100.0, poisson=0.3, density=1.0),
+            heat=WARM,
+            temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+            slopes=(5.0, -8.0),
+            angular_velocity=(0.3, 0.6, 1.0),
+        )
+    ]
+
+
+def shell() -> Components:
+    return [
+        vv.ThermalShell(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 1)),
+            section=vv.SolidSection(
+                material=vv.NeoHooke(lame_lambda=20.0, shear=10.0), thickness=0.2, density=1.0
+            ),
+            heat=HEAT,
+            temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+            difference=lambda X: 2 + X[:, 1],
+            angular_velocity=(0.3, 0.6, 1.0),
+        )
+    ]
+
+
+def springs() -> Components:
+    """Between a rigid body, the ground and balls, with dampers, exchange of heat and a motor."""
+    ground, box = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(0.1, 0.2, 0.15), angular_velocity=(1, 2, 3))
+    ball = vv.PointMass(mass=0.5, position=(1.2, 0.3, 0), velocity=(0, 1, 0))
+    common: dict[str, Any] = {"stiffness": 20.0, "expansion": 0.002, "reference": 20.0, "moduli_slope": 0.01}
+    first = vv.ThermalSpring(
+        a=ground.point((0, 0, 1)),
+        b=box.point((0.2, 0.1, 0)),
+        capacity=0.3,
+        temperature=23.0,
+        damping=0.5,
+        **common,
+    )
+    second = vv.ThermalSpring(
+        a=box.point((-0.1, 0.2, 0.1)), b=ball, capacity=0.2, law="logarithmic", free_length=1.0, **common
+    )
+    motor = vv.HeatStore(capacity=0.4, temperature=25.0, reference=20.0, body=box)
+    links = [
+        vv.HeatExchange(a=first, b=second, conductance=0.1),
+        vv.HeatExchange(a=motor, b=first, conductance=0.2),
+    ]
+    return [ground, box, ball, first, second, motor, *links]
+
+
+def exchanging() -> Components:
+    block, still = (
+        brick(),
+        vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), conductivity=1.0, temperature=18.0),
+    )
+    return [
+        block,
+        still,
+        vv.HeatExchange(a=still, nodes_a="x1", b=block, nodes_b="x0", conductance=0.3),
+        vv.HeatExchange(a=block, nodes_a="x1", conductance=0.2, ambient="20 + t"),
+    ]
+
+
 THERMAL = [
     Entry("thermal body, held", held_slab, NOTHING, steps=30),
     Entry("heat without functions", plain, NOTHING, steps=30),
@@ -224,5 +349,13 @@ THERMAL = [
     Entry("thermoelastic brick", lambda: [brick()], ALL, steps=40),
     Entry("thermoelastic brick, tet10", lambda: [brick("tet10")], ALL, steps=20),
     Entry("thermoelastic brick, gent", lambda: [brick(material=GENT)], ALL, steps=30),
+    Entry("thermal beam", lambda: beam("line2"), ALL, steps=30),
+    Entry("thermal beam, line3", lambda: beam("line3"), ALL, steps=30),
+    Entry("thermal shell", shell, ALL, h=0.01, steps=20),
+    Entry("thermal springs", springs, ENERGY, steps=100),
+    Entry("bodies that exchange heat", exchanging, NOTHING, steps=30),
+    Entry("thermoelastic brick, table", lambda: [brick(heat=TABLE)], ALL, steps=30),
+    Entry("thermoelastic brick, enhanced", lambda: [brick(formulation="enhanced")], ALL, h=0.01, steps=30),
+    Entry("thermoelastic brick, user's", lambda: [users_brick()], ALL, steps=10, analytic=False),
     Entry("thermoelastic brick, heated", heated_brick, NOTHING, steps=30),
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import visviva as vv
-from catalogue.entry import MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
+from catalogue.entry import ALL, MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
 RUBBER = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
 BRANCHES = (
@@ -46,6 +46,29 @@ def held() -> Components:
     return [body, vv.Fixed(solid=body, nodes="x0"), pull]
 
 
+HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
+SHIFTED = (
+    vv.MaxwellBranch(time=0.1, share=1.5, shift=vv.Arrhenius(energy=400.0, reference=20.0)),
+    vv.MaxwellBranch(
+        time=2.0, spring=vv.Hencky(shear=5.0, bulk=1.0), shift=vv.WLF(reference=20.0, c1=1.0, c2=30.0)
+    ),
+)
+
+
+def heated(cell: str = "hex8", **options: Any) -> vv.ThermoviscoelasticSolid:
+    return vv.ThermoviscoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1), cell=cell),
+        material=RUBBER,
+        density=1.0,
+        heat=HEAT,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        branches=SHIFTED,
+        angular_velocity=(0.3, 0.6, 1.0),
+        velocity=lambda X: X * X,
+        **options,
+    )
+
+
 VISCOUS = [
     Entry("viscoelastic brick", lambda: [brick()], MOMENTA, steps=40),
     Entry("viscoelastic brick, F-bar", lambda: [brick(formulation="F-bar")], MOMENTA, steps=20),
@@ -54,5 +77,9 @@ VISCOUS = [
     ),
     Entry("viscoelastic brick, pulled", held, NOTHING, steps=30),
     Entry("viscoelastic plate", lambda: [plate("strain")], PLANE_MOMENTA, steps=40),
+    Entry("thermoviscoelastic brick", lambda: [heated()], ALL, steps=40),
+    Entry(
+        "thermoviscoelastic brick, enhanced", lambda: [heated(formulation="enhanced")], ALL, h=0.01, steps=20
+    ),
     Entry("viscoelastic ring", lambda: [plate("axisymmetric", "quad9")], NOTHING, steps=20),
 ]

@@ -175,7 +175,8 @@ class Thermoelastic(Block):
         heat = [float(int(rubber.kind)), self.capacity, self.reference, 0.4, 0.0]
         k = self.conductivity
         constants = rubber.constants()
-        return [*heat, k, k, k, 0.0, 0.0, 0.0, 0.0, *constants, *[0.0] * (18 - len(constants))]
+        more = [0.0] * 15  # in the reference, constant
+        return [*heat, k, k, k, 0.0, 0.0, 0.0, *more, *constants, *[0.0] * (18 - len(constants))]
 
     def contribute(self, model: Model) -> None:
         self.build(

@@ -25,6 +25,16 @@ struct Part {
     }
 };
 
+/// W(to) - W(from): energies with a large part that hardly changes, such as the heat that a body holds, say
+/// it without the digits which that part would take.
+template <class Energy>
+VISVIVA_INLINE V increase(const Energy& energy, const V* from, const V* to, V before, V after) {
+    if constexpr (requires { energy.increase(from, to); })
+        return energy.increase(from, to);
+    else
+        return after - before;
+}
+
 /// The factor f of the correction f d to the gradient m in the middle, and its derivatives df by strains at
 /// their ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule
 /// in the gradients, and nothing where it is below the rounding of the energy or where the strains hardly
@@ -43,7 +53,8 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
         size += w * d[k] * d[k], place += w * (from[k] * from[k] + to[k] * to[k]);
         work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
     }
-    const V b = select(second <= Energy::smooth * first, simpson / 6.0, p1.W - p0.W - work);
+    const V b = select(second <= Energy::smooth * first, simpson / 6.0,
+                       increase(energy, from, to, p0.W, p1.W) - work);
     const VI idle =
         (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;

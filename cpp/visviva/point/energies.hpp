@@ -1,5 +1,6 @@
 // Energies over strains of several fields, each written once over any number type.
 #pragma once
+#include "visviva/point/capacity.hpp"
 #include "visviva/point/internal.hpp"
 #include "visviva/point/pairings.hpp"
 
@@ -15,19 +16,19 @@ VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
     return (0.5 * mu) * (c[0] + c[1] + c[2] - 2.0 * log_j) + (0.5 * lambda) * (log_j * log_j);
 }
 
-/// Heat content of what does not move, u = c (theta - theta0) + slope / 2 (theta - theta0)^2 per volume.
-/// Parameters: c, slope, theta0, and of the pairing six conductivities 11, 22, 33, 12, 23, 31 at theta0 and
-/// their relative slope.
+/// Heat content of what does not move, see Capacity. Parameters: c, theta0, what else is said of the
+/// capacity, and of the pairing six conductivities 11, 22, 33, 12, 23, 31 at theta0 and their relative slope.
 struct CapacityEnergy : PlainEnergy {
-    static constexpr int n = 1, max_par = 10;
+    static constexpr int n = 1, conductivity = 2 + Capacity::n_par, slope = conductivity + 6,
+                         max_par = slope + 1;
     const V* p;
     explicit CapacityEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        const V rise = e[0] - p[2];
-        to.W = rise * (p[0] + 0.5 * p[1] * rise);
-        to.s[0] = p[0] + p[1] * rise;
-        if (second) to.d[0] = p[1];
+        const Capacity capacity{p[0], p[1], p + 2};
+        const V rise = e[0] - p[1];
+        to.W = capacity.content(rise), to.s[0] = capacity.at(rise);
+        if (second) to.d[0] = capacity.bend(rise);
     }
 };
 
@@ -38,11 +39,12 @@ struct ConductionPairing {
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-        const auto factor = z.par[9] * (z.e[0] + (-z.par[2])) + broadcast(1.0);
+        const V* k = z.par + CapacityEnergy::conductivity;
+        const auto factor = z.par[CapacityEnergy::slope] * (z.e[0] + (-z.par[1])) + broadcast(1.0);
         f[0] = z.s[0] * z.rate[0];
         for (int a = 0; a < 3; ++a) {
-            auto flux = z.par[3 + at[a][0]] * z.e[1];
-            for (int b = 1; b < 3; ++b) flux = flux + z.par[3 + at[a][b]] * z.e[1 + b];
+            auto flux = k[at[a][0]] * z.e[1];
+            for (int b = 1; b < 3; ++b) flux = flux + k[at[a][b]] * z.e[1 + b];
             f[1 + a] = factor * flux;
         }
     }

@@ -8,7 +8,7 @@
 namespace visviva {
 
 inline constexpr int point_lanes = 8;
-inline constexpr int point_max_groups = 5;
+inline constexpr int point_max_groups = 6;
 inline constexpr int point_max_nodes = 125;
 
 /// What is known at compile time of the unknowns of an element that are interpolated alike. Its part of the

@@ -1,4 +1,5 @@
-// Which physics there are, see physics_list.hpp, and their kernels for the machine that runs.
+// Which physics there are, see physics_list.hpp and heated_list.hpp, and their kernels for the machine that
+// runs.
 #pragma once
 #include <iterator>
 
@@ -10,6 +11,8 @@ enum class PhysicsKind : int {
 #define VISVIVA_PHYSICS(physics, ...) physics,
 #include "visviva/point/phase_list.hpp"
 #include "visviva/point/physics_list.hpp"
+// and behind them, in this order
+#include "visviva/point/heated_list.hpp"
 #undef VISVIVA_PHYSICS
 };
 
@@ -21,14 +24,20 @@ inline constexpr PhysicsTraits physics_traits[] = {
 #define VISVIVA_PHYSICS(physics, python, ...) {PhysicsKind::physics, #python},
 #include "visviva/point/phase_list.hpp"
 #include "visviva/point/physics_list.hpp"
+// and behind them, in this order
+#include "visviva/point/heated_list.hpp"
 #undef VISVIVA_PHYSICS
 };
 #define VISVIVA_PHYSICS(physics, ...) +1
 inline constexpr int n_phase_physics = 0
 #include "visviva/point/phase_list.hpp"
     ;
+inline constexpr int n_physics = 0  // neither of phases nor with heat
+#include "visviva/point/physics_list.hpp"
+    ;
 #undef VISVIVA_PHYSICS
-inline constexpr int n_physics = static_cast<int>(std::size(physics_traits)) - n_phase_physics;
+inline constexpr int n_heated_physics =
+    static_cast<int>(std::size(physics_traits)) - n_phase_physics - n_physics;
 
 /// What a physics expects.
 struct PointShape {

@@ -2,22 +2,23 @@
 #pragma once
 #include "visviva/material/mixed_energy.hpp"
 #include "visviva/material/wrapped.hpp"
+#include "visviva/point/capacity.hpp"
 #include "visviva/point/pairings.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
 /// Places of the parameters: material, capacity c, theta0, coupling beta, relative slope of the moduli, six
-/// conductivities 11, 22, 33, 12, 23, 31, whether they turn and stretch with the material; those of the
-/// material.
+/// conductivities 11, 22, 33, 12, 23, 31, whether they turn and stretch with the material, their relative
+/// slope, what else is said of the capacity; those of the material.
 namespace thermal {
 constexpr int kind = 0, capacity = 1, zero = 2, coupling = 3, slope = 4, conductivity = 5, spatial = 11,
-              material = 12, n_par = 12 + material_max_parameters;
+              conductivity_slope = 12, more = 13, material = more + Capacity::n_par,
+              n_par = material + material_max_parameters;
 }
 
-/// e(C, s) of psi(C, theta) = W(C) (1 + slope (theta - theta0)) - beta (theta - theta0) ln J
-///                            + c (theta - theta0 - theta ln(theta / theta0)),
-/// any material's W: with M = beta ln J - slope W is theta = theta0 exp((s - M) / c) and
-/// e = W + theta0 M + c (theta - theta0).
+/// e(C, s) of psi(C, theta) = W(C) (1 + slope (theta - theta0)) - beta (theta - theta0) ln J + what a
+/// capacity c(theta) stores, any material's W: with M = beta ln J - slope W the temperature follows from
+/// H(theta) = s - M, and e = W + theta0 M + U(theta); see Capacity.
 struct ThermoelasticEnergy : PlainEnergy {
     static constexpr int n = 7, max_par = thermal::n_par, n_blocks = 2;
     static constexpr int block(int k) { return k / 6; }
@@ -25,20 +26,36 @@ struct ThermoelasticEnergy : PlainEnergy {
     const V* p;
     explicit ThermoelasticEnergy(const V* par) : p(par) {}
 
+    Capacity heat() const { return {p[thermal::capacity], p[thermal::zero], p + thermal::more}; }
+    /// W and M of a strain.
+    void strained(const V* e, V& W, V& M) const {
+        Response w, m;
+        respond<false>(static_cast<MaterialKind>(p[thermal::kind][0]), e, p + thermal::material, w);
+        VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<false>(e, m);
+        W = w.W, M = p[thermal::coupling] * m.W - p[thermal::slope] * w.W;
+    }
+    V increase(const V* from, const V* to) const {
+        V W0, M0, W1, M1;
+        strained(from, W0, M0), strained(to, W1, M1);
+        return (W1 - W0) + p[thermal::zero] * (M1 - M0) +
+               heat().increase(from[6] - M0, (to[6] - from[6]) - (M1 - M0));
+    }
+
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
         Response w, m;
         respond<second>(static_cast<MaterialKind>(p[thermal::kind][0]), e, p + thermal::material, w);
         VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<second>(e, m);
-        const V c = p[thermal::capacity], zero = p[thermal::zero], beta = p[thermal::coupling],
-                slope = p[thermal::slope];
-        const V M = beta * m.W - slope * w.W, rise = zero * expm1((e[6] - M) / c), theta = zero + rise;
+        const V zero = p[thermal::zero], beta = p[thermal::coupling], slope = p[thermal::slope];
+        const Capacity capacity = heat();
+        const V M = beta * m.W - slope * w.W, rise = capacity.rise_of(e[6] - M), theta = zero + rise;
+        const V c = capacity.at(rise);
         V M_C[6];
         for (int k = 0; k < 6; ++k) {
             M_C[k] = beta * m.s[k] - slope * w.s[k];
             to.s[k] = w.s[k] - rise * M_C[k];
         }
-        to.W = w.W + zero * M + c * rise;
+        to.W = w.W + zero * M + capacity.content(rise);
         to.s[6] = theta;
         if constexpr (second) {
             for (int k = 0; k < 6; ++k) {
@@ -64,7 +81,7 @@ struct HeatPairing {
     static VISVIVA_INLINE void conduct(const T* C, const V* k, const T* slope, bool in_space, T* flux) {
         constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
         T pulled[6];
-        for (int a = 0; a < 6; ++a) pulled[a] = 0.0 * C[0] + k[a];
+        for (int a = 0; a < 6; ++a) pulled[a] = 0.0 * slope[0] + k[a];
         if (in_space) {
             const T x = C[0] + broadcast(1.0), y = C[1] + broadcast(1.0), z = C[2] + broadcast(1.0);
             const T cofactor[6] = {y * z - C[4] * C[4],    z * x - C[5] * C[5],    x * y - C[3] * C[3],
@@ -76,17 +93,25 @@ struct HeatPairing {
             flux[a] = pulled[at[a][0]] * slope[0] + pulled[at[a][1]] * slope[1] + pulled[at[a][2]] * slope[2];
     }
 
+    /// What tests the entropy, its gradient, the temperature and its gradient (8), by the temperature, its
+    /// gradient, the rate of the entropy and D_s e.
+    template <class T>
+    static VISVIVA_INLINE void balance(const T& theta, const T* slope, const T& rate, const T& conjugate,
+                                       const V* par, const T* C, T* f) {
+        T flux[3];
+        conduct(C, par + thermal::conductivity, slope, C && par[thermal::spatial][0] > 0, flux);
+        const T factor = par[thermal::conductivity_slope] * (theta - par[thermal::zero]) + broadcast(1.0);
+        for (int a = 0; a < 3; ++a) flux[a] = factor * flux[a];
+        const T square = slope[0] * flux[0] + slope[1] * flux[1] + slope[2] * flux[2];
+        f[0] = rate - square / (theta * theta);
+        f[4] = theta - conjugate;
+        for (int a = 0; a < 3; ++a) f[1 + a] = flux[a] / theta, f[5 + a] = 0.0 * theta;
+    }
+
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        using T = typename State::T;
-        const T &theta = z.e[10], *slope = z.e + 11;
-        T flux[3];
-        conduct(z.e, z.par + thermal::conductivity, slope, z.par[thermal::spatial][0] > 0, flux);
         for (int a = 0; a < 6; ++a) f[a] = z.s[a];
-        const T square = slope[0] * flux[0] + slope[1] * flux[1] + slope[2] * flux[2];
-        f[6] = z.rate[6] - square / (theta * theta);
-        f[10] = theta - z.s[6];
-        for (int a = 0; a < 3; ++a) f[7 + a] = flux[a] / theta, f[11 + a] = 0.0 * theta;
+        balance(z.e[10], z.e + 11, z.rate[6], z.s[6], z.par, z.e, f + 6);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

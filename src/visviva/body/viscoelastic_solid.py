@@ -68,6 +68,11 @@ class ViscoelasticSolid(Solid):
             raise InputError(f"{self.label}: {what} has strains that branches do not see; take another one")
         if self._is_heated:
             raise InputError(f"{self.label}: takes no thermal_strain")
+        if any(branch.shift for branch in self.branches):
+            raise InputError(
+                f"{self.label}: has no temperature by which the times of its branches could shift; take "
+                "vv.ThermoviscoelasticSolid"
+            )
         self._constants = [branch.parameters(self.label, self.material) for branch in self.branches]
 
     def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:

@@ -15,7 +15,7 @@ from visviva.body.shape import Shape
 from visviva.body.shell_section import Layer
 from visviva.component.component import Component
 from visviva.linear.choice import LinearOptions
-from visviva.material.branch import Branch
+from visviva.material.branch import Branch, Shift
 from visviva.material.material import Material
 from visviva.measure.measures import Reading
 from visviva.mesh.generate import MeshSource
@@ -44,6 +44,7 @@ CHOICES: dict[str, type[Any]] = {
     "splines": SplineSource,
     "material": Material,
     "branch": Branch,
+    "shift": Shift,
     "section": Section,
     "layer": Layer,
     "heat": HeatLaw,

@@ -47,6 +47,28 @@ class GivenTemperatures:
     kinks: Sequence[float]
 
 
+@dataclass(frozen=True, eq=False)
+class HeatPort:
+    """Where heat goes in and out: unknowns whose mean, by `weights`, has the temperature there.
+
+    Attributes
+    ----------
+    contents, temperatures : int array (k,)
+        The entropies whose balance takes the heat, and the temperatures of the step; the same unknowns where heat
+        itself is balanced, as in a `ThermalBody`.
+    weights : array (k,)
+        Their sum is one.
+    """
+
+    contents: Ints
+    temperatures: Ints
+    weights: Array
+
+    @property
+    def balances_heat(self) -> bool:
+        return bool(np.array_equal(self.contents, self.temperatures))
+
+
 class HeatCarrier(Component):
     """Base of bodies with temperatures at the nodes of a mesh.
 
@@ -134,6 +156,13 @@ class HeatCarrier(Component):
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         """Let heat flow in at quadrature points, booked as `kind`."""
 
+    def heat_port(self, nodes: Ints) -> HeatPort:
+        """Where heat goes in and out that is shared evenly by nodes (k,)."""
+        contents, temperatures = self.balance_unknowns(nodes), self.temperature_unknowns(nodes)
+        return HeatPort(
+            contents.astype(np.int64), temperatures.astype(np.int64), np.full(len(nodes), 1 / len(nodes))
+        )
+
 
 class HeatInput(Term):
     """Heat that flows in at quadrature points of cells or faces by a law of time, place and temperature."""
@@ -168,7 +197,8 @@ class HeatInput(Term):
 class EntropyInput(HeatInput):
     """The same where the entropy is what is balanced: heat by the temperature at which it comes in.
 
-    The unknowns are the entropies of the nodes and then their temperatures, which act as they are at the end of a step.
+    The unknowns are the entropies of the nodes and then their temperatures, which act as they are at the end of a
+    step.
     """
 
     def __init__(self, kind: str, unknowns: NDArray[np.int32], points: Points, law: Law) -> None:

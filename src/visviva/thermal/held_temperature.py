@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from visviva.body.solid_fields import components
 from visviva.model.term import Stencils, Term
-from visviva.thermal.heat import Heat
+from visviva.thermal.heat import HeatLaw
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -38,7 +38,7 @@ class HeldTemperature(Term):
 
     def __init__(
         self,
-        heat: Heat,
+        heat: HeatLaw,
         material: Any,
         unknowns: NDArray[np.int32],
         gradients: Array,
@@ -51,25 +51,24 @@ class HeldTemperature(Term):
         self.gradients, self.share, self.number, self.values = gradients, share, number, values
         self.order = np.array([2] * (unknowns.shape[1] - 2) + [1, 0], dtype=np.int32)
 
-    def _state(self, s: Stencils) -> tuple[Array, Array, Array]:
-        """Deformation gradients (m, 3, 3), C (m, 6) and temperatures (m,) at the end."""
+    def _strains(self, s: Stencils) -> tuple[Array, Array]:
+        """Deformation gradients (m, 3, 3) and C (m, 6) at the end."""
         places = s.x1[:, :-2].reshape(len(s.x1), -1, 3)
         F = np.einsum("mkj,mki->mij", self.gradients, places)
-        C = components(np.swapaxes(F, -1, -2) @ F)
-        return F, C, self.heat.temperature(self.material, C, s.x1[:, -2])
+        return F, components(np.swapaxes(F, -1, -2) @ F)
 
     def residual(self, s: Stencils) -> Array:
         found = np.zeros_like(s.x1)
-        found[:, -1] = self.share * (self._state(s)[2] - self.values(s.step.t1)[self.number])
+        T = self.heat.temperature_slopes(self.material, self._strains(s)[1], s.x1[:, -2])[0]
+        found[:, -1] = self.share * (T - self.values(s.step.t1)[self.number])
         return found
 
     def tangent(self, s: Stencils) -> Array:
-        F, C, T = self._state(s)
-        M = self.heat.entropy_gradient(self.material, C)
-        slope = self.share * T / self.heat.capacity
+        F, C = self._strains(s)
+        _, by_entropy, by_strain = self.heat.temperature_slopes(self.material, C, s.x1[:, -2])
         found = np.zeros((*s.x1.shape, s.x1.shape[1]))
-        by_place = -2 * np.einsum("m,mij,mjl,mkl->mki", slope, F, M, self.gradients)
-        found[:, -1, :-2], found[:, -1, -2] = by_place.reshape(len(T), -1), slope
+        by_place = 2 * np.einsum("m,mij,mjl,mkl->mki", self.share, F, by_strain, self.gradients)
+        found[:, -1, :-2], found[:, -1, -2] = by_place.reshape(len(F), -1), self.share * by_entropy
         return found
 
     def work(self, s: Stencils) -> Array:

@@ -24,6 +24,7 @@ from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
+from visviva.thermal.capacity import capacity_of
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
 
 if TYPE_CHECKING:
@@ -44,8 +45,9 @@ class ThermalBody(Meshed, HeatCarrier):
         Three-dimensional, or plane.
     conductivity : float, or array (3,) or (3, 3)
         Isotropic, along the axes, or a symmetric tensor; heat flows with ``-k grad T`` per area (Fourier).
-    capacity : float
-        Heat per mass and temperature; per volume where `density` is 1.
+    capacity : float, or rows of temperature and capacity
+        Heat per mass and temperature; per volume where `density` is 1. Between the rows of a table it is linear, beyond
+        its ends it stays.
     density : float
     temperature : float, or a function of positions (n, 3) with values (n,)
         At the start.
@@ -79,7 +81,7 @@ class ThermalBody(Meshed, HeatCarrier):
 
     mesh: Mesh | MeshSource
     conductivity: Number | Matrix
-    capacity: Number = 1.0
+    capacity: Number | tuple[tuple[Number, Number], ...] = 1.0
     density: Number = 1.0
     temperature: NumberOrFunction = 0.0
     reference: Number = 0.0
@@ -89,7 +91,7 @@ class ThermalBody(Meshed, HeatCarrier):
     axisymmetric: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("capacity", "density", "thickness"):
+        for name in ("density", "thickness"):
             if not getattr(self, name) > 0:
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
         try:
@@ -104,6 +106,7 @@ class ThermalBody(Meshed, HeatCarrier):
         if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
             raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
         self._tensor = conductivities(self.label, self.conductivity)
+        self._stores = capacity_of(self.label, self.capacity, self.capacity_slope, self.reference)
         self.start_temperatures = self._initial()
         if beyond := self.beyond_slopes(self.start_temperatures):
             raise InputError(beyond)
@@ -180,8 +183,8 @@ class ThermalBody(Meshed, HeatCarrier):
         model.term(owner, HeatInput(kind, self.temperature_unknowns(points.nodes), points, law))
 
     def contribute(self, model: Model) -> None:
-        c = self.density * self.capacity
-        constants = [c, c * self.capacity_slope, self.reference, *self._tensor, self.conductivity_slope]
+        stores = self._stores.times(self.density)
+        constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
             N = CELLS[cell].N(mass_rule(cell).points)
             m, q, k, d = g.gradients.shape

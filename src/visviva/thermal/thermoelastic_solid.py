@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.body import formulation as forms
 from visviva.body.element import geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
@@ -19,12 +20,19 @@ from visviva.body.solid_fields import FULL, Evaluated, components, of_points
 from visviva.body.solid_term import Elements
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
+from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import EntropyInput, EntropySupply, GivenTemperatures, HeatCarrier, Law
-from visviva.thermal.heat import Heat
+from visviva.thermal.carrier import (
+    EntropyInput,
+    EntropySupply,
+    GivenTemperatures,
+    HeatCarrier,
+    Law,
+)
+from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_temperature import HeldTemperature
 
 if TYPE_CHECKING:
@@ -40,17 +48,18 @@ class Evaluation:
 
     solid: ThermoelasticSolid
     nodes: Ints
+    vectors: Ints
     gradients: Array
     volume: Array
     N: Array
 
     def points(self, x: Array, start: int, stop: int) -> tuple[Array, Array, Array, Array]:
         """Deformation gradient (m, q, 3, 3), temperature (m, q), stress (m, q, 6), energy (m, q)."""
-        nodes = self.nodes[start:stop]
-        F = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], self.solid.positions(x)[nodes])
+        nodes, vectors = self.nodes[start:stop], x[self.vectors[start:stop, :, None] + np.arange(3)]
+        F = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], vectors)
         C = components(np.swapaxes(F, -1, -2) @ F)
         s = x[self.solid.entropy.start + nodes] @ self.N.T
-        T, S, e = self.solid.heat.respond(self.solid.material, C.reshape(-1, 6), s.ravel())
+        T, S, e = self.solid.heat.respond(self.solid.body_material, C.reshape(-1, 6), s.ravel())
         return F, T.reshape(s.shape), S.reshape(C.shape), e.reshape(s.shape)
 
     def fields(self, x: Array, start: int, stop: int) -> Array:
@@ -61,22 +70,20 @@ class Evaluation:
     def forces(self, x: Array, start: int, stop: int) -> Array:
         """Residuals (m, k, 3) by nodes of the strained cells."""
         F, _, S, _ = self.points(x, start, stop)
-        P = F @ S[..., FULL]
-        return np.asarray(
-            np.einsum("mq,mqij,mqkj->mki", self.volume[start:stop], P, self.gradients[start:stop])
-        )
+        P, g = F @ S[..., FULL], self.gradients[start:stop, :, : self.nodes.shape[1]]
+        return np.asarray(np.einsum("mq,mqij,mqkj->mki", self.volume[start:stop], P, g))
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class ThermoelasticSolid(Solid, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
-    Takes the arguments of `Solid`, on meshes in space with ``formulation="displacement"``, and
+    Takes the arguments of `Solid`, on meshes in space with ``formulation="displacement"`` or ``"enhanced"``, and
 
     Parameters
     ----------
-    heat : Heat
-        How it stores and conducts heat.
+    heat : Heat, or UserHeat
+        How it stores and conducts heat. With `UserHeat` there is no `material`.
     temperature : float, or a function of reference positions (n, 3) with values (n,), optional
         Absolute, at the start; by default the reference of `heat`.
 
@@ -104,13 +111,18 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     350.0
     """
 
-    heat: Heat
+    heat: HeatLaw
+    material: Material | None = None  # type: ignore[assignment]
     temperature: NumberOrFunction | None = None
     balances_entropy = True
 
     def __post_init__(self) -> None:
+        try:
+            self.body_material = self.heat.material(self.material)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
+        self.material = self.body_material
         super().__post_init__()
-        self._refuse_others()
         given = self.heat.reference if self.temperature is None else self.temperature
         found = given(self.points) if callable(given) else given
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), self.grid.n_nodes))
@@ -119,51 +131,88 @@ class ThermoelasticSolid(Solid, HeatCarrier):
                 f"{self.label}: a temperature of {self.start_temperatures.min():g} is not above absolute zero; give "
                 "kelvin"
             )
+        self._refuse_others()
 
     def _refuse_others(self) -> None:
         if self.grid.dimension != 3:
             raise InputError(
                 f"{self.label}: needs a mesh in space; a plane problem is one layer of cells there"
             )
-        if self.formulation != "displacement":
-            raise InputError(f"{self.label}: formulation = {self.formulation!r} does not conduct heat yet")
-        if self.material.small or self.material.energy is not None:
+        if self.formulation not in ("displacement", "enhanced"):
             raise InputError(
-                f"{self.label}: {type(self.material).__name__} is no material of finite strains of the core; for small "
-                "strains take vv.SaintVenantKirchhoff"
+                f"{self.label}: formulation = {self.formulation!r} does not conduct heat; take 'enhanced' with hex8, "
+                "or 'displacement' with cells of second order"
+            )
+        if self.body_material.small or (self.body_material.energy is not None and self.heat.energy() is None):
+            raise InputError(
+                f"{self.label}: {type(self.body_material).__name__} is no material of finite strains of the core; for "
+                "small strains take vv.SaintVenantKirchhoff, for an energy of your own vv.UserHeat"
             )
         if self._is_heated or self._is_damped or self.lumped:
             raise InputError(f"{self.label}: takes no thermal_strain, damping or lumped masses")
-        if self.heat.expansion and not np.isfinite(self.material.lame[0]):
+        if isinstance(self.heat, Heat):
+            self._refuse_heat(self.heat)
+
+    def _refuse_heat(self, heat: Heat) -> None:
+        if heat.expansion and not np.isfinite(self.body_material.lame[0]):
             raise InputError(
                 f"{self.label}: an incompressible material cannot expand; make its bulk modulus finite"
             )
+        if beyond := heat.beyond_slopes(self.start_temperatures):
+            raise InputError(f"{self.label}: {beyond}")
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         super().declare(model)
-        T, zero = self.start_temperatures, self.heat.reference
-        s = self.heat.capacity * np.log(T / zero)
-        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=self.heat.capacity)
-        self.algorithmic = model.field(self, "temperature", T, role=Role.TEMPERATURE)
+        T = self.start_temperatures
+        s = self.heat.start_entropy(T)
+        scale = float(np.abs(np.diff(self.heat.start_entropy(np.array([1.0, 2.0]) * self.heat.reference)))[0])
+        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale)
+        self.algorithmic = model.field(
+            self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
+        )
 
-    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
-        rule = mass_rule(cell)  # the entropies' own rule would leave some of them without a temperature
-        g, N = geometry(self.grid.points, nodes, cell, rule=rule), CELLS[cell].N(rule.points)
-        of_value = np.broadcast_to(N[None, :, :, None], (*g.gradients.shape[:3], 1))
-        scalar = np.concatenate([of_value, g.gradients], axis=3)
+    def _vectors(self, nodes: Ints, first: int) -> Ints:
+        """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
+        positions = self.node_unknowns(nodes)
+        if self.formulation != "enhanced":
+            return np.asarray(positions, dtype=np.int64)
+        modes = self._inner.start + 9 * (first + np.arange(len(nodes)))[:, None] + np.arange(0, 9, 3)
+        return np.hstack([positions, modes])
+
+    def _geometry(self, cell: str, nodes: Ints, rule: Rule) -> Any:
+        g = geometry(self.grid.points, nodes, cell, rule=rule)
+        return forms.enhanced(self.grid.points, nodes, cell, g) if self.formulation == "enhanced" else g
+
+    def _groups(self, cell: str, nodes: Ints, first: int, g: Any, N: Array) -> list[Group]:
+        """Positions, entropies and temperatures of cells, with values and gradients of the latter."""
+        k = nodes.shape[1]
+        gradients = g.gradients[:, :, :k]
+        of_value = np.broadcast_to(N[None, :, :, None], (*gradients.shape[:3], 1))
+        scalar = np.concatenate([of_value, gradients], axis=3)
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
-        groups = [
-            Group(self.node_unknowns(nodes), g.gradients, mass, True),
+        if mass is not None and self.formulation == "enhanced":
+            mass = forms.without_mass(mass, k, 3)
+        return [
+            Group(self._vectors(nodes, first), g.gradients, mass, True),
             Group(self.entropy.start + nodes, scalar),
             Group(self.algorithmic.start + nodes, scalar),
         ]
-        constants = self.heat.parameters(self.material)
-        add_points(model, self, PhysicsKind.THERMOELASTIC, groups, g.volume, constants)
-        self._evaluations.append(Evaluation(self, nodes, g.gradients, g.volume, N))
-        shown = solid_rule(self.grid.points, nodes, cell)
-        g, N = geometry(self.grid.points, nodes, cell, rule=shown), CELLS[cell].N(shown.points)
-        looks: Any = Evaluation(self, nodes, g.gradients, g.volume, N)
+
+    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
+        rule = mass_rule(cell)  # the entropies' own rule would leave some of them without a temperature
+        g, N, vectors = (
+            self._geometry(cell, nodes, rule),
+            CELLS[cell].N(rule.points),
+            self._vectors(nodes, first),
+        )
+        groups, constants = self._groups(cell, nodes, first, g, N), self.heat.parameters(self.body_material)
+        kind, energy = PhysicsKind.THERMOELASTIC, self.heat.energy()
+        add_points(model, self, kind, groups, g.volume, constants, energy=energy)
+        self._evaluations.append(Evaluation(self, nodes, vectors, g.gradients, g.volume, N))
+        shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
+        g, N = self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
+        looks: Any = Evaluation(self, nodes, vectors, g.gradients, g.volume, N)
         return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=g.volume)
 
     def contribute(self, model: Model) -> None:
@@ -188,7 +237,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(
                 f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
             )
-        self.entropy.values[nodes] = self.heat.capacity * np.log(now / self.heat.reference)
+        self.entropy.values[nodes] = self.heat.start_entropy(now)
         self.algorithmic.values[nodes] = now
         model.refresh(self.entropy)
         model.refresh(self.algorithmic)
@@ -209,7 +258,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             own = np.stack([self.entropy.start + held, numbers[place[held]]], axis=1)
             unknowns = np.asarray(np.hstack([positions, own]), dtype=np.int32)
             term = HeldTemperature(
-                self.heat, self.material, unknowns, gradients, 1 / cells_of[held], place[held], values
+                self.heat, self.body_material, unknowns, gradients, 1 / cells_of[held], place[held], values
             )
             model.term(owner, term)
 
@@ -275,4 +324,6 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             a = int(np.argmin(T))
             at = ", ".join(f"{c:.4g}" for c in self.points[a])
             return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K"
+        if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
+            return f"{self.label}: {beyond}"
         return super().trouble(x)

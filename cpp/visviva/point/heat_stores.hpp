@@ -1,0 +1,255 @@
+// What stores heat beside solids: springs, lumps, sections of beams and layers of shells. Entropies are
+// transported, temperatures act as multipliers do, see HeatPairing.
+#pragma once
+#include "visviva/point/layer.hpp"
+#include "visviva/point/thermoelastic.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// (s, theta)
+struct StoreMap : Layout<StoreMap> {
+    static constexpr int n_groups = 2, n_components = 2, n_local = 2, n_strains = 2;
+    static constexpr Group groups[] = {{1, 1, 1}, {1, 1, 0, true}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        e[0] = y[0], e[1] = y[1];
+    }
+};
+
+/// c (theta - theta0) with theta = theta0 exp(s / c). Parameters: c, theta0.
+struct StoreEnergy : PlainEnergy {
+    static constexpr int n = 1, max_par = 2;
+    const V* p;
+    explicit StoreEnergy(const V* par) : p(par) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        const V rise = p[1] * expm1(e[0] / p[0]);
+        to.W = p[0] * rise, to.s[0] = p[1] + rise;
+        if constexpr (second) to.d[0] = to.s[0] / p[0];
+    }
+};
+
+struct StorePairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        f[0] = z.rate[0], f[1] = z.e[1] - z.s[0];
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State&) {
+        return V{};
+    }
+};
+
+/// (|r|^2, s, theta), r what lies between two points, each of its components a group: points of rigid bodies
+/// are no nodes of three unknowns.
+struct SpringMap : Layout<SpringMap> {
+    static constexpr int n_groups = 5, n_components = 5, n_local = 5, n_strains = 3;
+    static constexpr Group groups[] = {{1, 1, 2}, {1, 1, 2}, {1, 1, 2}, {1, 1, 1}, {1, 1, 0, true}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        e[0] = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
+        e[1] = y[3], e[2] = y[4];
+    }
+};
+
+/// e(l^2, s) of psi = W (1 + a (theta - theta0)) - beta (theta - theta0) g + c (theta - theta0 - theta
+/// ln(theta / theta0)) with W = k g^2 / 2 and g = ln(l / free), or l - free. Parameters: whether g is the
+/// logarithm, k, free, beta, a, c, theta0, and of the pairing a viscosity.
+struct SpringEnergy : PlainEnergy {
+    static constexpr int n = 2, max_par = 8, n_blocks = 2;
+    static constexpr int block(int k) { return k; }
+    const V* p;
+    explicit SpringEnergy(const V* par) : p(par) {}
+    V increase(const V* from, const V* to) const {
+        V w[2], M[2];
+        for (int k = 0; k < 2; ++k) {
+            const V square = (k == 0 ? from : to)[0] / (p[2] * p[2]) - 1.0;
+            const V g = p[0][0] > 0 ? 0.5 * vlog1p(square) : p[2] * (square / (vsqrt(square + 1.0) + 1.0));
+            w[k] = 0.5 * p[1] * g * g, M[k] = p[3] * g - p[4] * w[k];
+        }
+        const V theta = p[6] + p[6] * expm1((from[1] - M[0]) / p[5]);
+        return (w[1] - w[0]) + p[6] * (M[1] - M[0]) +
+               p[5] * theta * expm1(((to[1] - from[1]) - (M[1] - M[0])) / p[5]);
+    }
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        differentiate<second>(
+            *this, e,
+            [this](const auto* x) {
+                const V inverse = 1.0 / p[2];
+                const auto square = (inverse * inverse) * x[0] - 1.0;
+                const auto g =
+                    p[0][0] > 0 ? 0.5 * log1p(square) : p[2] * (square / (root(square + 1.0) + 1.0));
+                const auto w = (0.5 * p[1]) * (g * g), M = p[3] * g - p[4] * w;
+                const auto rise = p[6] * expm1((1.0 / p[5]) * (x[1] - M));
+                return w + p[6] * M + p[5] * rise;
+            },
+            to);
+    }
+};
+
+/// With a damper of tension viscosity l' beside it, whose work is heat.
+struct SpringPairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        const auto stress = (0.25 * z.par[7]) * (z.rate[0] / z.e[0]);
+        f[0] = z.s[0] + stress;
+        f[1] = z.rate[1] - stress * z.rate[0] / z.e[2];
+        f[2] = z.e[2] - z.s[1];
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State&) {
+        return V{};
+    }
+};
+
+/// Strains of a beam, entropies for the mean temperature and its slopes along d1 and d2, their derivatives
+/// along the line, those temperatures, and theirs.
+struct HeatedBeamMap : Layout<HeatedBeamMap> {
+    static constexpr int n_groups = 6, n_components = 18, n_local = 33, n_strains = 18;
+    static constexpr Group groups[] = {{3, 1, 2}, {3, 2, 2}, {3, 2, 2},
+                                       {3, 2, 2}, {3, 2, 1}, {3, 2, 0, true}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        BeamMap::strains(y, e);
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 2; ++k) {
+                e[6 + 3 * k + i] = y[21 + 2 * i + k];
+                e[12 + 3 * k + i] = y[27 + 2 * i + k];
+            }
+    }
+};
+
+/// Of a section with strains e, mean temperature theta and slopes theta_i across:
+/// psi = e . C e / 2 - (theta - theta0) m_0 . e - theta_i m_i . e + c (theta - theta0 - theta ln(theta /
+/// theta0)) - b_i theta_i^2 / 2, as internal energy of entropies. Parameters: C, upper triangle by rows; m_0,
+/// m_1, m_2; c, theta0, b_1, b_2; and of the pairing conductances along of the three, across of the slopes.
+struct HeatedSectionEnergy : PlainEnergy {
+    static constexpr int n = 9, m = 21, c = 39, zero = 40, b = 41, along = 43, across = 46, max_par = 48;
+    static constexpr int n_blocks = 2;
+    static constexpr int block(int k) { return k / 6 > 0; }
+    const V* p;
+    explicit HeatedSectionEnergy(const V* par) : p(par) {}
+    V increase(const V* from, const V* to) const {
+        V d[n], dM[3] = {}, M{}, work{};
+        for (int k = 0; k < n; ++k) d[k] = to[k] - from[k];
+        for (int k = 0; k < 6; ++k) {
+            M += p[m + k] * from[k];
+            for (int i = 0; i < 3; ++i) dM[i] += p[m + 6 * i + k] * d[k];
+            for (int l = 0; l < 6; ++l)
+                work += 0.5 * p[k < l ? packed(6, k, l) : packed(6, l, k)] * d[k] * (from[l] + to[l]);
+        }
+        const V theta = p[zero] + p[zero] * expm1((from[6] - M) / p[c]);
+        V sum = work + p[zero] * dM[0] + p[c] * theta * expm1((d[6] - dM[0]) / p[c]);
+        for (int i = 0; i < 2; ++i) {
+            V M_i{};
+            for (int k = 0; k < 6; ++k) M_i += p[m + 6 * (1 + i) + k] * from[k];
+            const V change = d[7 + i] - dM[1 + i];
+            sum += change * ((from[7 + i] - M_i) + 0.5 * change) / p[b + i];
+        }
+        return sum;
+    }
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        V M[3] = {}, Ce[6];
+        for (int k = 0; k < 6; ++k) {
+            for (int i = 0; i < 3; ++i) M[i] += p[m + 6 * i + k] * e[k];
+            Ce[k] = V{};
+            for (int l = 0; l < 6; ++l) Ce[k] += p[k < l ? packed(6, k, l) : packed(6, l, k)] * e[l];
+        }
+        const V rise = p[zero] * expm1((e[6] - M[0]) / p[c]), theta = p[zero] + rise;
+        const V slope[2] = {(e[7] - M[1]) / p[b], (e[8] - M[2]) / p[b + 1]};
+        to.W = p[zero] * M[0] + p[c] * rise;
+        for (int i = 0; i < 2; ++i) to.W += 0.5 * p[b + i] * slope[i] * slope[i], to.s[7 + i] = slope[i];
+        to.s[6] = theta;
+        for (int k = 0; k < 6; ++k) {
+            to.W += 0.5 * Ce[k] * e[k];
+            to.s[k] = Ce[k] - rise * p[m + k] - slope[0] * p[m + 6 + k] - slope[1] * p[m + 12 + k];
+        }
+        if constexpr (second) {
+            for (int k = 0; k < 45; ++k) to.d[k] = V{};
+            const V by[3] = {theta / p[c], 1.0 / p[b], 1.0 / p[b + 1]};
+            for (int i = 0; i < 3; ++i) {
+                to.d[packed(n, 6 + i, 6 + i)] = by[i];
+                for (int k = 0; k < 6; ++k) {
+                    to.d[packed(n, k, 6 + i)] = -by[i] * p[m + 6 * i + k];
+                    for (int l = k; l < 6; ++l)
+                        to.d[packed(n, k, l)] += by[i] * p[m + 6 * i + k] * p[m + 6 * i + l];
+                }
+            }
+            for (int k = 0; k < 6; ++k)
+                for (int l = k; l < 6; ++l) to.d[packed(n, k, l)] += p[packed(6, k, l)];
+        }
+    }
+};
+
+/// Heat flows along by all three temperatures and evens the slopes out across. Entropy arises by the mean
+/// temperature, which is what slopes small beside it leave of the integral over the section.
+struct HeatedSectionPairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        using P = HeatedSectionEnergy;
+        for (int k = 0; k < 6; ++k) f[k] = z.s[k];
+        const auto zero = 0.0 * z.e[12], inverse = (zero + broadcast(1.0)) / z.e[12];
+        auto square = zero;
+        for (int i = 0; i < 3; ++i) {
+            const auto flux = z.par[P::along + i] * z.e[15 + i];
+            square = square + flux * z.e[15 + i];
+            f[6 + i] = z.rate[6 + i], f[9 + i] = flux * inverse;
+            f[12 + i] = z.e[12 + i] - z.s[6 + i], f[15 + i] = zero;
+        }
+        for (int i = 1; i < 3; ++i) {
+            const auto flux = z.par[P::across + i - 1] * z.e[12 + i];
+            square = square + flux * z.e[12 + i];
+            f[6 + i] = f[6 + i] + flux * inverse;
+        }
+        f[6] = f[6] - square * inverse * inverse;
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State&) {
+        return V{};
+    }
+};
+
+/// A layer of a shell with entropy and temperature, see SolidEntropyMap.
+struct HeatedLayerMap : Layout<HeatedLayerMap> {
+    static constexpr int n_groups = 4, n_components = 6, n_local = 33, n_strains = 23;
+    static constexpr Group groups[] = {{3, 8, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int) { return 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        LayerMap::strains(y, e);
+        for (int k = 0; k < 8; ++k) e[15 + k] = y[25 + k];
+    }
+};
+
+/// e(C, s). Parameters: C - I and s by the strains of the map [7][16], those of ThermoelasticEnergy.
+struct HeatedLayerEnergy : ThermoelasticEnergy {
+    static constexpr int n_turned = 16, first = 7 * n_turned, max_par = first + thermal::n_par;
+    explicit HeatedLayerEnergy(const V* par) : ThermoelasticEnergy(par + first) {}
+    static const V* turn(const V* par) { return par; }
+};
+
+/// HeatPairing with a conductivity of the reference.
+struct HeatedLayerPairing {
+    static constexpr bool is_gradient = false;
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        const typename State::T* in_reference = nullptr;
+        for (int k = 0; k < 15; ++k) f[k] = z.s[k];
+        HeatPairing::balance(z.e[19], z.e + 20, z.rate[15], z.s[15], z.par + HeatedLayerEnergy::first,
+                             in_reference, f + 15);
+    }
+    template <class State>
+    static VISVIVA_INLINE V dissipated(const State&) {
+        return V{};
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA

@@ -1,0 +1,308 @@
+"""Beams that conduct heat: mean temperatures of their sections and slopes across them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.body.beam import Beam
+from visviva.body.mesh_points import Points
+from visviva.body.profiles import Profile
+from visviva.component.component import Component, settings
+from visviva.component.values import Function, Number, NumberOrFunction
+from visviva.mesh.cells import CELLS
+from visviva.model.field import Role
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law
+from visviva.thermal.heat import Heat
+from visviva.thermal.held_step import HeldStep
+
+if TYPE_CHECKING:
+    from visviva.mesh.faces import Faces
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+ENDS = np.array([-1.0, 1.0])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ThermalBeam(Beam, HeatCarrier):
+    """A beam whose sections have a mean temperature and its slopes along d1 and d2: they stretch and bend it.
+
+    Takes the arguments of `Beam`, with homogeneous profiles, and
+
+    Parameters
+    ----------
+    heat : Heat
+        Of the material. Its `moduli_slope` and what depends on the temperature are not for beams.
+    temperature : float, or a function of reference positions (n, 3) with values (n,), optional
+        Mean at the start, absolute; by default the reference of `heat`.
+    slopes : (2,), or a function of reference positions (n, 3) with values (n, 2)
+        Of the temperature along d1 and d2 at the start.
+
+    Notes
+    -----
+    With the stiffness C of the section and strains e the free energy per length is
+    ``e.C e / 2 - (T - T0) m.e - T_1 m_1.e - T_2 m_2.e + c A (T - T0 - T ln(T / T0)) - c (I_1 T_1^2 + I_2 T_2^2) / (2
+    T0)``, where m, m_1 and m_2 are C times the strain and the curvatures that heat alone would leave: it expands,
+    and a difference across the section curves it. Temperatures are linear in each cell. Heat flows along by all
+    three temperatures, and evens the slopes out across the section. The sides are insulated but for `HeatSource`, a
+    power per length, and `HeatExchange`.
+    Energy and entropy are those of `ThermoelasticSolid`: kept to round-off, and never falling. The entropy that
+    arises is that of slopes which are small beside the mean temperature.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> bar = vv.ThermalBeam(
+    ...     mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=10),
+    ...     section=vv.RectangleSection(width=0.1, height=0.1, young=210e9, density=7850.0),
+    ...     heat=vv.Heat(conductivity=50.0, capacity=3.6e6, expansion=1.2e-5),
+    ...     temperature=lambda X: 300 + 50 * X[:, 0],
+    ... )
+    >>> system = vv.System([bar, vv.Clamped(solid=bar, nodes="start")])
+    >>> float(bar.temperatures(system.x).max().round(6))
+    350.0
+    """
+
+    heat: Heat
+    temperature: NumberOrFunction | None = None
+    slopes: tuple[Number, Number] | Function = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_others()
+        n, heat = self.grid.n_nodes, self.heat
+        given = heat.reference if self.temperature is None else self.temperature
+        found = given(self.points) if callable(given) else given
+        self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), n))
+        across = self.slopes(self.points) if callable(self.slopes) else self.slopes
+        self.start_slopes = np.array(np.broadcast_to(np.asarray(across, dtype=float)[..., :2], (n, 2)))
+        if not np.all(self.start_temperatures > 0):
+            raise InputError(
+                f"{self.label}: a temperature of {self.start_temperatures.min():g} is not above absolute zero; give "
+                "kelvin"
+            )
+
+    def _refuse_others(self) -> None:
+        heat = self.heat
+        for section in self.sections:
+            if not isinstance(section, Profile):
+                raise InputError(
+                    f"{self.label}: {type(section).__name__} does not say where its material is; heat needs a "
+                    "homogeneous profile, such as vv.RectangleSection"
+                )
+        if np.any(self._damping != 0) or self._held_strains:
+            raise InputError(f"{self.label}: takes no damping and no rigid strains")
+        if (
+            heat.moduli_slope
+            or heat.conductivity_slope
+            or not heat.stores.is_constant
+            or not heat.is_isotropic
+        ):
+            raise InputError(
+                f"{self.label}: moduli, capacity and conductivity of beams are constant and isotropic; take a "
+                "ThermoelasticSolid for others"
+            )
+
+    # --- its temperatures ----------------------------------------------------------------------------------
+    @cached_property
+    def _corners(self) -> Ints:
+        """Nodes (c,) that have temperatures: ends of cells."""
+        return np.unique(self.line.cells[:, :2])
+
+    @cached_property
+    def _place(self) -> Ints:
+        """Of every node (n,) among those, or -1."""
+        place = np.full(self.grid.n_nodes, -1)
+        place[self._corners] = np.arange(len(self._corners))
+        return place
+
+    @cached_property
+    def _to_ends(self) -> Array:
+        """Shares (k, 2) of the temperatures at the ends of a cell in those at its nodes."""
+        xi = CELLS[self.line.kind].nodes[:, 0]
+        return np.column_stack([0.5 * (1 - xi), 0.5 * (1 + xi)])
+
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        nodes, heat = self._corners, self.heat
+        T, across = self.start_temperatures[nodes], self.start_slopes[nodes]
+        A, moments = self._areas.min(), self._second_moments.min(axis=0)
+        c = heat.stores.c
+        s = np.column_stack([c * A * np.log(T / heat.reference), c * moments * across / heat.reference])
+        extent = np.sqrt(moments / A)
+        scale = c * A * np.concatenate([[1.0], extent])
+        n = len(nodes)
+        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=np.tile(scale, n), node=3)
+        values = np.column_stack([T, across])
+        sizes = np.tile(heat.reference * np.concatenate([[1.0], 1 / extent]), n)
+        self.algorithmic = model.field(
+            self, "temperature", values, role=Role.TEMPERATURE, scale=sizes, node=3
+        )
+        self._refuse_unlike()
+
+    def _refuse_unlike(self) -> None:
+        if np.ptp(self._areas) > 1e-12 * self._areas.max() or np.any(
+            np.ptp(self._second_moments, axis=0) > 1e-12 * self._second_moments.max()
+        ):
+            raise InputError(f"{self.label}: its sections are not alike; give each a ThermalBeam of its own")
+
+    @cached_property
+    def _areas(self) -> Array:
+        return self.by_cell(lambda s: s.area)
+
+    @cached_property
+    def _second_moments(self) -> Array:
+        """Integrals (m, 2) of the squares of the coordinates along d1 and d2."""
+        return self.by_cell(lambda s: s.second_moments)
+
+    def _unknowns(self, nodes: Ints, first: int) -> Ints:
+        return np.asarray(first + 3 * self._place[nodes])
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def _add_strained(self, model: Model, cells: Ints) -> None:
+        nodes = self.line.cells[cells]
+        groups = self._strains.groups(cells, self.node_unknowns(nodes), self.director_unknowns(nodes))
+        length, reference = self._strains.length[cells], self._strains.reference[cells]
+        xi = self._strains.places
+        if len(xi) == 1:  # two nodes with one point for strains, which would leave one temperature undone
+            xi = np.polynomial.legendre.leggauss(2)[0]
+            groups = [Group(g.unknowns, np.repeat(g.weights, 2, axis=1), None, g.is_position) for g in groups]
+            length, reference = np.repeat(0.5 * length, 2, axis=1), np.repeat(reference, 2, axis=1)
+        _, _, speed = self.line.slopes(xi[:, None])
+        scalar = np.empty((len(cells), len(xi), 2, 2))
+        scalar[..., 0] = 0.5 * (1 + xi[:, None] * ENDS)
+        scalar[..., 1] = 0.5 * ENDS / speed[cells][:, :, None]
+        ends = nodes[:, :2]
+        groups += [Group(self._unknowns(ends, f.start), scalar) for f in (self.entropy, self.algorithmic)]
+        all_strains = np.concatenate([reference, np.zeros((*reference.shape[:2], 12))], axis=2)
+        at_points = np.repeat(self._parameters(cells)[:, None], len(xi), axis=1)
+        add_points(model, self, PhysicsKind.HEATED_BEAM, groups, length, at_points, all_strains)
+
+    def _parameters(self, cells: Ints) -> Array:
+        """See ``visviva/point/heat_stores.hpp``: (m, p)."""
+        heat, C = self.heat, self.stiffness[cells]
+        a, b = np.triu_indices(6)
+        A, moments = self._areas[cells, None], self._second_moments[cells]
+        c, k = heat.stores.c, float(np.asarray(heat.conductivity))
+        thermal = [C[:, :, 2], -C[:, :, 4], C[:, :, 3]]  # of the strain z + x2 K1 - x1 K2 along the line
+        coupling = [heat.expansion * m for m in thermal]
+        zero = np.full_like(A, heat.reference)
+        return np.hstack(
+            [
+                C[:, a, b],
+                *coupling,
+                c * A,
+                zero,
+                c * moments / heat.reference,
+                k * A,
+                k * moments,
+                k * A,
+                k * A,
+            ]
+        )
+
+    def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
+        held = self._place[given.nodes] >= 0
+        nodes, now = given.nodes[held], given.values(0.0)[held]
+        if np.any(now <= 0):
+            raise InputError(
+                f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
+            )
+        at = 3 * self._place[nodes]
+        self.entropy.values[at] = self.heat.stores.c * self._areas[0] * np.log(now / self.heat.reference)
+        self.algorithmic.values[at] = now
+        model.refresh(self.entropy)
+        model.refresh(self.algorithmic)
+        supply = model.multipliers(owner, "supply", len(nodes), instantaneous=False)
+        unknowns = [self.entropy.start + at, self.algorithmic.start + at, np.asarray(supply.unknowns)]
+        table = np.asarray(np.stack(unknowns, axis=1), dtype=np.int32)
+        model.term(owner, HeldStep(table, lambda t: given.values(t)[held]))
+
+    def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
+        ends = points.nodes[:, :2]
+        linear = Points(nodes=ends, N=points.N @ self._to_ends, X=points.X, size=points.size)
+        unknowns = np.hstack([self._unknowns(ends, f.start) for f in (self.entropy, self.algorithmic)])
+        model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), linear, law))
+
+    def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return self._unknowns(nodes, self.algorithmic.start).astype(np.int32)
+
+    def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return self._unknowns(nodes, self.entropy.start).astype(np.int32)
+
+    def heat_port(self, nodes: Ints) -> HeatPort:
+        return super().heat_port(nodes[self._place[nodes] >= 0])
+
+    def face_points(self, faces: Faces) -> Any:
+        """There are none: a beam is a line.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError(
+            f"{self.label} is a line; heat comes in by vv.HeatSource per length, or vv.HeatExchange"
+        )
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def section_temperatures(self, x: Array) -> Array:
+        """Mean temperature and its slopes (n, 3) along d1 and d2 at the nodes, of strains and entropies."""
+        heat, c = self.heat, self.heat.stores.c
+        s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)
+        e = self.strains(x).mean(axis=1)
+        M, count = np.zeros((len(s), 3)), np.zeros(len(s))
+        thermal = np.stack([self.stiffness[:, 2], -self.stiffness[:, 4], self.stiffness[:, 3]], axis=1)
+        of_cell = heat.expansion * np.einsum("mik,mk->mi", thermal, e)
+        for end in range(2):
+            np.add.at(M, self._place[self.line.cells[:, end]], of_cell)
+            np.add.at(count, self._place[self.line.cells[:, end]], 1.0)
+        M /= count[:, None]
+        T = np.empty_like(s)
+        T[:, 0] = heat.reference * np.exp((s[:, 0] - M[:, 0]) / (c * self._areas[0]))
+        T[:, 1:] = (s[:, 1:] - M[:, 1:]) * heat.reference / (c * self._second_moments[0])
+        return self._spread(T)
+
+    def _spread(self, values: Array) -> Array:
+        """Values (n, j) of all nodes by those of the corners."""
+        found = np.empty((self.grid.n_nodes, values.shape[1]))
+        for a, shares in enumerate(self._to_ends):
+            found[self.line.cells[:, a]] = np.einsum(
+                "j,mjc->mc", shares, values[self._place[self.line.cells[:, :2]]]
+            )
+        return found
+
+    def temperatures(self, x: Array) -> Array:
+        """Mean temperatures (n,) of the sections at the nodes, at the unknowns `x` of the system."""
+        return np.asarray(self.section_temperatures(x)[:, 0])
+
+    def total_entropy(self, x: Array) -> float:
+        """Of the whole body at the unknowns `x` of the system."""
+        s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)[:, 0]
+        lengths = self._strains.length.sum(axis=1)
+        return float((lengths * s[self._place[self.line.cells[:, :2]]].mean(axis=1)).sum())
+
+    def widths(self) -> Mapping[str, int]:
+        return {**super().widths(), "temperature": 1}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        others = super().smoothed([n for n in names if n != "temperature"], x)
+        return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
+
+    def resultants(self, x: Array) -> Array:
+        """Forces and moments (m, q, 6) in the sections, with those that heat leaves."""
+        heat, T = self.heat, self.section_temperatures(x)[self.line.cells[:, :2]].mean(axis=1)
+        thermal = np.stack(
+            [self.stiffness[:, :, 2], -self.stiffness[:, :, 4], self.stiffness[:, :, 3]], axis=1
+        )
+        rise = T - np.array([heat.reference, 0.0, 0.0])
+        less = heat.expansion * np.einsum("mi,mik->mk", rise, thermal)
+        return np.asarray(super().resultants(x) - less[:, None])

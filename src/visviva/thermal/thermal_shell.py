@@ -1,0 +1,287 @@
+"""Shells that conduct heat: temperatures linear through the thickness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva.base.errors import InputError
+from visviva.body.extensible_shell import ExtensibleShell, Stack
+from visviva.body.mesh_points import FacePoints, Points
+from visviva.body.shell_layers import EDGES, N_RAW
+from visviva.component.component import Component, settings
+from visviva.component.values import NumberOrFunction
+from visviva.material.material import Material
+from visviva.mesh.cells import CELLS
+from visviva.model.field import Role
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.heat import Heat
+from visviva.thermal.held_step import HeldStep
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+N_STRAINS = 23
+"""Of the strain map: those of a layer, entropy and temperature with gradients."""
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ThermalShell(ExtensibleShell, HeatCarrier):
+    """A shell of any material in space whose temperature is linear through the thickness.
+
+    Takes the arguments of `ExtensibleShell`, with ``formulation="displacement"``, and
+
+    Parameters
+    ----------
+    heat : Heat
+        Of all layers; its conductivity is that of the reference.
+    temperature : float, or a function of reference positions (n, 3) with values (n,), optional
+        Absolute, at the start; by default the reference of `heat`.
+    difference : float, or a function of reference positions (n, 3) with values (n,)
+        Temperature of the upper face less that of the lower one, at the start.
+
+    Notes
+    -----
+    Nodes have two entropies and two temperatures, of the middle and half the difference of the faces; energy and
+    both laws are those of `ThermoelasticSolid`, at every point of every layer. Heat comes in through the sides
+    'upper' and 'lower' by `HeatFlux`, `Convection` and `Radiation`. `PrescribedTemperature` holds nodes at one
+    temperature through the thickness.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> steel = vv.SaintVenantKirchhoff(young=210e9, poisson=0.3)
+    >>> plate = vv.ThermalShell(
+    ...     mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4)),
+    ...     section=vv.SolidSection(material=steel, thickness=0.02, density=7850.0),
+    ...     heat=vv.Heat(conductivity=50.0, capacity=3.6e6, expansion=1.2e-5),
+    ...     difference=20.0,
+    ... )
+    >>> sun = vv.HeatFlux(body=plate, faces="upper", flux=1e3)
+    >>> system = vv.System([plate, sun])
+    >>> float(plate.face_temperatures(system.x)[0, 1].round(6))
+    303.15
+    """
+
+    heat: Heat
+    temperature: NumberOrFunction | None = None
+    difference: NumberOrFunction = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_others()
+        n, X = self.grid.n_nodes, self.points
+        given = self.heat.reference if self.temperature is None else self.temperature
+        middle = given(X) if callable(given) else given
+        apart = self.difference(X) if callable(self.difference) else self.difference
+        self.start_temperatures = np.array(np.broadcast_to(np.asarray(middle, dtype=float), n))
+        self._start_halves = 0.5 * np.array(np.broadcast_to(np.asarray(apart, dtype=float), n))
+        least = (self.start_temperatures - np.abs(self._start_halves)).min()
+        if not least > 0:
+            raise InputError(
+                f"{self.label}: a temperature of {least:g} is not above absolute zero; give kelvin"
+            )
+
+    def _refuse_others(self) -> None:
+        if self.formulation != "displacement":
+            raise InputError(
+                f"{self.label}: formulation = {self.formulation!r} does not conduct heat; take 'displacement'"
+            )
+        for material in self._materials():
+            if material.small or material.energy is not None:
+                raise InputError(
+                    f"{self.label}: {type(material).__name__} is no material of finite strains of the core"
+                )
+        if len(self._stacks) > 1:
+            raise InputError(f"{self.label}: its sections are not alike; give each a ThermalShell of its own")
+
+    def _materials(self) -> list[Material]:
+        return [layer.material for stack in self._stacks for layer in stack.section.layers]
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        T, half, heat = self.start_temperatures, self._start_halves, self.heat
+        s = np.stack([heat.start_entropy(T + sign * half) for sign in (-1.0, 1.0)])
+        modes = np.column_stack([s.mean(axis=0), 0.5 * (s[1] - s[0])])
+        self.entropy = model.field(self, "entropy", modes, role=Role.CONTENT, scale=heat.stores.c)
+        self.algorithmic = model.field(
+            self, "temperature", np.column_stack([T, half]), role=Role.TEMPERATURE, scale=heat.reference
+        )
+
+    def _modes(self, nodes: Ints, first: int) -> Ints:
+        """Unknowns (m, 2 k) of the means of nodes, then of the halves of differences."""
+        return np.hstack([first + 2 * nodes, first + 2 * nodes + 1])
+
+    def _added(self, model: Model, stack: Stack) -> Any:
+        cells, z = stack.cells, stack.through.heights
+        (m, n_s, n_k), nodes = stack.layers.volume.shape, self._surface.cells[stack.cells]
+        first = self.node_unknowns(nodes)
+        places = np.zeros((n_k, 8, 8))
+        for k, (start, end) in enumerate(EDGES[:4]):
+            places[:, start, k], places[:, end, k] = -1.0, 1.0
+            places[:, 4 + start, k], places[:, 4 + end, k] = -z, z
+        places[:, range(4, 8), range(4, 8)] = 1.0
+        enhanced = np.zeros((n_s, n_k, 4, 1))
+        enhanced[range(4), :, range(4), 0] = self._share(stack)
+        scalar = self._scalar_weights(stack)
+        groups = [
+            Group(np.hstack([first, first + 3]), np.tile(places, (n_s, 1, 1)), None, True),
+            Group(self._enhanced[cells], enhanced.reshape(n_s * n_k, 4, 1)),
+            *(Group(self._modes(nodes, f.start), scalar) for f in (self.entropy, self.algorithmic)),
+        ]
+        reference = np.zeros((m, n_s, n_k, N_STRAINS))
+        reference[..., :N_RAW] = stack.layers.reference
+        q = n_s * n_k
+        return add_points(
+            model,
+            self,
+            PhysicsKind.HEATED_LAYER,
+            groups,
+            stack.layers.volume.reshape(m, q),
+            self._heated_parameters(stack).reshape(m, q, -1),
+            reference.reshape(m, q, -1),
+        )
+
+    def _share(self, stack: Stack) -> Array:
+        """Heights (k,) from -1 at the lower face to 1 at the upper one."""
+        height = stack.through.heights - stack.section.offset
+        return np.asarray(2 * height / stack.section.thickness_of_all)
+
+    def _scalar_weights(self, stack: Stack) -> Array:
+        """Values and gradients (m, q, 8, 4) of means and differences along the axes of the section."""
+        surface, z, share = self._surface, stack.through.heights, self._share(stack)
+        N, dN = CELLS["quad4"].N_dN(surface.rule[0])
+        nodes = surface.cells[stack.cells]
+        d = surface.directors[nodes]
+        x = surface.points[nodes][:, None] + z[:, None, None] * d[:, None]
+        tangents = np.einsum("mkna,snb->mskba", x, dN)
+        across = np.broadcast_to(np.einsum("mna,sn->msa", d, N)[:, :, None], (*tangents.shape[:3], 3))
+        axes = surface.axes[stack.cells]
+        frame = np.concatenate([axes, np.cross(axes[..., :1, :], axes[..., 1:, :])], axis=2)
+        J = np.einsum("mskba,msia->mskbi", np.concatenate([tangents, across[..., None, :]], axis=3), frame)
+        back = np.linalg.inv(J)  # [i, b]
+        by_place = np.zeros((len(z), len(N), 8, 3))  # by the cell's coordinates and the height
+        by_place[:, :, :4, :2], by_place[:, :, 4:, :2] = dN, share[:, None, None, None] * dN
+        by_place[:, :, 4:, 2] = 2 / stack.section.thickness_of_all * N
+        weights = np.empty((*tangents.shape[:3], 8, 4))
+        weights[..., :4, 0], weights[..., 4:, 0] = N[:, None], share[:, None] * N[:, None]
+        weights[..., 1:] = np.einsum("mskib,ksnb->mskni", back, by_place)
+        return weights.reshape(len(nodes), -1, 8, 4)
+
+    def _heated_parameters(self, stack: Stack) -> Array:
+        """Of the energy at the points (m, s, k, p), see ``visviva/point/heat_stores.hpp``."""
+        m, s, k = stack.layers.volume.shape
+        wide = np.zeros((m, s, k, 7, N_RAW + 1))
+        wide[..., :6, :N_RAW], wide[..., 6, N_RAW] = stack.layers.turn, 1.0
+        rows = np.array([self.heat.parameters(layer.material) for layer in stack.through.layers])
+        return np.concatenate([wide.reshape(m, s, k, -1), np.broadcast_to(rows, (m, s, *rows.shape))], axis=3)
+
+    def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
+        now, nodes = given.values(0.0), given.nodes
+        if np.any(now <= 0):
+            raise InputError(
+                f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
+            )
+        zero = np.zeros_like(now)
+        self.entropy.values.reshape(-1, 2)[nodes] = np.column_stack([self.heat.start_entropy(now), zero])
+        self.algorithmic.values.reshape(-1, 2)[nodes] = np.column_stack([now, zero])
+        model.refresh(self.entropy)
+        model.refresh(self.algorithmic)
+        supply = model.multipliers(owner, "supply", 2 * len(nodes), instantaneous=False)
+        of_modes = [
+            np.concatenate([f.start + 2 * nodes, f.start + 2 * nodes + 1])
+            for f in (self.entropy, self.algorithmic)
+        ]
+        table = np.asarray(np.stack([*of_modes, np.asarray(supply.unknowns)], axis=1), dtype=np.int32)
+        model.term(owner, HeldStep(table, lambda t: np.concatenate([given.values(t), zero])))
+
+    def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
+        side = np.zeros(len(points.nodes))
+        if isinstance(points, FacePoints):
+            if points.nodes.shape[1] < 3:
+                raise InputError(
+                    f"{owner.label}: heat comes into {self.label} through its sides 'upper' and 'lower'"
+                )
+            d = np.einsum("mkc->mc", self._surface.directors[points.nodes])
+            side = np.sign(np.einsum("mqc,mc->m", points.normal, d))
+        for sign in np.unique(side):
+            some = side == sign
+            nodes = points.nodes[some]
+            unknowns = np.hstack([self._modes(nodes, f.start) for f in (self.entropy, self.algorithmic)])
+            part = Points(
+                nodes=nodes,
+                N=np.hstack([points.N, sign * points.N]),
+                X=points.X[some],
+                size=points.size[some],
+            )
+            model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), part, law))
+
+    def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return np.asarray(self.algorithmic.start + 2 * np.asarray(nodes), dtype=np.int32)
+
+    def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
+        return np.asarray(self.entropy.start + 2 * np.asarray(nodes), dtype=np.int32)
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def _responses(self, x: Array) -> tuple[Array, Array, Array]:
+        """Of the one stack: temperatures (m, s, k), stresses (m, s, k, 6) and volumes (m, s, k)."""
+        stack = self._stacks[0]
+        C = self.green(x)[0]
+        m, s, k = C.shape[:3]
+        nodes = self._surface.cells[stack.cells]
+        modes = x[self._modes(nodes, self.entropy.start)]
+        entropy = np.einsum("mqn,mn->mq", self._scalar_weights(stack)[..., 0], modes).reshape(m, s, k)
+        T, S = np.empty((m, s, k)), np.empty_like(C)
+        for j, layer in enumerate(stack.through.layers):
+            flat = C[:, :, j].reshape(-1, 6)
+            found = self.heat.respond(layer.material, flat, entropy[:, :, j].ravel())
+            T[:, :, j], S[:, :, j] = found[0].reshape(m, s), found[1].reshape(m, s, 6)
+        return T, S, stack.layers.volume
+
+    def stresses(self, x: Array) -> list[Array]:
+        return [self._responses(x)[1]]
+
+    def face_temperatures(self, x: Array) -> Array:
+        """Temperatures (n, 2) of the lower and the upper face at the nodes, of strains and entropies."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.linalg import spsolve
+
+        stack = self._stacks[0]
+        T, _, volume = self._responses(x)
+        nodes = self._surface.cells[stack.cells]
+        N, w = self._scalar_weights(stack)[..., 0], volume.reshape(len(nodes), -1)
+        numbers = self._modes(nodes, 0)
+        block = np.einsum("mq,mqa,mqb->mab", w, N, N)
+        row, column = np.broadcast_arrays(numbers[:, :, None], numbers[:, None, :])
+        n = 2 * self.grid.n_nodes
+        matrix = coo_array((block.ravel(), (row.ravel(), column.ravel())), shape=(n, n)).tocsc()
+        right = np.zeros(n)
+        np.add.at(right, numbers, np.einsum("mq,mq,mqa->ma", w, T.reshape(len(nodes), -1), N))
+        middle, half = spsolve(matrix, right).reshape(-1, 2).T
+        return np.column_stack([middle - half, middle + half])
+
+    def temperatures(self, x: Array) -> Array:
+        """Temperatures (n,) of the middle at the nodes, at the unknowns `x` of the system."""
+        return np.asarray(self.face_temperatures(x).mean(axis=1))
+
+    def total_entropy(self, x: Array) -> float:
+        """Of the whole body at the unknowns `x` of the system."""
+        stack = self._stacks[0]
+        nodes = self._surface.cells[stack.cells]
+        modes, N = x[self._modes(nodes, self.entropy.start)], self._scalar_weights(stack)[..., 0]
+        return float(np.einsum("mq,mqn,mn->", stack.layers.volume.reshape(len(nodes), -1), N, modes))
+
+    def widths(self) -> Mapping[str, int]:
+        return {**super().widths(), "temperature": 1}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        others = super().smoothed([n for n in names if n != "temperature"], x)
+        return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})

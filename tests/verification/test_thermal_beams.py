@@ -1,0 +1,239 @@
+"""Beams and shells that conduct heat: both laws, expansion and bending by heat, conduction along and across."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+HEAT = vv.Heat(conductivity=0.5, capacity=2.0, expansion=0.005, reference=20.0)
+SECTION = vv.RectangleSection(width=0.1, height=0.2, young=200.0, poisson=0.3, density=1.0)
+SOFT = vv.NeoHooke(young=200.0, poisson=0.3)
+
+
+def line(count: int = 4, cell: str = "line2", length: float = 1.0) -> vv.LineMesh:
+    return vv.LineMesh(points=[(0, 0, 0), (length, 0, 0)], count=count, cell=cell)
+
+
+def flying_beam(cell: str) -> vv.ThermalBeam:
+    return vv.ThermalBeam(
+        mesh=line(cell=cell),
+        section=SECTION,
+        heat=HEAT,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        slopes=(5.0, -8.0),
+        angular_velocity=(1, 2, 3),
+    )
+
+
+def flying_shell() -> vv.ThermalShell:
+    return vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+        section=vv.SolidSection(material=SOFT, thickness=0.1, density=1.0),
+        heat=HEAT,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        difference=lambda X: 2 + X[:, 1],
+        angular_velocity=(1, 2, 3),
+    )
+
+
+@pytest.mark.parametrize("h", [0.01, 0.05])
+@pytest.mark.parametrize("body", ["line2", "line3", "shell"])
+def test_both_laws_hold_to_rounding(body: str, h: float) -> None:
+    thing: Any = flying_shell() if body == "shell" else flying_beam(body)
+    system, entropy = vv.System([thing], vv.Newton(tolerance=1e-13)), []
+    result = vv.simulate(
+        system, until=10 * h, step=h, observe=lambda s: entropy.append(thing.total_entropy(s.x))
+    )
+    kept = result.conservation()
+    assert kept["energy"] < 2e-12
+    assert max(kept[f"angular_{k}"] for k in "xyz") < 1e-13
+    assert np.min(np.diff(entropy)) > 0
+
+
+STEEL = vv.Heat(conductivity=1e-12, capacity=3.6e6, expansion=1.2e-5, reference=293.15)
+
+
+def settled(parts: list[Any], until: float = 1.0) -> vv.System:
+    """Without inertia: where its energy is least while heat stays."""
+    system = vv.System(parts)
+    vv.simulate(system, until=until, step=until / 2, scheme=vv.BackwardEuler())
+    return system
+
+
+def strip(slopes: Any, rise: float = 0.0) -> vv.ThermalBeam:
+    section = vv.RectangleSection(width=0.02, height=0.05, young=210e9, poisson=0.3)
+    return vv.ThermalBeam(
+        mesh=line(8, length=2.0), section=section, heat=STEEL, temperature=293.15 + rise, slopes=slopes
+    )
+
+
+def test_a_beam_that_is_free_grows_and_curves() -> None:
+    """alpha rise L along, alpha dT/h L^2 / 2 across, and nothing is felt in the sections."""
+    per_height = 1.0 / 0.05
+    beam = strip((0.0, per_height), 30.0)
+    system = settled([beam, vv.Clamped(solid=beam, nodes="start")])
+    end = beam.displacements(system.x)[beam.nodes("end")[0]]
+    assert end[0] == pytest.approx(1.2e-5 * 30 * 2.0, rel=3e-3)
+    across = np.linalg.norm(end[1:])
+    assert across == pytest.approx(1.2e-5 * per_height * 2.0**2 / 2, rel=3e-3)  # it cools as it grows
+    moment = 210e9 * 0.02 * 0.05**3 / 12 * 1.2e-5 * per_height
+    assert np.abs(beam.resultants(system.x)[..., 3:5]).max() < 2e-3 * moment
+
+
+@pytest.mark.parametrize("direction", [0, 1])
+def test_a_strip_that_is_held_feels_its_difference_across(direction: int) -> None:
+    """M = E I alpha dT / h, and N = -E A alpha rise."""
+    h, I = ((0.02, 0.05 * 0.02**3 / 12), (0.05, 0.02 * 0.05**3 / 12))[direction]
+    slopes = np.zeros(2)
+    slopes[direction] = 40.0 / h
+    beam = strip(tuple(slopes), 10.0)
+    held = [vv.Clamped(solid=beam, nodes=n) for n in ("start", "end")]
+    system = settled([beam, *held])
+    found = beam.resultants(system.x)
+    moments = np.abs(found[..., 3:5])
+    assert moments.max(axis=2) == pytest.approx(210e9 * I * 1.2e-5 * 40.0 / h, rel=1e-6)
+    assert found[..., 2] == pytest.approx(-210e9 * 1e-3 * 1.2e-5 * 10.0, rel=1e-6)
+
+
+def test_a_solid_strip_feels_the_same() -> None:
+    """M = E I alpha dT / h of bricks of second order, held at both ends, free at their sides."""
+    height, width, young = 0.05, 0.02, 210e9
+    mesh = vv.BoxMesh(size=(0.3, width, height), counts=(8, 2, 2), cell="hex20", origin=(0, 0, -height / 2))
+    solid = vv.ThermoelasticSolid(
+        mesh=mesh,
+        material=vv.SaintVenantKirchhoff(young=young, poisson=0.0),
+        heat=STEEL,
+        temperature=lambda X: 293.15 + 40.0 * X[:, 2] / height,
+    )
+    held = [vv.Fixed(solid=solid, nodes=n) for n in ("x0", "x1")]
+    system = settled([solid, *held])
+    stress = solid.fields(system.x)
+    middle = np.abs(solid.grid.points[solid.grid.cells["hex20"]].mean(axis=1)[:, 0] - 0.15) < 0.05
+    from visviva.body.element import geometry
+
+    nodes = solid.grid.cells["hex20"]
+    g = geometry(solid.points, nodes, "hex20")
+    z = np.einsum("qk,mk->mq", vv_shape(), solid.points[nodes][:, :, 2])
+    length = g.volume[middle].sum() / (width * height)
+    moment = (g.volume * stress.first_piola[..., 0, 0] * z)[middle].sum() / length
+    T, inner = solid.temperatures(system.x), np.abs(solid.points[:, 0] - 0.15) < 0.05
+    above, below = (
+        T[inner & np.isclose(solid.points[:, 2], side)].mean() for side in (height / 2, -height / 2)
+    )
+    assert above - below == pytest.approx(40.0, rel=6e-3)  # what is free to grow sideways cools a little
+    inertia = width * height**3 / 12
+    assert abs(moment) == pytest.approx(young * inertia * 1.2e-5 * (above - below) / height, rel=1e-3)
+
+
+def vv_shape() -> Any:
+    """Shape functions of hex20 at the points of its stiffness."""
+    from visviva.mesh.cells import CELLS
+    from visviva.mesh.quadrature import stiffness_rule
+
+    return CELLS["hex20"].N(stiffness_rule("hex20").points)
+
+
+def test_heat_flows_along_a_beam_as_along_a_bar() -> None:
+    """exp(-kappa (pi / L)^2 t) of a cosine, and exp(-12 kappa / h^2 t) of a difference across."""
+    heat = vv.Heat(conductivity=2.0, capacity=4.0, reference=300.0)
+    section = vv.RectangleSection(width=0.4, height=0.5, young=1e6, density=1e3)
+    beam = vv.ThermalBeam(
+        mesh=line(24),
+        section=section,
+        heat=heat,
+        temperature=lambda X: 300 + 1e-2 * np.cos(np.pi * X[:, 0]),
+        slopes=(0.0, 1e-2),
+    )
+    system = vv.System([beam])
+    vv.simulate(system, until=0.04, step=0.0005)
+    found = beam.section_temperatures(system.x)
+    assert found[0, 0] - 300 == pytest.approx(1e-2 * np.exp(-0.5 * np.pi**2 * 0.04), rel=3e-3)
+    assert found[5, 2] == pytest.approx(1e-2 * np.exp(-12 * 0.5 / 0.5**2 * 0.04), rel=3e-3)
+
+
+def test_power_and_held_ends_of_a_beam() -> None:
+    """Parabola of a bar that is heated evenly: q L^2 / 8 k A in its middle; everything is booked."""
+    heat = vv.Heat(conductivity=2.0, capacity=0.1, reference=300.0)
+    section = vv.RectangleSection(width=0.4, height=0.5, young=1e6)
+    beam = vv.ThermalBeam(mesh=line(8), section=section, heat=heat)
+    parts: list[Any] = [vv.Clamped(solid=beam, nodes="start"), vv.HeatSource(body=beam, power=1.0)]
+    parts += [vv.PrescribedTemperature(body=beam, nodes=n, value=300.0) for n in ("start", "end")]
+    system = vv.System([beam, *parts])
+    result = vv.simulate(system, until=0.5, step=0.01)
+    middle = beam.nodes("all")[np.abs(beam.points[:, 0] - 0.5) < 1e-9]
+    assert beam.temperatures(system.x)[middle] - 300 == pytest.approx(1 / (8 * 2.0 * 0.2), rel=5e-3)
+    assert result.ledger.imbalance() < 1e-10
+
+
+def plate(**options: Any) -> vv.ThermalShell:
+    section = vv.SolidSection(
+        material=vv.SaintVenantKirchhoff(young=210e9, poisson=0.3), thickness=0.02, density=0.0
+    )
+    given = {"heat": STEEL, **options}
+    return vv.ThermalShell(mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4)), section=section, **given)
+
+
+def test_a_plate_between_planes_feels_its_difference_across() -> None:
+    """M = E h^2 alpha dT / 12 (1 - nu), N = -E h alpha rise / (1 - nu)."""
+    body = plate(temperature=303.15, difference=30.0)
+    held = [
+        vv.SymmetryPlane(solid=body, nodes=f"{'xy'[k]}{n}", normal=np.eye(3)[k])
+        for k in (0, 1)
+        for n in (0, 1)
+    ]
+    middle = vv.Fixed(solid=body, nodes=[12], directions=(False, False, True))
+    system = settled([body, *held, middle])
+    found, faces = body.resultants(system.x), body.face_temperatures(system.x)
+    apart, rise = np.ptp(faces, axis=1).mean(), faces.mean() - 293.15
+    assert apart == pytest.approx(30, rel=0.015)  # what is free to grow across cools a little
+    assert np.abs(found[..., 3:5]) == pytest.approx(210e9 * 0.02**2 * 1.2e-5 * apart / 12 / 0.7, rel=1e-3)
+    assert found[..., :2] == pytest.approx(-210e9 * 0.02 * 1.2e-5 * rise / 0.7, rel=1e-3)
+
+
+def test_heat_flows_through_a_plate() -> None:
+    """A difference of q h / k once it is steady, from what comes in above and leaves below; nothing is lost."""
+    heat = vv.Heat(conductivity=50.0, capacity=3.6e6, reference=293.15)
+    body = plate(heat=heat)
+    parts: list[Any] = [
+        vv.Clamped(solid=body, nodes="x0"),
+        vv.HeatFlux(body=body, faces="upper", flux=5e3),
+        vv.HeatFlux(body=body, faces="lower", flux=-5e3),
+    ]
+    system = vv.System([body, *parts])
+    result = vv.simulate(system, until=200.0, step=5.0)
+    faces = body.face_temperatures(system.x)
+    assert faces[:, 1] - faces[:, 0] == pytest.approx(5e3 * 0.02 / 50.0, rel=1e-4)
+    assert faces.mean() == pytest.approx(293.15, abs=1e-3)
+    assert result.ledger.swing("total") < 1e-3 * 5e3 * 200
+
+
+BAD = [
+    (lambda: strip((0.0, 0.0), -300.0), "not above absolute zero"),
+    (
+        lambda: vv.ThermalBeam(
+            mesh=line(), section=SECTION, heat=vv.Heat(conductivity=1.0, capacity=1.0, moduli_slope=0.1)
+        ),
+        "constant and isotropic",
+    ),
+    (
+        lambda: vv.ThermalBeam(
+            mesh=line(),
+            section=vv.PolygonSection(outline=[(0, 0), (1, 0), (1, 1), (0, 1)], young=1.0),
+            heat=HEAT,
+        ),
+        "homogeneous profile",
+    ),
+    (lambda: vv.ThermalBeam(mesh=line(), section=SECTION, heat=HEAT, rigid=("shear",)), "no rigid strains"),
+    (lambda: plate(difference=700.0), "not above absolute zero"),
+    (lambda: plate(formulation="mixed"), "does not conduct heat"),
+]
+
+
+@pytest.mark.parametrize(("make", "message"), BAD)
+def test_bad_input(make: Any, message: str) -> None:
+    with pytest.raises(vv.InputError, match=message):
+        make()
