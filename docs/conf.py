@@ -19,7 +19,14 @@ author = "the visviva developers"
 copyright = "2026, the visviva developers"
 release = "0.2.0"
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.mathjax", "numpydoc"]
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "numpydoc",
+]
+extensions += ["sphinx_copybutton", "sphinx_design", "sphinx-mathjax-offline"]  # formulas need no network
 exclude_patterns = ["_build"]
 default_role = "code"
 autodoc_member_order = "bysource"
@@ -28,6 +35,9 @@ autodoc_class_signature = "mixed"
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
 numpydoc_validation_checks = set()
+
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
 
 html_theme = "furo"
 html_title = "visviva"

@@ -13,11 +13,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from kept import fetch, keep
 
+from visviva.output.page import write_page
 from visviva.results.result import audit
 from visviva.scene.gallery import example, example_names, first_line
 from visviva.study.run import run
@@ -26,6 +28,24 @@ HERE = Path(__file__).resolve().parent
 GALLERY = HERE / "gallery"
 LONGEST = 10.0  # s, of the motions shown
 PICTURES = ("picture", "energy")
+PAGE_SIZE = 4_000_000
+"""Bytes of the interactive page of an example, so that the documentation stays small."""
+GROUPS = {
+    "Mechanisms of rigid bodies": (
+        "pendulum", "double_pendulum", "triple_pendulum", "spring_pendulum", "four_bar", "n_four_bar", "slider_crank",
+        "bricard", "screw", "crane", "crane_servo", "rope_on_drum",
+    ),
+    "Bodies that spin": ("free_body", "heavy_top", "lagrange_top", "satellite", "wind_turbine"),
+    "Solids, beams and shells": (
+        "torus", "cantilever", "flexible_crane", "flexible_slider_crank", "spaghetti", "pinched_cylinder", "snap_roof",
+    ),
+    "Contact": ("tori", "tori_thermal", "brake"),
+    "Flow and what swims in it": (
+        "cylinder", "cavity", "convection", "valve", "valve_3d", "leaf_valve", "hinged_valve",
+    ),
+    "Cracks": ("notch", "surfing", "branching", "thermal_crack"),
+}  # fmt: skip
+"""Examples by subject; those in none stand under "More"."""
 
 PAGE = """\
 {title}
@@ -36,6 +56,8 @@ Run it with ``visviva run {name}{settings}``.
 
 .. image:: {name}_picture.png
    :width: 90%
+
+:download:`Turn and play it <{name}_motion.html>`: one page that needs no network.
 
 .. image:: {name}_energy.png
    :width: 90%
@@ -55,10 +77,31 @@ Each page is an example of the package, run when this documentation was built, w
 (motions longer than {longest:g} s are cut there). All of them take parameters:
 ``visviva run NAME --set key=value``.
 
+{groups}
+
 .. toctree::
-   :maxdepth: 1
+   :hidden:
 
 {pages}
+"""
+
+
+GROUP = """\
+{title}
+{underline}
+.. grid:: 1 2 3 3
+   :gutter: 2
+
+{cards}
+"""
+
+CARD = """\
+   .. grid-item-card:: {title}
+      :link: {name}
+      :link-type: doc
+      :img-top: {name}_picture.png
+
+      {line}
 """
 
 
@@ -69,7 +112,25 @@ def make_gallery() -> None:
     missing = [name for name in names if not fetch(name, GALLERY)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(make_alone, reversed(missing)))  # the longest come last by their names
-    write(GALLERY / "index.rst", INDEX.format(longest=LONGEST, pages=indented(names)))
+    write(GALLERY / "index.rst", INDEX.format(longest=LONGEST, groups=groups(names), pages=indented(names)))
+
+
+def groups(names: Sequence[str]) -> str:
+    """The examples as cards with their pictures, by subject."""
+    grouped = {name for members in GROUPS.values() for name in members}
+    subjects = {**GROUPS, "More": tuple(name for name in names if name not in grouped)}
+    texts = []
+    for title, members in subjects.items():
+        cards = "\n".join(card(name) for name in members if name in names)
+        if cards:
+            texts.append(GROUP.format(title=title, underline="-" * len(title), cards=cards))
+    return "\n".join(texts)
+
+
+def card(name: str) -> str:
+    """An example as a card."""
+    line = first_line(example(name)).replace("`", "")
+    return CARD.format(title=name.replace("_", " "), name=name, line=line)
 
 
 def make_alone(name: str) -> None:
@@ -87,7 +148,9 @@ def make_and_keep(name: str) -> None:
     page = GALLERY / f"{name}.rst"
     GALLERY.mkdir(exist_ok=True)
     write(page, make_page(name))
-    keep(name, [page, *(GALLERY / f"{name}_{what}.png" for what in PICTURES)])
+    keep(
+        name, [page, *(GALLERY / f"{name}_{what}.png" for what in PICTURES), GALLERY / f"{name}_motion.html"]
+    )
 
 
 def make_page(name: str) -> str:
@@ -101,6 +164,7 @@ def make_page(name: str) -> str:
         result = run(study, files, progress=False)
         for what in PICTURES:
             shutil.copy(files / f"{what}.png", GALLERY / f"{name}_{what}.png")
+        write_page(files, GALLERY / f"{name}_motion.html", largest=PAGE_SIZE)
     title = study.title or name
     return PAGE.format(
         title=title,
