@@ -103,7 +103,9 @@ class Contact(Component):
     initial : {'touch', 'press', 'resolve'}
         'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
         pushes out; in dynamics that adds energy, in the ledger's share of contact; rigid bodies are pushed out in the
-        first step, with the velocity that this takes, beside what impacts leave. 'resolve': nodes of solids are moved
+        first step, with the velocity that this takes, beside what impacts leave; of curved surfaces the overlap is that
+        of the flat facets between nodes, so that pressures scatter where unlike meshes sag by as much as they overlap
+        (refine, or let the meshes match). 'resolve': nodes of solids are moved
         apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet. Whatever it is,
