@@ -59,3 +59,35 @@ def test_components_by_name() -> None:
     assert system.copy()["ball"] is not ball
     with pytest.raises(vv.InputError, match="no component 'bal'; did you mean 'ball'"):
         system["bal"]
+
+
+def test_arguments_set_in_a_system_wait_for_a_reset() -> None:
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")
+    system = vv.System([ball, vv.Force(on=ball, force=(1, 0, 0))])
+    ball.mass = 10.0
+    asked = (
+        lambda: vv.simulate(system, until=1.0, step=0.1),
+        lambda: system.step(0.1),
+        lambda: system.check(),
+        lambda: system.copy(),
+        lambda: next(iter(vv.march(system, until=1.0, step=0.1))),
+    )
+    for ask in asked:
+        with pytest.raises(vv.InputError, match=r"'ball': mass changed since the system was made.*reset"):
+            ask()
+    vv.simulate(system, until=1.0, step=0.1, start="beginning")
+    assert system.x[0] == pytest.approx(1.05)
+
+
+def test_arguments_that_are_set_are_validated() -> None:
+    ball = vv.PointMass(mass=1.0, name="ball")
+    with pytest.raises(vv.InputError, match="mass -3 is not positive"):
+        ball.mass = -3.0
+    assert ball.mass == 1.0
+    ball.mass = 2  # type: ignore[assignment]
+    assert isinstance(ball.mass, float)
+    body = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=2.0)
+    body.density = 4.0
+    assert body.mass_properties().mass == pytest.approx(4.0)
+    with pytest.raises(vv.InputError):
+        body.density = -1.0

@@ -16,6 +16,7 @@ from visviva.analysis.multiples import completed
 from visviva.analysis.shapes import Shapes
 from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError, RunError
+from visviva.component.component import refuse_changed
 from visviva.scheme.schemes import load_step
 from visviva.system.freedom import refuse_free
 from visviva.system.instant import COMPLIANCE, difference
@@ -122,6 +123,7 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     from visviva.system.system import refuse_no_system
 
     refuse_no_system("buckling", system)
+    refuse_changed(system.components)
     whole("buckling", "n", n)
     positive("buckling", "tolerance", tolerance)
     refuse_first_order("buckling", system)

@@ -21,6 +21,7 @@ from visviva.analysis.vibration import found_modes
 from visviva.analysis.whirl import complex_modes, gyroscopic
 from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError
+from visviva.component.component import refuse_changed
 from visviva.system.consistency import accelerations
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import undisturbed
@@ -146,6 +147,7 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     from visviva.system.system import refuse_no_system
 
     refuse_no_system("modes", system)
+    refuse_changed(system.components)
     whole("modes", "n", n)
     positive("modes", "tolerance", tolerance)
     if not len(system.free_unknowns):

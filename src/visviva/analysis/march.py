@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from visviva.analysis.adaptive import Adaptive, adaptive_steps
 from visviva.base.arguments import number, positive, refuse_other, whole
 from visviva.base.errors import InputError
+from visviva.component.component import refuse_changed
 from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import ledger_units
 from visviva.results.recorded import Record, Recorded
@@ -143,6 +144,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     due; so they are with tangents that are symmetric or not.
     """
     refuse_no_system("march", system)
+    refuse_changed(system.components)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)

@@ -73,8 +73,24 @@ def is_told(component: Component, f: Field[Any]) -> bool:
     )
 
 
+MADE, CHANGED = (
+    "_is_made",
+    "_set_since",
+)  # attributes: that the constructor is through; arguments set in a system since
+OF_SYSTEMS = {MADE, CHANGED, "_system"}
+
+
+class Composed(Validated):
+    """Type of components, which know when they are made: from then on arguments that are set are validated."""
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        made = super().__call__(*args, **kwargs)
+        vars(made)[MADE] = True
+        return made
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
-class Component(metaclass=Validated):
+class Component(metaclass=Composed):
     """Base of everything that a system is composed of.
 
     A component takes part in a system in three rounds: `announce` tells what it does to others, `declare` makes its
@@ -113,7 +129,7 @@ class Component(metaclass=Validated):
         """The arguments; of a class of the user's own that is no dataclass all there is, as nothing else is known."""
         if "__dataclass_fields__" in vars(type(self)):
             return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
-        return {name: value for name, value in vars(self).items() if name != "_system"}
+        return {name: value for name, value in vars(self).items() if name not in OF_SYSTEMS}
 
     def forget(self) -> None:
         """Forget the system that it was in, so that it can be put into one again."""
@@ -122,6 +138,20 @@ class Component(metaclass=Validated):
         vars(self).update(given)
         if "__dataclass_fields__" in vars(type(self)) and hasattr(self, "__post_init__"):
             self.__post_init__()
+        vars(self)[MADE] = True
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set an attribute; an argument of the constructor is validated, and in a system it waits for `System.reset`."""
+        arguments = vars(type(self)).get("__dataclass_fields__", {})
+        if MADE not in vars(self) or name not in arguments or not arguments[name].init:
+            super().__setattr__(name, value)
+            return
+        anew = type(self)(**(self._as_made() | {name: value}))
+        if "_system" in vars(self):
+            vars(self)[name] = getattr(anew, name)
+            vars(self).setdefault(CHANGED, []).append(name)
+        else:
+            vars(self).update(vars(anew))
 
     @property
     def label(self) -> str:
@@ -271,11 +301,21 @@ def name_components(components: Sequence[Component]) -> None:
             kind = type(c).__name__.lower()
             while c.name is None or c.name in taken:
                 seen[kind] += 1
-                c.name = f"{kind}-{seen[kind]}"
+                vars(c)["name"] = f"{kind}-{seen[kind]}"
             taken.add(c.name)
     doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
     if doubled:
         raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+
+def refuse_changed(components: Sequence[Component]) -> None:
+    """Refuse arguments that were set since the system of these components was made, as it goes on without them."""
+    for c in components:
+        if names := vars(c).get(CHANGED):
+            raise InputError(
+                f"{c.label}: {' and '.join(dict.fromkeys(names))} changed since the system was made, which knows "
+                "nothing of it; system.reset(), or vv.simulate(..., start='beginning'), begins anew with it"
+            )
 
 
 def refuse_loose(components: Sequence[Component]) -> None:

@@ -128,7 +128,7 @@ class Joint(Component):
         """Ask for a coordinate before the system is built (motors and springs on joints do)."""
         if not getattr(self, f"has_{coordinate}"):
             raise InputError(f"{self.label}: a {type(self).__name__} joint has no {coordinate}")
-        setattr(self, coordinate, True)
+        vars(self)[coordinate] = True
 
     def declare(self, model: Model) -> None:
         self.sides = Side(self._attach(self.a)), Side(self._attach(self.b))

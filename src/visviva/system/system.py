@@ -16,7 +16,15 @@ from visviva.base.errors import InputError, RunError, nearest
 from visviva.base.html import table
 from visviva.base.renamed import Renamed
 from visviva.base.unit_labels import Units
-from visviva.component.component import Component, characteristic_length, name_components, refuse_loose
+from visviva.component.component import (
+    CHANGED,
+    MADE,
+    Component,
+    characteristic_length,
+    name_components,
+    refuse_changed,
+    refuse_loose,
+)
 from visviva.component.connected import lengths_of_parts
 from visviva.component.point import Attachable
 from visviva.model.field import Field
@@ -109,6 +117,8 @@ class System(metaclass=Named):
                     f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
                 )
             c._system = weakref.ref(self)  # type: ignore[attr-defined]
+            for mark in (MADE, CHANGED):  # while it is composed it may complete its arguments
+                vars(c).pop(mark, None)
         for c in self.components:
             c.announce(self.model)
         for c in sorted(
@@ -117,6 +127,8 @@ class System(metaclass=Named):
             c.declare(self.model)
         for c in sorted(self.components, key=lambda c: c.contributes_last):
             c.contribute(self.model)
+        for c in self.components:
+            vars(c)[MADE] = True
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")
         fields = self.model.fields
@@ -181,6 +193,7 @@ class System(metaclass=Named):
         >>> round(system.time), round(twin.time), round(float(twin.x[0]), 9)
         (1, 2, 2.0)
         """
+        refuse_changed(self.components)
         parts = copy.deepcopy(self.components)
         twin = System(parts, self.newton, units=self.units)
         twin.choose_linear(inertia=self.has_inertia, discrete_gradient=self.has_discrete_gradient)
@@ -374,6 +387,7 @@ class System(metaclass=Named):
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
+        refuse_changed(self.components)
         return steps.take(self, h, EnergyMomentum() if scheme is None else scheme)
 
     def attempt(self, step: Any) -> Attempt:
@@ -529,6 +543,7 @@ class System(metaclass=Named):
         """
         from visviva.system.check import check
 
+        refuse_changed(self.components)
         if not self.is_given:
             with undisturbed(self):
                 return check(self, repair=False)
