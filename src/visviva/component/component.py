@@ -141,7 +141,7 @@ class Component(metaclass=Composed):
         vars(self)[MADE] = True
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute; an argument of the constructor is validated, and in a system it waits for `System.reset`."""
+        """Set an attribute; arguments are validated, and in a system they wait for `System.reset`."""
         arguments = vars(type(self)).get("__dataclass_fields__", {})
         if MADE not in vars(self) or name not in arguments or not arguments[name].init:
             super().__setattr__(name, value)

@@ -116,7 +116,7 @@ class System(metaclass=Named):
                 raise InputError(
                     f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
                 )
-            c._system = weakref.ref(self)  # type: ignore[attr-defined]
+            c._system = weakref.ref(self)
             for mark in (MADE, CHANGED):  # while it is composed it may complete its arguments
                 vars(c).pop(mark, None)
         for c in self.components:
