@@ -75,13 +75,16 @@ def test_results_of_mixed_cells_come_type_by_type() -> None:
     [[(0, 1, 2, 3), (6, 4, 5, 7)], [(0, 1, 2, 3), (1, 4, 5, 8)]],
     ids=["nodes on nodes", "node on an edge"],
 )
-def test_edges_that_do_not_meet_are_said(cells: Any) -> None:
-    with pytest.warns(UserWarning, match="edges of its mesh do not meet"):
-        sheet(mesh=vv.Mesh(POINTS, {"quad4": cells}))
+def test_edges_that_do_not_meet_are_refused(cells: Any) -> None:
+    """Unless the shell shall be slit there: then both sides are free of each other."""
+    mesh = vv.Mesh(POINTS, {"quad4": cells})
+    with pytest.raises(vv.InputError, match=r"edges of its mesh do not meet.*slits='open'"):
+        sheet(mesh=mesh)
+    assert sheet(mesh=mesh, slits="open").grid.n_nodes == len(POINTS)
 
 
-def test_edges_that_meet_are_not_said() -> None:
-    """Nor is anything of fine grids and curved ones."""
+def test_edges_that_meet_are_not_refused() -> None:
+    """Nor is anything said of fine grids and curved ones."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sheet(mesh=vv.Mesh(POINTS, {"quad4": [(0, 1, 2, 3), (1, 4, 5, 2)]}))

@@ -172,14 +172,14 @@ def test_roll_up(kind: str, n: int, tolerance: float) -> None:
         assert (-u[0], u[2]) == pytest.approx((back, up), abs=tolerance)
 
 
-@pytest.mark.filterwarnings("ignore:.*edges of its mesh do not meet")
 def test_slit_annular_plate() -> None:
     """Sze, Liu & Lo (2004), 3.3, at a twentieth of the load: 2.455 and 3.370 at the two ends of the lifted edge."""
 
     def to(a: Array, r: Array) -> Array:
         return np.stack([(6 + r) * np.sin(a), (6 + r) * np.cos(a), 0 * a], axis=1)
 
-    shell = vv.Shell(mesh=bent((2 * np.pi, 4.0), (40, 4), to, "quad9"), section=sheet(0.03, 21e6))
+    mesh = bent((2 * np.pi, 4.0), (40, 4), to, "quad9")
+    shell = vv.Shell(mesh=mesh, section=sheet(0.03, 21e6), slits="open")
     load = vv.Traction(solid=shell, faces="x0", traction=(0, 0, 0.04), times="t")
     system = vv.System([shell, vv.Clamped(solid=shell, nodes="x1"), load])
     vv.quasi_static(system, until=1.0, step=0.5)

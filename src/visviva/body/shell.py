@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_points import FacePoints, in_space
-from visviva.body.shell_checks import refuse_thick, say_gaps
+from visviva.body.shell_checks import refuse_slits, refuse_thick
 from visviva.body.shell_membrane import enhanced_strains
 from visviva.body.shell_section import ShellSection
 from visviva.body.shell_surface import ShellSurface, place, shell_surfaces, unit
@@ -58,6 +58,9 @@ class Shell(DirectorBody):
         What is done where cells meet at more than 45 degrees, in sharper folds than about them and in branches: refused
         (folds under 45 degrees are said), or each smooth part has a director of its own there, which keeps its angles
         to the others, or none: a hinge.
+    slits : {'refused', 'open'}
+        Whether edges may lie on each other without common nodes, as they do where meshes were not merged: open ones
+        move apart, unless a `Tie` or a `Contact` minds them.
     membrane : {'compatible', 'enhanced'}
         Of four-node cells: with enhanced strains (Simo & Rifai 1990) they bend in their own plane as they should, where
         compatible ones are too stiff by far. Others do so anyway.
@@ -85,6 +88,7 @@ class Shell(DirectorBody):
     section: ShellSection | tuple[ShellSection, ...]
     first: VectorOrFunction | None = None
     kinks: Literal["refused", "rigid", "hinged"] = "refused"
+    slits: Literal["refused", "open"] = "refused"
     membrane: Literal["compatible", "enhanced"] = "compatible"
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
@@ -99,7 +103,8 @@ class Shell(DirectorBody):
         self._kinked = found[1]
         self.refuse_section_count()
         refuse_thick(self.parts, self.by_type(self.by_cell(lambda s: s.heights)))
-        say_gaps(self.label, self.grid.points, {part.kind: part.cells for part in self.parts})
+        if self.slits == "refused":
+            refuse_slits(self.label, self.grid.points, {part.kind: part.cells for part in self.parts})
         self.volumes = [part.areas for part in self.parts]
 
     # --- sections ------------------------------------------------------------------------------------------

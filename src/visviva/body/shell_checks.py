@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,8 +39,13 @@ def refuse_thick(parts: Sequence[ShellSurface], heights: Sequence[Array]) -> Non
         first += len(part.cells)
 
 
-def say_gaps(label: str, points: Array, cells: dict[str, Ints]) -> None:
-    """Warn of border nodes that lie on other border edges without being part of them."""
+def refuse_slits(label: str, points: Array, cells: dict[str, Ints]) -> None:
+    """Refuse border nodes that lie on other border edges without being part of them.
+
+    Raises
+    ------
+    InputError
+    """
     from scipy.spatial import cKDTree
 
     edges = np.concatenate(
@@ -62,9 +66,8 @@ def say_gaps(label: str, points: Array, cells: dict[str, Ints]) -> None:
     apart = np.linalg.norm(arm - s[:, None] * along[edge], axis=1) < APART * length[edge]
     if np.any(apart):
         k = int(np.argmax(apart))
-        warnings.warn(
+        raise InputError(
             f"{label}: edges of its mesh do not meet: node {node[k]} lies on the edge of nodes "
             f"{edges[edge[k]].tolist()} and is none of them, as {len(np.unique(node[apart]))} nodes do; there the "
-            "shell is slit: merge nodes that are one, or mesh both sides alike",
-            stacklevel=4,
+            "shell would be slit: merge nodes that are one, mesh both sides alike, or give slits='open' where it is"
         )
