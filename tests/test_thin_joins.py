@@ -84,6 +84,27 @@ def test_a_beam_on_the_edge_of_a_shell(coupling: Any) -> None:
     assert beam.displacements(system.x)[-1, 2] == pytest.approx(DEFLECTION, rel=2e-3)
 
 
+@pytest.mark.parametrize("make", [lambda: bar(0.0), lambda: sheet(0, 2)], ids=["solid", "shell"])
+def test_a_beam_that_stands_out_of_a_solid_or_a_shell(make: Any) -> None:
+    """A post on the end of a cantilever leans by P h^3 / 3 E I + P h^2 L / E I, and is lifted by P h L^2 / 2 E I."""
+    foot, height, length = make(), 2.0, 2.0
+    post = vv.Beam(
+        mesh=vv.LineMesh(points=[(length, 0.5, 0), (length, 0.5, height)], count=8),
+        section=STRIP,
+        first=(0, 1, 0),
+    )
+    end = vv.RigidCoupling(solid=foot, faces="x1")
+    joint = vv.Rigid(a=end, b=post, at=(length, 0.5, 0))
+    push = vv.Force(on=post, at=(length, 0.5, height), force=(-PULL, 0, 0))
+    hold = vv.Fixed if isinstance(foot, vv.Solid) else vv.Clamped
+    system = vv.System([foot, post, end, joint, push, hold(solid=foot, nodes="x0")])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    u, bending = post.displacements(system.x), E * T**3 / 12
+    aside = PULL * (height**3 / 3 + height**2 * length) / bending
+    assert u[-1, 0] == pytest.approx(-aside, rel=5e-3)
+    assert u[0, 2] == pytest.approx(PULL * height * length**2 / 2 / bending, rel=5e-3)
+
+
 def test_bad_input_is_refused() -> None:
     beam = vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=2), section=STRIP)
     with pytest.raises(vv.InputError, match=r"is a line; join it by vv\.Rigid"):
