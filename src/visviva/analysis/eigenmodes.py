@@ -110,7 +110,8 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     Raises
     ------
     InputError
-        If the configuration is no equilibrium, or something in it has no undamped modes; the message names it.
+        If the configuration is no equilibrium, something in it has no undamped modes, or the frequency of a mode that
+        bends a body is lost in rounding (beams of a radius below some 4e-6 of their length); the message names it.
 
     Notes
     -----

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from visviva.analysis.factors import factored
 from visviva.analysis.linearized import Linearized, free_directions, massless, symmetric, without_forces
 from visviva.analysis.multiples import completed
+from visviva.analysis.resolution import LOST, Lost, noise, refuse_lost
 from visviva.base.errors import InputError, RunError
 from visviva.system.instant import COMPLIANCE
 from visviva.system.scaling import by_weight, equilibration, typical
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+MOST = 1000
+"""Restarts after which nothing more is to be hoped for."""
 DENSE = 600
 """Up to this many coordinates all modes are computed at once."""
 ROUNDED = 64 * float(np.finfo(float).eps)
@@ -29,19 +32,30 @@ WEIGHTLESS = 1e-13
 
 def found_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
     """The lowest modes; of few coordinates all at once, where the highest do not leave the lowest in round-off."""
-    if len(linear.at.coordinates) > DENSE:
-        return sparse_modes(linear, n)
-    squared, z, is_clear = dense_modes(linear, n)
-    if is_clear or n >= z.shape[0] // 2:
-        return squared, z
+    find = few_modes if len(linear.at.coordinates) <= DENSE else sparse_modes
+    squared, z, doubt = find(linear, n)
+    refuse_lost(linear, squared, z, doubt)
+    return squared, z
+
+
+def few_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
+    """The lowest modes of all, of which inverse iteration finds the very lowest where they are in round-off."""
+    squared, z, doubt = dense_modes(linear, n)
+    lowest = min(n, z.shape[0] // 2 - 1)
+    if lowest < 1 or not np.any(LOST * np.abs(squared[:lowest]) <= doubt[:lowest]):
+        return squared, z, doubt
     try:
-        return sparse_modes(linear, n)
+        low, y, doubts = sparse_modes(linear, lowest)
+    except Lost:
+        raise
     except (InputError, RunError):  # free motions alone, or too few others
-        return squared, z
+        return squared, z, doubt
+    k = len(low)
+    return np.r_[low, squared[k:]], np.c_[y, z[:, k:]], np.r_[doubts, doubt[k:]]
 
 
-def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, bool]:
-    """All modes in a basis of what the constraints leave free, the lowest `n` returned."""
+def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
+    """All modes in a basis of what the constraints leave free, the lowest `n` returned, and rounding of squares."""
 
     import scipy.linalg as sla
     import scipy.sparse as sp
@@ -56,7 +70,7 @@ def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, bool]:
     free = free_directions(rows)
     Z = s[:, None] * free
     if Z.shape[1] == 0:
-        return np.zeros(0), np.zeros((q, 0)), True
+        return np.zeros(0), np.zeros((q, 0)), np.zeros(0)
     M = Z.T @ (at.M @ Z)
     light, direction = np.linalg.eigh(M)
     if light[0] <= WEIGHTLESS:
@@ -64,10 +78,9 @@ def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, bool]:
     squared, y = sla.eigh(free.T @ K @ free, M)
     least = ROUNDED * max(float(np.abs(squared).max()), float(np.abs(K).sum(axis=1).max()))
     z = Z @ y
-    own = rounding(K, free @ y)
-    is_clear = not np.any((np.abs(squared[:n]) <= least) & (own[:n] < 1e-3 * least))
-    squared[np.abs(squared) <= np.maximum(own, least)] = 0.0
-    return squared[:n], z[:, :n], is_clear
+    squared[np.abs(squared) <= np.maximum(rounding(K, free @ y), least)] = 0.0
+    doubt = np.maximum(noise(symmetric(linear.K), z), least / 32)
+    return squared[:n], z[:, :n], doubt[:n]
 
 
 def rounding(K: Any, z: Array) -> Array:
@@ -76,8 +89,8 @@ def rounding(K: Any, z: Array) -> Array:
     return ROUNDED * sums
 
 
-def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
-    """Modes of squares nearest to zero, by inverse iteration with a small shift below zero."""
+def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
+    """Modes of squares nearest to zero, by inverse iteration near to it, and what rounding makes of the squares."""
 
     import scipy.sparse as sp
     import scipy.sparse.linalg as spl
@@ -91,13 +104,69 @@ def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
     n = max(min(n, q - int(held.sum()) - 1), 1)
     largest = typical(abs(K.diagonal()) * at.scale**2) / typical(at.M.diagonal() * at.scale**2)
     B = sp.block_diag([at.M, sp.csr_array((p, p))], format="csr")
+    A, inverse, shift = near(linear, K, B, largest)
+    random = np.random.default_rng(0)
+
+    def nearest(inverse: Any, n: int = 1) -> tuple[Array, Array]:
+        """Of an inverse, from another start each time: the same one has no part in what the first left out."""
+        start = random.standard_normal(q + p)
+        found: tuple[Array, Array] = spl.eigsh(
+            A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM", maxiter=MOST
+        )
+        return found
+
+    try:
+        squared, z = nearest(inverse, n)
+        squared, z = completed(inverse, squared, z, B, lambda squared: np.abs(squared - shift), nearest)
+    except spl.ArpackError as error:
+        raise RunError(
+            f"modes: the lowest {n} were not found beside frequencies up to {np.sqrt(largest):.2g} rad per time; "
+            "make what hardly gives way rigid, what is slender or thin thicker or its cells longer, or ask for fewer"
+        ) from error
+    doubt = np.maximum(noise(K, z[:q]), misfit(A, inverse, B, squared - shift, z))
+    doubt = np.maximum(doubt, -1e-12 * shift)
+    squared[
+        (np.abs(squared) <= np.maximum(rounding(K, z[:q]), doubt)) & (LOST * np.abs(squared) <= doubt)
+    ] = 0.0
+    order = np.argsort(squared)
+    return squared[order], z[:q, order], doubt[order]
+
+
+def misfit(A: sp.csr_array, inverse: Any, B: sp.csr_array, distance: Array, z: Array) -> Array:
+    """How far distances (k,) of modes (n, k) from the shift may be off, by what the inverse leaves of them.
+
+    What modes have of each other does not count: a little of free motions, which are far nearer, looks large.
+    """
+    weighted, found = B @ z, []
+    gram = z.T @ weighted
+    for away, mode, load in zip(distance, z.T, weighted.T, strict=True):
+        y = away * (inverse @ load)
+        lacks = np.stack([y - mode, inverse @ (away * load - A @ y)], axis=1)
+        lacks = lacks - z @ np.linalg.solve(gram, weighted.T @ lacks)
+        found.append(abs(away) * np.sqrt(np.abs((lacks * (B @ lacks)).sum(axis=0))).sum())
+    return np.array(found)
+
+
+def near(
+    linear: Linearized, K: sp.csr_array, B: sp.csr_array, largest: float
+) -> tuple[sp.csr_array, Any, float]:
+    """Equations close to the low modes, where few iterations do, their inverse and the shift.
+
+    That of no shift is the most exact, as in statics; where something is free to move, a small one below zero is taken.
+    """
+    q = len(linear.at.coordinates)
+    start = np.random.default_rng(0).standard_normal(B.shape[0])
+    try:
+        A, inverse = shifted(linear, K, 0.0)
+        z, squared = iterated(inverse, B, start)
+        if LOST * squared > noise(K, z[:q, None])[0]:
+            return A, inverse, 0.0
+    except InputError:  # something is free to move
+        pass
     shift = -1e-6 * largest
-    start = np.random.default_rng(0).standard_normal(q + p)
     A, inverse = shifted(linear, K, shift)
-    for _ in range(4):  # close to the low modes of thin bodies, where few iterations do
-        for _ in range(3):
-            start = inverse @ (B @ start)
-            start /= np.sqrt(start @ (B @ start))
+    for _ in range(4):
+        start, _ = iterated(inverse, B, start)
         low = max(1e-2 * float(start[:q] @ (K @ start[:q])), 1e-10 * largest)
         if low > -0.1 * shift:
             break
@@ -106,22 +175,19 @@ def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
         except InputError:  # so near to rigid motions that they are singular
             break
         shift = -low
+    least = np.array([start[:q] @ (K @ start[:q])])
+    refuse_lost(linear, least, start[:q, None], noise(K, start[:q, None]))
+    return A, inverse, shift
 
-    def nearest(inverse: Any, n: int = 1) -> tuple[Array, Array]:
-        found: tuple[Array, Array] = spl.eigsh(A, k=n, M=B, sigma=shift, OPinv=inverse, v0=start, which="LM")
-        return found
 
-    try:
-        squared, z = nearest(inverse, n)
-        squared, z = completed(inverse, squared, z, B, lambda squared: squared - shift, nearest)
-    except spl.ArpackError as error:
-        raise RunError(
-            f"modes: the lowest {n} were not found beside frequencies up to {np.sqrt(largest):.2g} rad per time; "
-            "make what hardly gives way rigid, or ask for fewer"
-        ) from error
-    squared[np.abs(squared) <= np.maximum(rounding(K, z[:q]), -1e-9 * shift)] = 0.0
-    order = np.argsort(squared)
-    return squared[order], z[:q, order]
+def iterated(inverse: Any, B: sp.csr_array, z: Array) -> tuple[Array, float]:
+    """A vector that inverse iteration has led to the nearest mode, and the distance of that from the shift."""
+    weight = 1.0
+    for _ in range(3):
+        y = inverse @ (B @ z)
+        weight = float(np.sqrt(y @ (B @ y)))
+        z = y / weight
+    return z, 1 / weight
 
 
 def shifted(linear: Linearized, K: sp.csr_array, shift: float) -> tuple[sp.csr_array, Any]:

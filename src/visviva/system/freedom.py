@@ -170,7 +170,7 @@ def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list
     if not motions:
         return []
     kept = [m.moves[:, m.possible] for m in motions]
-    null = _null_space(_resistance(system, np.hstack([*kept, _coordinates(system)]), step))
+    null = null_space(_resistance(system, np.hstack([*kept, _coordinates(system)]), step))
     ends = np.cumsum([part.shape[1] for part in kept])
     found = []
     for m, first, end in zip(motions, [0, *ends], ends, strict=False):
@@ -235,7 +235,7 @@ def _resistance(system: System, motions: Array, step: Any) -> Array:
     return np.vstack([forces, motions[fixed]])
 
 
-def _null_space(A: Array) -> Array:
+def null_space(A: Array) -> Array:
     """Orthonormal combinations (k, p) of the columns of `A` (m, k) that vanish."""
     _, s, vt = np.linalg.svd(np.linalg.qr(A, mode="r"))
     rank = int((s > ROUNDING * np.sqrt(A.shape[1])).sum())

@@ -1,0 +1,75 @@
+"""Modes of slender and thin bodies: right as long as double precision holds their frequencies, else refused by name."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+YOUNG, DENSITY = 210e9, 1000.0
+CANTILEVER = np.array([1.87510407, 1.87510407, 4.69409113, 4.69409113]) ** 2
+FREE = np.array([4.73004074, 4.73004074]) ** 2
+
+
+def wire(slenderness: float, length: float, *, is_held: bool = True, cells: int = 8) -> vv.System:
+    section = vv.TubeSection(radius=slenderness * length, young=YOUNG, poisson=0.3, density=DENSITY)
+    end = tuple(length * np.array([1.0, 2.0, 2.0]) / 3)
+    mesh = vv.LineMesh(points=[(0, 0, 0), end], count=cells, cell="line3")
+    beam = vv.Beam(mesh=mesh, section=section)
+    return vv.System([beam, vv.Clamped(solid=beam, nodes="start")] if is_held else [beam])
+
+
+def bernoulli(slenderness: float, length: float) -> float:
+    return float(np.sqrt(YOUNG / DENSITY) * slenderness / 2 / length)
+
+
+def strip(thickness: float) -> vv.System:
+    section = vv.HomogeneousSection(thickness=thickness, young=1e9, poisson=0.0, density=DENSITY)
+    mesh = vv.RectangleMesh(size=(1, 0.2), counts=(6, 1), cell="quad9")
+    shell = vv.Shell(mesh=mesh, section=section)
+    return vv.System([shell, vv.Clamped(solid=shell, nodes="x0")])
+
+
+@pytest.mark.parametrize("length", [10.0, 1.0, 1e-6])
+@pytest.mark.parametrize("slenderness", [1e-3, 3e-5, 1e-5])
+def test_slender_cantilevers_vibrate_like_bernoullis(slenderness: float, length: float) -> None:
+    found = vv.modes(wire(slenderness, length), 4).angular / bernoulli(slenderness, length)
+    assert found == pytest.approx(CANTILEVER, rel=3e-3)
+
+
+def test_thin_strip_vibrates_like_bernoullis() -> None:
+    found = vv.modes(strip(1e-5), 1).angular / np.sqrt(1e9 * 1e-10 / 12 / DENSITY)
+    assert found == pytest.approx(CANTILEVER[:1], rel=1e-3)
+
+
+def test_free_wire_moves_rigidly_and_bends() -> None:
+    modes = vv.modes(wire(1e-4, 1.0, is_held=False), 8)
+    assert modes.squared[:6].tolist() == [0.0] * 6
+    assert modes.angular[6:] / bernoulli(1e-4, 1.0) == pytest.approx(FREE, rel=1e-3)
+
+
+@pytest.mark.parametrize("length", [10.0, 1e-6])
+@pytest.mark.parametrize("slenderness", [2e-6, 1e-6, 1e-8])
+def test_what_rounding_hides_is_refused(slenderness: float, length: float) -> None:
+    with pytest.raises(vv.InputError, match="Beam 'beam-1' is lost in rounding"):
+        vv.modes(wire(slenderness, length), 4)
+
+
+def test_thin_sheets_and_coarse_meshes_are_refused_too() -> None:
+    with pytest.raises(vv.InputError, match="Shell 'shell-1' is lost in rounding"):
+        vv.modes(strip(1e-7), 2)
+    with pytest.raises(vv.InputError, match="Beam 'beam-1' is lost in rounding"):
+        vv.modes(wire(1e-8, 1.0, cells=1), 3)
+
+
+def test_two_parts_of_one_body_are_free_one_by_one() -> None:
+    cube = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+    points = np.concatenate([cube.points, cube.points + np.array([3.0, 0.0, 0.0])])
+    cells = np.concatenate([cube.cells["hex8"], cube.cells["hex8"] + len(cube.points)])
+    solid = vv.Solid(
+        mesh=vv.Mesh(points, {"hex8": cells}), material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0
+    )
+    squared = vv.modes(vv.System([solid]), 14).squared
+    assert squared[:12].tolist() == [0.0] * 12
+    assert squared[12] > 0.1
