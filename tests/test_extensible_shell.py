@@ -195,3 +195,23 @@ def rounded() -> vv.Mesh:
 
 
 ROUND = rounded()
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 1e-4])
+def test_small_load_steps_of_thin_shells_are_found_to_rounding(thickness: float) -> None:
+    """A ring under pressure widens by p R^2 / (E t), here by 1e-5 of its radius: increments end at rounding."""
+    built = vv.RectangleMesh(size=(1.0, np.pi / 2), counts=(2, 16), cell="quad4").build()
+    y, angle = built.points.T
+    points = np.stack([np.sin(angle), y, np.cos(angle)], axis=1)
+    shell = vv.ExtensibleShell(
+        mesh=vv.Mesh(points, built.cells, face_sets=built.face_sets),
+        section=vv.SolidSection(material=vv.NeoHooke(young=1e9, poisson=0.3), thickness=thickness),
+    )
+    held = [("y0", (1, 0, 0)), ("y1", (0, 0, 1)), ("x0", (0, 1, 0))]
+    planes = [vv.SymmetryPlane(solid=shell, nodes=nodes, normal=normal) for nodes, normal in held]
+    push = vv.Pressure(solid=shell, faces="upper", pressure=f"{1e4 * thickness}*t")
+    system = vv.System([shell, *planes, push])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    moves = shell.displacements(system.x)
+    widening = moves[:, 0] * points[:, 0] + moves[:, 2] * points[:, 2]
+    assert float(np.abs(widening).mean()) == pytest.approx(1e-5, rel=0.03)

@@ -35,6 +35,9 @@ ROUGH = 1e-3
 CONFIRMING = 0.05
 """Part of the residual that the last solution may leave, which is to be smaller than the tolerance."""
 
+KNOWN = 1e-6
+"""Part of a load step that increments which do not shrink may have, if the iteration is to have found it."""
+
 EASY = 6
 """After no more iterations than this a halved load step lengthens again."""
 
@@ -162,6 +165,10 @@ class Equilibrium:
     def is_exact(self, residual: Array, size: float, last: float) -> bool:
         """Whether the increments shrink no more because `residual`, which the present one answers to, is rounding."""
         stagnates = size > 0.5 * last and size <= 1e-13
+        if size >= last and size <= min(self.options.tolerance, KNOWN * self.size(self.dx)):
+            return (
+                True  # of small load steps no more digits are known, as where thin shells are hard to stretch
+            )
         return stagnates or bool(self.system.core.meets_rounding(residual, size, last))
 
     def slope(self, time: float, h: float) -> Array:
