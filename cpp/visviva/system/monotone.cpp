@@ -7,11 +7,14 @@ namespace visviva {
 void Monotone::set(std::vector<int> unknowns) {
     unknowns_ = std::move(unknowns);
     for (int u : unknowns_) rests_[u] = 1;
+    accept();
 }
 
-void Monotone::halt(const std::vector<char>& halted) {
+void Monotone::halt(const std::vector<char>& halted, const double* dx) {
     halts_ = !halted.empty();
     halts_ ? (void)(halted_ = halted) : std::fill(halted_.begin(), halted_.end(), 0);
+    for (int u : unknowns_)
+        if (!halted_[u]) rests_[u] = dx[u] <= 0;
     begin_step();
 }
 
@@ -83,6 +86,7 @@ std::vector<double> Monotone::flags() const {
 void Monotone::set_flags(const std::vector<double>& flags) {
     for (std::size_t k = 0; k < unknowns_.size() && k < flags.size(); ++k)
         rests_[unknowns_[k]] = flags[k] != 0;
+    accept();
 }
 
 }  // namespace visviva

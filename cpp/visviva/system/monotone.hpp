@@ -15,11 +15,17 @@ class Monotone {
     /// Those that only grow; all rest at first.
     void set(std::vector<int> unknowns);
     bool any() const { return !unknowns_.empty(); }
-    /// Halts unknowns [n], or none where empty.
-    void halt(const std::vector<char>& halted);
+    /// Halts unknowns [n], or none where empty; of the others those rest that have not grown yet.
+    void halt(const std::vector<char>& halted, const double* dx);
     bool acts() const { return any() || halts_; }
 
     void begin_step() { changes_ = 0, changed_ = false; }
+    /// A step ends with what rests now, or is given up.
+    void accept() { accepted_ = rests_; }
+    void discard() {
+        if (any() && !accepted_.empty()) rests_ = accepted_;
+        begin_step();
+    }
     /// Those that shrink rest from now on; returns whether an increment was changed.
     bool project(double* dx);
     /// Lets go what a negative force holds, by the residual and the tangent's values.
@@ -40,7 +46,7 @@ class Monotone {
     static constexpr double rounding = 1e-13;  // of increments that count as none
     static constexpr int patience = 10;        // changes, after which one unknown at a time is let go
     std::vector<int> unknowns_;
-    std::vector<char> halted_, rests_;  // [n]
+    std::vector<char> halted_, rests_, accepted_;  // [n]
     bool halts_ = false, changed_ = false;
     int changes_ = 0;
 };

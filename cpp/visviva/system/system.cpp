@@ -105,6 +105,7 @@ bool System::find_neighbours(double theta, double h) {
 }
 
 void System::discard() {
+    monotone_.discard();
     std::fill(dx.begin(), dx.end(), 0.0);
     restore_evaluations(accepted_);
 }
@@ -374,6 +375,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     accepted_ = evaluations();
     mark_state();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
+    monotone_.accept();
     return true;
 }
 
