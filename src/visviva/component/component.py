@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
 from copy import deepcopy
@@ -306,6 +307,25 @@ def name_components(components: Sequence[Component]) -> None:
     doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
     if doubled:
         raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
+
+
+def claim(system: Any, components: Sequence[Component]) -> None:
+    """Make components those of a system, which may then complete their arguments while it is composed.
+
+    Raises
+    ------
+    InputError
+        If one belongs to another system.
+    """
+    for c in components:
+        owner = getattr(c, "_system", lambda: None)()
+        if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference
+            raise InputError(
+                f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
+            )
+        vars(c)["_system"] = weakref.ref(system)
+        for mark in (MADE, CHANGED):
+            vars(c).pop(mark, None)
 
 
 def refuse_changed(components: Sequence[Component]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -17,10 +16,10 @@ from visviva.base.html import table
 from visviva.base.renamed import Renamed
 from visviva.base.unit_labels import Units
 from visviva.component.component import (
-    CHANGED,
     MADE,
     Component,
     characteristic_length,
+    claim,
     name_components,
     refuse_changed,
     refuse_loose,
@@ -108,17 +107,7 @@ class System(metaclass=Named):
         refuse_loose(self.components)
         length = characteristic_length(self.components)
         self.model = Model(self.components, length=length, lengths=lengths_of_parts(self.components, length))
-        for c in self.components:
-            owner = getattr(c, "_system", lambda: None)()
-            if owner is not None and any(
-                c is other for other in owner.components
-            ):  # a copy keeps the reference
-                raise InputError(
-                    f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
-                )
-            c._system = weakref.ref(self)
-            for mark in (MADE, CHANGED):  # while it is composed it may complete its arguments
-                vars(c).pop(mark, None)
+        claim(self, self.components)
         for c in self.components:
             c.announce(self.model)
         for c in sorted(
