@@ -72,7 +72,7 @@ def test_run_crane_leaves_everything(cli: Run, tmp_path: Path, pictures: None) -
     assert "energy balance closes to" in out
     assert "check of crane passed" in out
     files = RunDirectory.open("runs/crane")
-    for file in files.files[:-1]:
+    for file in set(files.files) - {files.movie, files.page}:
         assert file.stat().st_size > 500, file
     summary = files.read_summary()
     assert summary["coordinates"] == 42

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -49,6 +49,7 @@ from visviva.scene.commands import (
     execute,
     introduce,
     looks,
+    named_models,
     refuse_earlier_run,
     say,
     shown,
@@ -405,18 +406,6 @@ def command(tokens: list[str]) -> int:
 
 
 HELP = {"--help", "-h"}
-
-
-def named_models(tokens: list[str]) -> Iterator[str]:
-    """Descriptions of the examples and Python files that stand in a command line."""
-    from visviva.scene.gallery import described, example, example_names
-    from visviva.scene.user_file import load
-
-    for token in tokens[1:]:
-        if token.replace("-", "_") in example_names():
-            yield described(example(token), token)
-        elif token.endswith(".py"):
-            yield described(load(token), token)
 
 
 def one_line(error: Exception) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -184,3 +185,15 @@ def report_check(source: Source, result: Result) -> bool:
 def say(message: str) -> None:
     """A line to standard error."""
     print(f"visviva: {message}", file=sys.stderr)
+
+
+def named_models(tokens: list[str]) -> Iterator[str]:
+    """Descriptions of the examples and Python files that stand in a command line."""
+    from visviva.scene.gallery import described, example, example_names
+    from visviva.scene.user_file import load
+
+    for token in tokens[1:]:
+        if token.replace("-", "_") in example_names():
+            yield described(example(token), token)
+        elif token.endswith(".py"):
+            yield described(load(token), token)

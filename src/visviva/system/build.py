@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
+from visviva.base.errors import InputError
 from visviva.model.stencil import inertia_terms, strain_terms
 
 if TYPE_CHECKING:
@@ -125,3 +126,12 @@ def nodes(model: Model) -> Ints:
     """First unknown of the node of each unknown."""
     starts = [f.start + np.arange(f.size) // f.node * f.node for f in model.fields]
     return np.concatenate(starts).astype(np.int32)
+
+
+def check_finite(system: System) -> None:
+    """Refuse initial values that are no numbers."""
+    if np.isfinite(system.x).all() and np.isfinite(system.v).all():
+        return
+    for f in system.model.fields:
+        if not (np.isfinite(f.values).all() and np.isfinite(f.rates).all()):
+            raise InputError(f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}")

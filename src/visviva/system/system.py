@@ -32,7 +32,7 @@ from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 from visviva.system import steps
-from visviva.system.build import build_core
+from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
 from visviva.system.problem import hand_solvers
@@ -127,7 +127,7 @@ class System(metaclass=Named):
         self.choose_linear()
         self.core.x[:] = np.concatenate([f.values for f in fields])
         self.core.v[:] = np.concatenate([f.rates for f in fields])
-        self._check_finite()
+        check_finite(self)
 
     def __getitem__(self, name: str) -> Any:
         """A component by its name.
@@ -254,15 +254,6 @@ class System(metaclass=Named):
         """
         self.has_inertia, self.has_discrete_gradient = inertia, discrete_gradient
         self.linear_explanation = hand_solvers(self)
-
-    def _check_finite(self) -> None:
-        if np.isfinite(self.x).all() and np.isfinite(self.v).all():
-            return
-        for f in self.model.fields:
-            if not (np.isfinite(f.values).all() and np.isfinite(f.rates).all()):
-                raise InputError(
-                    f"{f.component.label}: its initial {f.name} is not finite: {f.values.tolist()}"
-                )
 
     @property
     def clock(self) -> Clock:
