@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import visviva as vv
-from visviva.examples import flying_l, thermal_pendulum
+from visviva.examples import damped_block, flying_l, rubber_heat, thermal_pendulum
 
 
 @pytest.mark.parametrize(
@@ -16,6 +16,8 @@ from visviva.examples import flying_l, thermal_pendulum
         (thermal_pendulum, {"until": 1.0, "step": 0.02}),
         (flying_l, {"cells": 1, "until": 3.0, "step": 0.1}),
         (flying_l, {"cells": 1, "until": 3.0, "step": 0.1, "viscous": True}),
+        (rubber_heat, {"counts": (8, 1, 1)}),
+        (damped_block, {"counts": (2, 2, 2), "until": 0.8}),
     ],
     ids=lambda x: getattr(x, "__name__", "")[17:],
 )

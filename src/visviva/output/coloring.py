@@ -36,6 +36,19 @@ class Coloring:
         reach = 1e-6 * (self.high - self.low)
         return values[(values >= self.low - reach) & (values <= self.high + reach)]
 
+    @property
+    def form(self) -> str:
+        """How ticks are printed: three digits, or as many as tell them apart.
+
+        Examples
+        --------
+        >>> Coloring("temperature", 270, 320).form, Coloring("temperature", 293.15, 293.16).form
+        ('%.3g', '%.6g')
+        """
+        ticks, near = self.ticks, 0.01 * (self.high - self.low)
+        exact = (n for n in range(3, 15) if all(abs(float(f"{v:.{n}g}") - v) <= near for v in ticks))
+        return f"%.{next(exact, 15)}g"
+
     @classmethod
     def of(
         cls,

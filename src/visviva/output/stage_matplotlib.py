@@ -103,7 +103,7 @@ class MatplotlibStage:
         mapping = ScalarMappable(Normalize(coloring.low, coloring.high), coloring.colors)
         size = self.scene.size[1] / 60
         place = self._figure.add_axes((0.9, 0.2, 0.02, 0.6))
-        bar = self._figure.colorbar(mapping, cax=place, format="%.3g", ticks=coloring.ticks)
+        bar = self._figure.colorbar(mapping, cax=place, format=coloring.form, ticks=coloring.ticks)
         bar.ax.tick_params(labelsize=size, colors=INK)
         bar.ax.set_title("\n".join(textwrap.wrap(coloring.title, 16)), size=size, color=INK, pad=12)
         return mapping

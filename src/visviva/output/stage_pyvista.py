@@ -144,7 +144,7 @@ class PyVistaStage:
             " ",
             mapper=mapper,
             n_labels=max(len(coloring.ticks), 2),
-            fmt="%.3g",
+            fmt=coloring.form,
             vertical=True,
             **place,
             **look,
