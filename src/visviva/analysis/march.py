@@ -18,7 +18,7 @@ from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import ledger_units
 from visviva.results.recorded import Record, Recorded
 from visviva.results.result import Kept, Result, spilled
-from visviva.scheme.schemes import EnergyMomentum, Scheme
+from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
 from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
@@ -99,6 +99,7 @@ def march(
 def know(system: System, step: float) -> None:
     """Tell a clock that has not run yet the length of the first step, as a measure of time for looks before it."""
     refuse_no_system("march", system)
+    refuse_extreme(step)
     if system.clock.step == 0.0:
         system.clock.use(step)
 
@@ -106,6 +107,7 @@ def know(system: System, step: float) -> None:
 def checked_times(until: Any, step: Any) -> tuple[float, float]:
     """End time and length of steps as numbers that fit a run; those of numpy may have few digits to count with."""
     step, until = positive("march", "step", step), number("march", "until", until)
+    refuse_extreme(step)
     if MOST * step < abs(until) < math.inf:
         raise InputError(
             f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"

@@ -64,6 +64,10 @@ def equilibrium(
     Velocities are set to zero. Starting from its present configuration the system goes downhill in energy
     until it rests; a system that starts in an unstable equilibrium stays there, which is refused unless it is meant.
 
+    No time passes while it goes downhill, so that what creeps or relaxes, such as the branches of a
+    `ViscoelasticSolid`, answers as it does at once: that is the rest just after loading and not that of long times,
+    which a run in time or `quasi_static` over many relaxation times gives, and so does a `Solid` without branches.
+
     Parameters
     ----------
     system : System

@@ -103,6 +103,8 @@ class TimeFunction:
     """
 
     def __init__(self, source: Any) -> None:
+        if isinstance(source, bool):
+            raise InputError(f"{source} is no number, expression or table of time")
         self.source: Source = source.source if isinstance(source, TimeFunction) else _plain(source)
         if callable(self.source):
             self._value: Callable[[float], float] = self._called

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import place
+from visviva.base.arguments import number, place
 from visviva.base.errors import InputError
 from visviva.body.beam_line import BeamLine, Place, beam_line, parted_at_kinks
 from visviva.body.beam_shapes import with_shapes_of_beams
@@ -320,7 +320,7 @@ class Beam(DirectorBody):
     # --- attachment ----------------------------------------------------------------------------------------
     def at(self, s: float) -> Array:
         """The reference position (3,) at an arc length from the start of its line."""
-        return self.line.at_length(float(s), self.label)
+        return self.line.at_length(number(self.label, "arc length", s), self.label)
 
     def frame(self, X: Any = 0.0, axes: Any = None) -> Frame:
         """A frame at the reference position or arc length `X`, by default along the directors there.

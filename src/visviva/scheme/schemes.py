@@ -27,6 +27,8 @@ Table = Sequence[Row]
 """Five rows of four coefficients: of dx, v, a, w."""
 
 NONE = (0.0, 0.0, 0.0, 0.0)
+SHORTEST = 1e-100
+"""Lengths of steps, so that masses over their squares are numbers; the longest is its inverse."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +95,22 @@ class Scheme(metaclass=Validated):
 
     def step(self, t0: float, h: float) -> _core.Step:
         """The numbers of the step from `t0` to ``t0 + h``."""
+        refuse_extreme(h)
         theta_g = self.theta if self.theta_g is None else self.theta_g
         te = t0 + self.theta * h
         motion = np.array(self.motion(h), dtype=float)
         transport = np.array(self.transport(h), dtype=float)
         return _core.Step(
             t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport, self.projects_velocity
+        )
+
+
+def refuse_extreme(h: float) -> None:
+    """Refuse a length of a step whose square double precision does not hold; none at all is for the present moment."""
+    if h != 0 and not SHORTEST <= abs(h) <= 1 / SHORTEST:
+        raise InputError(
+            f"step = {h:g} is not a length from {SHORTEST:g} to {1 / SHORTEST:g}: squares of others do not fit into "
+            "numbers; take another one, or another unit of time"
         )
 
 

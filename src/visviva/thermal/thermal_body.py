@@ -103,6 +103,8 @@ class ThermalBody(Meshed, HeatCarrier):
                 f"{self.label}: its mesh has cells {', '.join(self.grid.cells)}; it needs cells of volume, or plane "
                 "cells with points (n, 2)"
             )
+        if self.grid.dimension == 3 and self.thickness != 1.0:
+            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
         if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
             raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
         self._tensor = conductivities(self.label, self.conductivity)
