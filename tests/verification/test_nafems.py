@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -265,3 +265,49 @@ def test_thick_plate_by_elasticity() -> None:
     assert errors[1] < 0.003
     assert errors[0] / errors[1] > 8
     assert expected[0] / mindlin(1, 1) == pytest.approx(1.0017, abs=1e-4)
+
+
+def ring(counts: tuple[int, int], inner: Any, outer: Any, grading: float) -> vv.Mesh:
+    """A quarter between two curves of s from 0 to 2, finer at the inner one; its sides are x0, x1, y0, y1."""
+    unit = vv.RectangleMesh(size=(1, 1), counts=counts, cell="quad8").build()
+    u, s = np.expm1(grading * unit.points[:, :1]) / np.expm1(grading), 2 * unit.points[:, 1]
+    places = (1 - u) * np.column_stack(inner(s)) + u * np.column_stack(outer(s))
+    places[np.abs(places) < 1e-12] = 0.0
+    return vv.Mesh(places, unit.cells, face_sets=unit.face_sets)
+
+
+def square(half: float, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return half * np.minimum(1, 2 - s), half * np.minimum(1, s)
+
+
+def circle(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.cos(s * np.pi / 4), np.sin(s * np.pi / 4)
+
+
+def hot_spot(half: float, n: int = 4) -> float:
+    """Stress beside a spot of radius 1 in the middle of a square plate that would expand by 1e-3 if it was free."""
+    core = vv.RectangleMesh(size=(0.5, 0.5), counts=(n, n), cell="quad8").build()
+    spot = vv.Mesh(core.points, core.cells).merged(
+        ring((n, 2 * n), lambda s: square(0.5, s), circle, 0.1), weld=1e-6
+    )
+    spot = spot.with_faces("rim", lambda X: np.hypot(X[:, 0], X[:, 1]) > 1 - 1e-6)
+    plate = ring((4 * n, 2 * n), circle, lambda s: square(half, s), 1.5 * np.log(half))
+    steel = vv.LinearElastic(young=100e3, poisson=0.3)
+    hot = vv.Solid(mesh=spot, material=steel, plane="stress", thickness=1.0, thermal_strain=1e-3)
+    cold = vv.Solid(mesh=plate, material=steel, plane="stress", thickness=1.0)
+    supports = [
+        vv.SymmetryPlane(
+            solid=solid, nodes=np.flatnonzero(solid.mesh.points[:, k] < 1e-9), normal=np.eye(3)[k]
+        )
+        for solid in (hot, cold)
+        for k in range(2)
+    ]
+    tie = vv.Tie(first=cold, first_faces="x0", second=hot, second_faces="rim")
+    system = static([hot, cold, tie, *supports])
+    return float(vv.FieldAt(solid=cold, field="cauchy", at=(1.0, 0.0, 0.0))(system)[1])
+
+
+def test_t1_membrane_with_a_hot_spot() -> None:
+    """T1: a hot spot in a square plate ten times as wide: 50 MPa beside it; E strain / 2 in one that is wider still."""
+    assert hot_spot(10.0) == pytest.approx(50.0, rel=0.01)
+    assert hot_spot(100.0, n=8) == pytest.approx(50.0, rel=0.001)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import visviva as vv
 
@@ -94,6 +95,41 @@ def test_gough_joule(stretch: float, rise: float, stress: float) -> None:
     assert cube.temperatures(system.x) - 293.15 == pytest.approx(rise, rel=2e-3)
     held = cube.fields(system.x).first_piola[0, 0, 0, 0]
     assert held == pytest.approx(stress, rel=1e-3)
+
+
+@pytest.mark.parametrize("isochoric", [False, True])
+def test_rubber_that_expands_cools_before_it_warms(isochoric: bool) -> None:
+    """Cooling turns into warming where ``3 K a ln J - W / T0`` does, of a rubber that is all but incompressible.
+
+    Tension gives ``K ln J``: ``mu (1 - 1 / l)``, so that ``l^3 = 1 + 3 a T0``, and ``mu (l^2 - 1 / l) / 3`` where the
+    energy of shape is apart, so that ``a T0 (2 l + 1 / l^2) = l - 1 / l^2``.
+    """
+    a, room, temperatures = 2.2e-4, 293.15, []
+    rubber = vv.NeoHooke(shear=0.4e6, bulk=0.4e9, isochoric=isochoric)
+    heat = vv.Heat(conductivity=1e-9, capacity=1.8e6, reference=room, expansion=a, moduli_slope=1 / room)
+    cube = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=rubber, heat=heat
+    )
+    sides = [vv.SymmetryPlane(solid=cube, nodes=f"{'xyz'[k]}0", normal=np.eye(3)[k]) for k in range(3)]
+    end = vv.Prescribed(solid=cube, nodes="x1", motion=("0.15*t", None, None))
+    vv.simulate(
+        vv.System([cube, *sides, end]),
+        until=1.0,
+        step=0.05,
+        scheme=vv.BackwardEuler(),
+        observe=lambda s: temperatures.append(cube.temperatures(s.x).mean() - room),
+    )
+    least = int(np.argmin(temperatures))
+    near = np.arange(least - 2, least + 3)
+    fit = np.polynomial.Polynomial.fit(1 + 0.0075 * (near + 1), np.array(temperatures)[near], 3)
+    turn = min(fit.deriv().roots(), key=lambda l: abs(l - 1.065)).real
+    exact = (
+        brentq(lambda l: a * room * (2 * l + l**-2) - (l - l**-2), 1.01, 1.3)
+        if isochoric
+        else np.cbrt(1 + 3 * a * room)
+    )
+    assert turn == pytest.approx(exact, abs=2e-4)
+    assert temperatures[0] < 0 < temperatures[-1]
 
 
 def test_kelvin_cooling() -> None:
@@ -200,6 +236,55 @@ def test_bad_input(change: dict[str, Any], message: str) -> None:
         vv.ThermoelasticSolid(**{**given, **change})
     with pytest.raises(vv.InputError, match="capacity"):
         vv.Heat(conductivity=1.0, capacity=-1.0)
+
+
+TABLE = "temperatures .* of its table of capacity do not increase"
+ROOM = {"conductivity": 1.0, "reference": 20.0}
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: vv.Heat(conductivity=1.0, capacity=[(20.0, 1.0), (10.0, 2.0)]), TABLE),
+        (lambda: vv.Heat(conductivity=1.0, capacity=[(20.0, 1.0), (20.0, 2.0)]), TABLE),
+        (
+            lambda: vv.Heat(conductivity=1.0, capacity=[(20.0, 1.0), (30.0, 0.0)]),
+            "has 0, which is not positive",
+        ),
+        (
+            lambda: warm(vv.Heat(**ROOM, capacity=1.0, capacity_slope=-0.5)),
+            "capacity_slope = -0.5 leaves nothing",
+        ),
+        (
+            lambda: warm(vv.Heat(**ROOM, capacity=1.0, moduli_slope=-0.5)),
+            "moduli_slope = -0.5 leaves nothing",
+        ),
+        (
+            lambda: warm(vv.Heat(**ROOM, capacity=1.0, conductivity_slope=-0.5)),
+            "conductivity_slope = -0.5 leaves nothing",
+        ),
+        (
+            lambda: own(lambda C, T: C[0] + C[1] + C[2] + 0.2 * T * T),
+            "-T d2psi/dT2 of its function is -8 at rest",
+        ),
+        (lambda: own(lambda C, T: (C[0] + C[1] + C[2]) * T), "of its function is -0 at rest"),
+    ],
+)
+def test_heat_without_positive_capacity_moduli_or_conductivity_is_refused(make: Any, message: str) -> None:
+    with pytest.raises(vv.InputError, match=message):
+        make()
+
+
+def warm(heat: vv.Heat) -> vv.ThermoelasticSolid:
+    """A cube ten degrees above the reference of its heat."""
+    cube = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    return vv.ThermoelasticSolid(mesh=cube, material=RUBBER, heat=heat, temperature=30.0)
+
+
+def own(function: Any) -> vv.ThermoelasticSolid:
+    cube = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    heat = vv.UserHeat(function=function, conductivity=0.5, reference=20.0)
+    return vv.ThermoelasticSolid(mesh=cube, density=1.0, heat=heat)
 
 
 def test_contact_and_ties_say_that_they_are_insulated() -> None:
