@@ -22,4 +22,4 @@ lint:
 	check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
 	clang-format --dry-run --Werror $$(git ls-files 'cpp/*.cpp' 'cpp/*.hpp')
 docs:  ## of the package that is installed, or of what `make core` has built in place
-	PYTHONPATH=$(if $(wildcard src/visviva/_core.*.so),src) sphinx-build -W -b html docs $(HTML)
+	PYTHONPATH=$(if $(wildcard src/visviva/_core.*.so),$(CURDIR)/src) sphinx-build -W -b html docs $(HTML)
