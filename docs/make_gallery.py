@@ -43,7 +43,7 @@ GROUPS = {
     "Flow and what swims in it": (
         "cylinder", "cavity", "convection", "valve", "valve_3d", "leaf_valve", "hinged_valve",
     ),
-    "Cracks": ("notch", "surfing", "branching", "thermal_crack"),
+    "Cracks": ("notch", "surfing", "thermal_crack"),
 }  # fmt: skip
 """Examples by subject; those in none stand under "More"."""
 

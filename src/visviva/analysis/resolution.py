@@ -38,6 +38,8 @@ def refuse_lost(linear: Linearized, squared: Array, z: Array, doubt: Array) -> N
     ------
     Lost
     """
+    if linear.at.system.is_given:  # where load steps have led to zero is the answer at a bifurcation
+        return
     lost = np.flatnonzero(LOST * np.abs(squared) <= doubt)
     for k, body in zip(lost, bent(linear, z[:, lost]), strict=True):
         if body is not None:

@@ -56,7 +56,7 @@ class ThermoviscoelasticSolid(ThermoelasticSolid):
     ...     branches=branches,
     ... )
     >>> vv.System([block]).n_coordinates
-    40
+    32
     """
 
     branches: Sequence[MaxwellBranch]
