@@ -38,7 +38,7 @@ def refuse_lost(linear: Linearized, squared: Array, z: Array, doubt: Array) -> N
     ------
     Lost
     """
-    if linear.at.system.is_given:  # where load steps have led to zero is the answer at a bifurcation
+    if linear.at.system.time > 0:  # where load steps have led to zero is the answer at a bifurcation
         return
     lost = np.flatnonzero(LOST * np.abs(squared) <= doubt)
     for k, body in zip(lost, bent(linear, z[:, lost]), strict=True):
