@@ -79,6 +79,17 @@ def test_arguments_set_in_a_system_wait_for_a_reset() -> None:
     assert system.x[0] == pytest.approx(1.05)
 
 
+def test_arguments_of_plain_subclasses_wait_too() -> None:
+    class Heavy(vv.PointMass):
+        pass
+
+    ball = Heavy(mass=1.0)
+    system = vv.System([ball])
+    ball.velocity = np.array([5.0, 0.0, 0.0])
+    with pytest.raises(vv.InputError, match="velocity changed since the system was made"):
+        vv.simulate(system, until=1.0, step=0.1)
+
+
 def test_arguments_that_are_set_are_validated() -> None:
     ball = vv.PointMass(mass=1.0, name="ball")
     with pytest.raises(vv.InputError, match="mass -3 is not positive"):

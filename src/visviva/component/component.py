@@ -143,9 +143,16 @@ class Component(metaclass=Composed):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set an attribute; arguments are validated, and in a system they wait for `System.reset`."""
-        arguments = vars(type(self)).get("__dataclass_fields__", {})
+        arguments = getattr(type(self), "__dataclass_fields__", {})
         if MADE not in vars(self) or name not in arguments or not arguments[name].init:
             super().__setattr__(name, value)
+            return
+        if "__dataclass_fields__" not in vars(
+            type(self)
+        ):  # a class of the user's own, made in a way of its own
+            super().__setattr__(name, value)
+            if "_system" in vars(self):
+                vars(self).setdefault(CHANGED, []).append(name)
             return
         anew = type(self)(**(self._as_made() | {name: value}))
         if "_system" in vars(self):
