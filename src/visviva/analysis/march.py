@@ -107,11 +107,11 @@ def know(system: System, step: float) -> None:
 def checked_times(until: Any, step: Any) -> tuple[float, float]:
     """End time and length of steps as numbers that fit a run; those of numpy may have few digits to count with."""
     step, until = positive("march", "step", step), number("march", "until", until)
-    refuse_extreme(step)
     if MOST * step < abs(until) < math.inf:
         raise InputError(
             f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"
         )
+    refuse_extreme(step)
     return until, step
 
 
