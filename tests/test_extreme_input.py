@@ -13,7 +13,7 @@ import visviva as vv
 @pytest.mark.parametrize("step", [1e-300, 1e-160, 1e200, 1e308])
 def test_lengths_of_steps_whose_squares_are_no_numbers(step: float) -> None:
     system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))])
-    with pytest.raises(vv.InputError, match=r"step = .* is not a length from"):
+    with pytest.raises(vv.InputError, match=r"step = .* is (not a length from|too small)"):
         vv.simulate(system, until=2 * step if step < 1 else 1.7e308, step=step)
 
 
