@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,9 +144,5 @@ class Alternation(Equilibrium):
         return report
 
     def accept(self, time: float) -> None:
-        self._confirm(time)
+        self.linearise(time)  # factors of all unknowns together, by which stability is judged
         super().accept(time)
-
-    def _confirm(self, time: float) -> Any:
-        """Factors of all unknowns together, by which stability is judged."""
-        return self.linearise(time)

@@ -123,7 +123,7 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     from visviva.system.system import refuse_no_system
 
     refuse_no_system("buckling", system)
-    refuse_changed(system.components)
+    refuse_changed(system)
     whole("buckling", "n", n)
     positive("buckling", "tolerance", tolerance)
     refuse_first_order("buckling", system)

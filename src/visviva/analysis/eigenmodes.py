@@ -148,7 +148,7 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     from visviva.system.system import refuse_no_system
 
     refuse_no_system("modes", system)
-    refuse_changed(system.components)
+    refuse_changed(system)
     whole("modes", "n", n)
     positive("modes", "tolerance", tolerance)
     if not len(system.free_unknowns):

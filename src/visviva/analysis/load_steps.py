@@ -166,9 +166,7 @@ class Equilibrium:
         """Whether the increments shrink no more because `residual`, which the present one answers to, is rounding."""
         stagnates = size > 0.5 * last and size <= 1e-13
         if size >= last and size <= min(self.options.tolerance, KNOWN * self.size(self.dx)):
-            return (
-                True  # of small load steps no more digits are known, as where thin shells are hard to stretch
-            )
+            return True  # no more digits of small load steps are known, as where thin shells hardly stretch
         return stagnates or bool(self.system.core.meets_rounding(residual, size, last))
 
     def slope(self, time: float, h: float) -> Array:

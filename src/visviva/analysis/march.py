@@ -146,7 +146,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     due; so they are with tangents that are symmetric or not.
     """
     refuse_no_system("march", system)
-    refuse_changed(system.components)
+    refuse_changed(system)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)

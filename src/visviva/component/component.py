@@ -74,11 +74,8 @@ def is_told(component: Component, f: Field[Any]) -> bool:
     )
 
 
-MADE, CHANGED = (
-    "_is_made",
-    "_set_since",
-)  # attributes: that the constructor is through; arguments set in a system since
-OF_SYSTEMS = {MADE, CHANGED, "_system"}
+MADE = "_is_made"
+"""Attribute of components whose constructor is through."""
 
 
 class Composed(Validated):
@@ -130,7 +127,7 @@ class Component(metaclass=Composed):
         """The arguments; of a class of the user's own that is no dataclass all there is, as nothing else is known."""
         if "__dataclass_fields__" in vars(type(self)):
             return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
-        return {name: value for name, value in vars(self).items() if name not in OF_SYSTEMS}
+        return {name: value for name, value in vars(self).items() if name not in (MADE, "_system")}
 
     def forget(self) -> None:
         """Forget the system that it was in, so that it can be put into one again."""
@@ -147,19 +144,15 @@ class Component(metaclass=Composed):
         if MADE not in vars(self) or name not in arguments or not arguments[name].init:
             super().__setattr__(name, value)
             return
-        if "__dataclass_fields__" not in vars(
-            type(self)
-        ):  # a class of the user's own, made in a way of its own
+        system = system_of(self)
+        if "__dataclass_fields__" not in vars(type(self)):  # of the user's own, made in a way of its own
             super().__setattr__(name, value)
-            if "_system" in vars(self):
-                vars(self).setdefault(CHANGED, []).append(name)
-            return
-        anew = type(self)(**(self._as_made() | {name: value}))
-        if "_system" in vars(self):
-            vars(self)[name] = getattr(anew, name)
-            vars(self).setdefault(CHANGED, []).append(name)
+        elif system is None:
+            vars(self).update(vars(type(self)(**(self._as_made() | {name: value}))))
         else:
-            vars(self).update(vars(anew))
+            vars(self)[name] = getattr(type(self)(**(self._as_made() | {name: value})), name)
+        if system is not None:
+            system.changed.setdefault(self.label, []).append(name)
 
     @property
     def label(self) -> str:
@@ -316,6 +309,11 @@ def name_components(components: Sequence[Component]) -> None:
         raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
 
 
+def system_of(component: Component) -> Any:
+    """The system that a component is in, None if there is none or it is gone."""
+    return vars(component).get("_system", lambda: None)()
+
+
 def claim(system: Any, components: Sequence[Component]) -> None:
     """Make components those of a system, which may then complete their arguments while it is composed.
 
@@ -325,24 +323,22 @@ def claim(system: Any, components: Sequence[Component]) -> None:
         If one belongs to another system.
     """
     for c in components:
-        owner = getattr(c, "_system", lambda: None)()
+        owner = system_of(c)
         if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference
             raise InputError(
                 f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
             )
         vars(c)["_system"] = weakref.ref(system)
-        for mark in (MADE, CHANGED):
-            vars(c).pop(mark, None)
+        vars(c).pop(MADE, None)
 
 
-def refuse_changed(components: Sequence[Component]) -> None:
-    """Refuse arguments that were set since the system of these components was made, as it goes on without them."""
-    for c in components:
-        if names := vars(c).get(CHANGED):
-            raise InputError(
-                f"{c.label}: {' and '.join(dict.fromkeys(names))} changed since the system was made, which knows "
-                "nothing of it; system.reset(), or vv.simulate(..., start='beginning'), begins anew with it"
-            )
+def refuse_changed(system: Any) -> None:
+    """Refuse arguments of components that were set since their system was made, as it goes on without them."""
+    for label, names in system.changed.items():
+        raise InputError(
+            f"{label}: {' and '.join(dict.fromkeys(names))} changed since the system was made, which knows "
+            "nothing of it; system.reset(), or vv.simulate(..., start='beginning'), begins anew with it"
+        )
 
 
 def refuse_loose(components: Sequence[Component]) -> None:

@@ -14,7 +14,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.component.announcements import Wetting
-from visviva.component.component import settings
+from visviva.component.component import settings, system_of
 from visviva.flow.fluid import Fluid
 from visviva.flow.leaving import gone_through
 from visviva.flow.location import Place
@@ -272,7 +272,7 @@ class Carried(Wetting):
 
     @property
     def _time(self) -> float | None:
-        system = getattr(self, "_system", lambda: None)()
+        system = system_of(self)
         return None if system is None else float(system.time)
 
     def _forces(self, force: Field, x: Array) -> Array:

@@ -99,6 +99,7 @@ class System(metaclass=Named):
     def _compose(self) -> None:
         """Number the unknowns of the components, and hand them to the core."""
         self.stepper = Stepper()
+        self.changed: dict[str, list[str]] = {}  # arguments of components that were set since
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
         self.report: CheckReport | None = None  # of the check before the first step
@@ -182,7 +183,7 @@ class System(metaclass=Named):
         >>> round(system.time), round(twin.time), round(float(twin.x[0]), 9)
         (1, 2, 2.0)
         """
-        refuse_changed(self.components)
+        refuse_changed(self)
         parts = copy.deepcopy(self.components)
         twin = System(parts, self.newton, units=self.units)
         twin.choose_linear(inertia=self.has_inertia, discrete_gradient=self.has_discrete_gradient)
@@ -367,7 +368,7 @@ class System(metaclass=Named):
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
-        refuse_changed(self.components)
+        refuse_changed(self)
         return steps.take(self, h, EnergyMomentum() if scheme is None else scheme)
 
     def attempt(self, step: Any) -> Attempt:
@@ -523,7 +524,7 @@ class System(metaclass=Named):
         """
         from visviva.system.check import check
 
-        refuse_changed(self.components)
+        refuse_changed(self)
         if not self.is_given:
             with undisturbed(self):
                 return check(self, repair=False)
