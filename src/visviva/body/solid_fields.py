@@ -212,6 +212,25 @@ def of_points(values: Array, small: bool) -> Fields:
     return Fields(F, values[..., 9:15][..., FULL], values[..., 15], small)
 
 
+def of_each(parts: Iterable[Elements], x: Array) -> Iterator[Evaluated]:
+    """Fields of elements whose terms give them at points, in rows as `of_points` takes them."""
+    for part in parts:
+        numbers = slice(part.first, part.first + len(part.nodes))
+        fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
+        yield part.cell, part.nodes, numbers, part.volume, fields
+
+
+def summed(grid: Mesh, forces: Iterable[tuple[Ints, Array]], cells: NDArray[np.bool_] | None) -> Array:
+    """Forces (n, 3) on nodes, against the residuals (m, k, d) of elements of nodes (m, k); of some `cells`, or all."""
+    total, first = np.zeros((grid.n_nodes, 3)), 0
+    for nodes, force in forces:
+        if cells is not None:
+            force *= cells[first : first + len(force), None, None]
+        np.subtract.at(total, nodes, np.pad(force, ((0, 0), (0, 0), (0, 3 - force.shape[2]))))
+        first += len(force)
+    return total
+
+
 def smoothed(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> dict[str, Array]:
     """Quantities at the nodes, (n_nodes,) or (n_nodes, components) each.
 

@@ -14,7 +14,7 @@ from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_points
+from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction
@@ -293,21 +293,11 @@ class FracturingSolid(Solid):
         return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=looks.volume)
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        total, first = np.zeros((self.grid.n_nodes, 3)), 0
-        for part in self._evaluations:
-            force = part.forces(x)
-            if cells is not None:
-                force *= cells[first : first + len(force), None, None]
-            np.subtract.at(total, part.nodes, np.pad(force, ((0, 0), (0, 0), (0, 3 - force.shape[2]))))
-            first += len(force)
-        return total
+        return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
-        for part in self._elements:
-            numbers = slice(part.first, part.first + len(part.nodes))
-            fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
-            yield part.cell, part.nodes, numbers, part.volume, fields
+        return of_each(self._elements, x)
 
     def damages(self, x: Array) -> Array:
         """Damages (n,) of the nodes at the unknowns `x` of the system: 0 sound, 1 cracked."""

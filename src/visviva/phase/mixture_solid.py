@@ -15,7 +15,7 @@ from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_points
+from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
@@ -219,21 +219,11 @@ class MixtureSolid(Solid):
         return m * W, m[:, None] * share * S
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        total, first = np.zeros((self.grid.n_nodes, 3)), 0
-        for part in self._stressed:
-            force = part.forces(x)
-            if cells is not None:
-                force *= cells[first : first + len(force), None, None]
-            np.subtract.at(total, part.nodes, np.pad(force, ((0, 0), (0, 0), (0, 3 - force.shape[2]))))
-            first += len(force)
-        return total
+        return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._stressed), cells)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
-        for part in self._elements:
-            numbers = slice(part.first, part.first + len(part.nodes))
-            fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
-            yield part.cell, part.nodes, numbers, part.volume, fields
+        return of_each(self._elements, x)
 
     def values(self, x: Array) -> Array:
         """Concentrations (n,) at the nodes at the unknowns `x` of the system."""

@@ -16,7 +16,7 @@ from visviva.body import formulation as forms
 from visviva.body.element import geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_points
+from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
@@ -267,22 +267,13 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), points, law))
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        total, first = np.zeros((self.grid.n_nodes, 3)), 0
-        for part in self._evaluations:
-            n = len(part.nodes)
-            force = part.forces(x, 0, n)
-            if cells is not None:
-                force *= cells[first : first + n, None, None]
-            np.subtract.at(total, part.nodes, force)
-            first += n
-        return total
+        return summed(
+            self.grid, ((part.nodes, part.forces(x, 0, len(part.nodes))) for part in self._evaluations), cells
+        )
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
-        for part in self._elements:
-            numbers = slice(part.first, part.first + len(part.nodes))
-            fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
-            yield part.cell, part.nodes, numbers, part.volume, fields
+        return of_each(self._elements, x)
 
     @cached_property
     def _projection(self) -> Any:
