@@ -183,15 +183,17 @@ VISVIVA_INLINE void principal(const V* c, V* value, V n[3][3]) {
     for (int k = 0; k < 3; ++k) value[k] = a[k][k];
 }
 
-/// Energies of principal stretches: gradients along principal directions, with the limit where values
-/// coincide.
-template <bool second, class Energy>
-VISVIVA_INLINE void from_stretches(const V* c, Energy&& energy_of, Response& r) {
-    using J = Jet<3, second>;
-    V e[3], n[3][3];
-    principal(c, e, n);
-    const J i[3] = {J::variable(e[0], 0), J::variable(e[1], 1), J::variable(e[2], 2)};
-    const J w = energy_of(i);
+/// Two principal values that count as one, and the slope between them there.
+struct Coinciding {
+    VI close;
+    V slope;
+};
+
+/// Gradients along principal directions n of an energy w of principal values e; `coincide(a, b, h)` tells
+/// where two of them are one, h their mixed second derivative.
+template <bool second, class Coincide>
+VISVIVA_INLINE void along_directions(const Jet<3, second>& w, const V* e, const V n[3][3],
+                                     Coincide&& coincide, Response& r) {
     r.W = w.v;
     V m[3][3][6];  // sym(n_a x n_b)
     for (int a = 0; a < 3; ++a)
@@ -206,9 +208,9 @@ VISVIVA_INLINE void from_stretches(const V* c, Energy&& energy_of, Response& r) 
             for (int b = 0; b < 3; ++b) {
                 const V h = w.h[a < b ? packed(3, a, b) : packed(3, b, a)];
                 const V gap = e[a] - e[b];
-                const VI close = vabs(gap) < 1e-6 * (2.0 + e[a] + e[b]);
-                const V limit = w.h[packed(3, a, a)] - h;
-                const V slope = select(close, limit, (w.g[a] - w.g[b]) / select(close, broadcast(1.0), gap));
+                const Coinciding one = coincide(a, b, h);
+                const V slope =
+                    select(one.close, one.slope, (w.g[a] - w.g[b]) / select(one.close, broadcast(1.0), gap));
                 for (int k = 0; k < 6; ++k)
                     for (int l = k; l < 6; ++l) {
                         r.d[packed(6, k, l)] += h * m[a][a][k] * m[b][b][l];
@@ -216,6 +218,20 @@ VISVIVA_INLINE void from_stretches(const V* c, Energy&& energy_of, Response& r) 
                     }
             }
     }
+}
+
+/// Energies of principal stretches.
+template <bool second, class Energy>
+VISVIVA_INLINE void from_stretches(const V* c, Energy&& energy_of, Response& r) {
+    using J = Jet<3, second>;
+    V e[3], n[3][3];
+    principal(c, e, n);
+    const J i[3] = {J::variable(e[0], 0), J::variable(e[1], 1), J::variable(e[2], 2)};
+    const J w = energy_of(i);
+    auto coincide = [&](int a, int b, const V& h) -> Coinciding {
+        return {vabs(e[a] - e[b]) < 1e-6 * (2.0 + e[a] + e[b]), w.h[packed(3, a, a)] - h};
+    };
+    along_directions<second>(w, e, n, coincide, r);
 }
 
 // Not inlined: it is called from many places, and eight evaluations outweigh a call.

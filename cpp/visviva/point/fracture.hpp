@@ -147,36 +147,11 @@ struct CrackDriving {
             const J part = positive(-1.0 * strain[a]);
             w = w + p[fracture::shear] * (part * part);
         }
-        along_directions(w, e, n, minus);
-    }
-
-    VISVIVA_INLINE static void along_directions(const Jet<3, second>& w, const V* e, const V n[3][3],
-                                                Response& r) {
-        r.W = w.v;
-        V m[3][3][6];  // sym(n_a x n_b)
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b)
-                for (int k = 0; k < 6; ++k)
-                    m[a][b][k] =
-                        0.5 * (n[voigt_a[k]][a] * n[voigt_b[k]][b] + n[voigt_b[k]][a] * n[voigt_a[k]][b]);
-        for (int k = 0; k < 6; ++k) r.s[k] = w.g[0] * m[0][0][k] + w.g[1] * m[1][1][k] + w.g[2] * m[2][2][k];
-        if constexpr (second) {
-            clear(r.d, 21);
-            for (int a = 0; a < 3; ++a)
-                for (int b = 0; b < 3; ++b) {
-                    const V h = w.h[a < b ? packed(3, a, b) : packed(3, b, a)];
-                    const V gap = e[a] - e[b];
-                    const VI close = vabs(gap) <= 1e-9 * (vabs(e[a]) + vabs(e[b])) + 1e-14;
-                    const V limit = 0.5 * (w.h[packed(3, a, a)] + w.h[packed(3, b, b)]) - h;
-                    const V slope =
-                        select(close, limit, (w.g[a] - w.g[b]) / select(close, broadcast(1.0), gap));
-                    for (int k = 0; k < 6; ++k)
-                        for (int l = k; l < 6; ++l) {
-                            r.d[packed(6, k, l)] += h * m[a][a][k] * m[b][b][l];
-                            if (a != b) r.d[packed(6, k, l)] += slope * m[a][b][k] * m[a][b][l];
-                        }
-                }
-        }
+        auto coincide = [&](int a, int b, const V& h) -> Coinciding {
+            return {vabs(e[a] - e[b]) <= 1e-9 * (vabs(e[a]) + vabs(e[b])) + 1e-14,
+                    0.5 * (w.h[packed(3, a, a)] + w.h[packed(3, b, b)]) - h};
+        };
+        along_directions<second>(w, e, n, coincide, minus);
     }
 
     /// W-, which cracks leave.
