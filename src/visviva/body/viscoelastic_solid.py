@@ -24,8 +24,26 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+class Branched:
+    """Base of solids with Maxwell branches."""
+
+    label: str
+
+    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
+        """Refused: the forces of branches depend on more than `x`.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError(
+            f"{self.label}: the forces of its branches do not follow from a state alone, and sections have none; "
+            "vv.SupportForce tells what supports carry"
+        )
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
-class ViscoelasticSolid(Solid):
+class ViscoelasticSolid(Branched, Solid):
     """A solid of a generalised Maxwell material in finite strains.
 
     Takes the arguments of `Solid`, whose material is that of long times, and
@@ -90,15 +108,3 @@ class ViscoelasticSolid(Solid):
             group = Group(self.node_unknowns(nodes), weights, None, True)
             add_points(model, self, kind, [group], g.volume, constants)
         return made
-
-    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Refused: the forces of branches depend on more than `x`.
-
-        Raises
-        ------
-        InputError
-        """
-        raise InputError(
-            f"{self.label}: the forces of its branches do not follow from a state alone, and sections have none; "
-            "vv.SupportForce tells what supports carry"
-        )

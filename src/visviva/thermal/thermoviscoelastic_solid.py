@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body.solid_term import Elements
+from visviva.body.viscoelastic_solid import Branched
 from visviva.component.component import settings
 from visviva.material.branch import MaxwellBranch
 from visviva.mesh.cells import CELLS
@@ -26,7 +27,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class ThermoviscoelasticSolid(ThermoelasticSolid):
+class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
     """A solid of a generalised Maxwell material in finite strains that dissipation heats.
 
     Takes the arguments of `ThermoelasticSolid`, whose material is that of long times, and
@@ -83,15 +84,3 @@ class ThermoviscoelasticSolid(ThermoelasticSolid):
         for constants in self._constants:
             add_points(model, self, PhysicsKind.HEATED_BRANCH, groups, g.volume, constants)
         return made
-
-    def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        """Refused: the forces of branches depend on more than `x`.
-
-        Raises
-        ------
-        InputError
-        """
-        raise InputError(
-            f"{self.label}: the forces of its branches do not follow from a state alone, and sections have none; "
-            "vv.SupportForce tells what supports carry"
-        )
