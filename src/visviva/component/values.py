@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
 
+from visviva.base.errors import InputError
 from visviva.base.timefunction import TIME_SCHEMA, Expression, TimeFunction
 
 Array = NDArray[np.float64]
@@ -69,6 +70,28 @@ Matrix = Annotated[
     ),
 ]
 Number = FiniteFloat
+
+
+def positive_tensor(label: str, what: str, given: Any) -> Array:
+    """Six components 11, 22, 33, 12, 23, 31 of a number, of three along the axes, or of a matrix (3, 3).
+
+    Raises
+    ------
+    InputError
+        If it is not symmetric and positive; the message calls it `what`.
+
+    Examples
+    --------
+    >>> positive_tensor("", "", [1.0, 2.0, 3.0]).tolist()
+    [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
+    """
+    k = np.asarray(given, dtype=float)
+    K = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (3,)))
+    if not np.allclose(K, K.T, rtol=1e-12, atol=0):
+        raise InputError(f"{label}: {what} {K.tolist()} is not symmetric")
+    if not np.linalg.eigvalsh(K).min() > 0:
+        raise InputError(f"{label}: {what} {np.asarray(given).tolist()} is not positive in all directions")
+    return np.asarray(K[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
 
 
 def _is_function(value: Any) -> bool:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError, nearest
 from visviva.component.meshed import Meshed
-from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
@@ -56,7 +56,7 @@ class PhaseBody(Meshed):
 
     def _prepare(self, given: NumberOrFunction) -> None:
         """Mesh, space, start values, and what is refused of them."""
-        self._tensor = gradient_tensor(self.label, self.gradient_energy)
+        self._tensor = positive_tensor(self.label, "gradient_energy =", self.gradient_energy)
         if not self.thickness > 0:
             raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
         try:
@@ -217,25 +217,3 @@ class PhaseBody(Meshed):
 def full(tensor: Array) -> Array:
     """(3, 3) of components 11, 22, 33, 12, 23, 31."""
     return np.asarray(tensor[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
-
-
-def gradient_tensor(label: str, given: Any) -> Array:
-    """Six components 11, 22, 33, 12, 23, 31 of a gradient energy.
-
-    Raises
-    ------
-    InputError
-        If it is not symmetric and positive.
-
-    Examples
-    --------
-    >>> gradient_tensor("", 2.0).tolist()
-    [2.0, 2.0, 2.0, 0.0, 0.0, 0.0]
-    """
-    k = np.asarray(given, dtype=float)
-    K = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (3,)))
-    if not np.allclose(K, K.T, rtol=1e-12, atol=0):
-        raise InputError(f"{label}: gradient_energy = {K.tolist()} is not symmetric")
-    if not np.linalg.eigvalsh(K).min() > 0:
-        raise InputError(f"{label}: gradient_energy = {np.asarray(given).tolist()} is not positive")
-    return np.asarray(K[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])

@@ -14,14 +14,13 @@ from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
 from visviva.body.solid_fields import FULL, components
 from visviva.component.component import settings
-from visviva.component.values import Function, Matrix, Number
+from visviva.component.values import Function, Matrix, Number, positive_tensor
 from visviva.material.material import Material
 from visviva.material.user_material import UserMaterial
 from visviva.mesh.geometry import determinant
 from visviva.model.callback import Function as Derivatives
 from visviva.thermal.capacity import Capacity, capacity_of
 from visviva.thermal.legendre import Internal
-from visviva.thermal.thermal_body import conductivities
 
 Array = NDArray[np.float64]
 Table = tuple[tuple[Number, Number], ...]
@@ -129,7 +128,7 @@ class Heat(HeatLaw):
         if not self.reference > 0:
             raise InputError(f"Heat: reference = {self.reference:g} is not positive")
         self.stores: Capacity = capacity_of("Heat", self.capacity, self.capacity_slope, self.reference)
-        self.tensor = conductivities("Heat", self.conductivity)
+        self.tensor = positive_tensor("Heat", "the conductivity", self.conductivity)
 
     @property
     def is_isotropic(self) -> bool:
@@ -226,7 +225,7 @@ class UserHeat(HeatLaw):
     def __post_init__(self) -> None:
         if not self.reference > 0:
             raise InputError(f"UserHeat: reference = {self.reference:g} is not positive")
-        self.tensor = conductivities("UserHeat", self.conductivity)
+        self.tensor = positive_tensor("UserHeat", "the conductivity", self.conductivity)
         self._internal = Internal(self.function, 6, self.reference, "UserHeat", REST[:, 0])
         self._capacity = float(self._internal.capacity(REST, np.array([self.reference]))[0])
         if not self._capacity > 0:

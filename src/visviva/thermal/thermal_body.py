@@ -15,7 +15,7 @@ from visviva.body.element import Geometry, geometry
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
 from visviva.component.component import Component, settings
 from visviva.component.meshed import Meshed
-from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
@@ -107,7 +107,7 @@ class ThermalBody(Meshed, HeatCarrier):
             raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
         if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
             raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
-        self._tensor = conductivities(self.label, self.conductivity)
+        self._tensor = positive_tensor(self.label, "the conductivity", self.conductivity)
         self._stores = capacity_of(self.label, self.capacity, self.capacity_slope, self.reference)
         self.start_temperatures = self._initial()
         if beyond := self.beyond_slopes(self.start_temperatures):
@@ -259,28 +259,3 @@ class Bounds(Term):
     def accept(self, s: Stencils) -> None:
         if beyond := self.body.beyond_slopes(s.x1[:, 0]):
             raise RunError(beyond)
-
-
-def conductivities(label: str, given: Any) -> Array:
-    """Six components 11, 22, 33, 12, 23, 31 of a conductivity.
-
-    Raises
-    ------
-    InputError
-        If it is not symmetric and positive.
-
-    Examples
-    --------
-    >>> conductivities("", [1.0, 2.0, 3.0]).tolist()
-    [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
-    """
-    k = np.asarray(given, dtype=float)
-    K = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (3,)))
-    if not np.allclose(K, K.T, rtol=1e-12, atol=0):
-        raise InputError(f"{label}: the conductivity {K.tolist()} is not symmetric")
-    least = float(np.linalg.eigvalsh(K).min())
-    if not least > 0:
-        raise InputError(
-            f"{label}: the conductivity {np.asarray(given).tolist()} is not positive in all directions"
-        )
-    return np.asarray(K[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
