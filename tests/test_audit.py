@@ -73,13 +73,11 @@ class Pull(Term):
 
 def test_momentum_that_is_lost_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     """If nothing acts from outside; an own term may do so, and is named."""
-    from visviva.results import outside
-
     a, b = vv.PointMass(mass=1.0, position=(1, 0, 0)), vv.PointMass(mass=1.0, position=(0, 1, 0))
     pull = vv.UserTerm(term=Pull(), on=[a, b], name="pull")
     result = vv.simulate(vv.System([a, b, pull]), until=1.0, step=0.1)
     assert "from outside acts UserTerm 'pull'" in lines(result)["linear momentum"]
-    monkeypatch.setattr(outside, "BETWEEN", (*outside.BETWEEN, vv.UserTerm))
+    monkeypatch.setattr(vv.UserTerm, "acts_between", True)
     assert lines(result)["linear momentum"].startswith("WRONG, as nothing acts from outside")
 
 

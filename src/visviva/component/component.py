@@ -98,6 +98,7 @@ class Component(metaclass=Composed):
     name: str | None = None
 
     contributes_last: ClassVar[int] = 0  # since it asks what others hold: those with larger numbers later
+    acts_between = False  # by forces that are equal and opposite, unless one side is the ground
     carries_heat = False  # whether it has temperatures that what it touches could see
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 

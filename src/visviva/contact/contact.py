@@ -138,6 +138,8 @@ class Contact(Component):
     >>> result.assert_conserved("energy", "momentum_z", "angular_x", tolerance=1e-9)
     """
 
+    acts_between = True
+
     first: Attachable
     second: Component | None = None
     first_faces: str | Faces = "all"

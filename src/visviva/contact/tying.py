@@ -81,6 +81,8 @@ class Tie(Component):
     1.0
     """
 
+    acts_between = True
+
     first: MeshBody
     second: MeshBody
     first_faces: str | Faces = "all"

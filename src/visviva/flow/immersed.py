@@ -97,6 +97,8 @@ class Immersed(Carried):
     [-0.1, 0.1, 0.0]
     """
 
+    acts_between = True
+
     solid: Solid
     massless: bool = False
 

@@ -78,6 +78,8 @@ class ImmersedBody(Carried):
     -3.141593
     """
 
+    acts_between = True
+
     body: RigidBody
     spacing: float = 1.5
 

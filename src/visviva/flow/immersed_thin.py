@@ -76,6 +76,8 @@ class ImmersedThin(Carried):
     -0.01
     """
 
+    acts_between = True
+
     body: MeshBody
     displaced: Number
 

@@ -73,6 +73,8 @@ class Joint(Component):
         Make the joint's angle (counting turns) or stroke a coordinate of the system.
     """
 
+    acts_between = True
+
     a: Any
     b: Any
     at: Vector3 | None = None

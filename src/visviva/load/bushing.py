@@ -47,6 +47,8 @@ class Bushing(Component):
     >>> system = vv.System([ground, body, rubber])
     """
 
+    acts_between = True
+
     a: Any
     b: Any
     at: Vector3 | None = None

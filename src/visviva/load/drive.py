@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 class OnJoint(Component):
     """Base of what acts on a coordinate: `joint`, and `coordinate` ('angle' or 'stroke')."""
 
+    acts_between = True
+
     joint: Joint
     coordinate: Literal["angle", "stroke"] | None = None
 

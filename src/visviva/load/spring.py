@@ -51,6 +51,8 @@ class Spring(Component):
     >>> result.assert_conserved("energy", tolerance=1e-9)
     """
 
+    acts_between = True
+
     a: Any
     b: Any
     stiffness: Number = 0.0
@@ -134,3 +136,5 @@ class Damper(Spring):
     >>> damper = vv.Damper(a=ground, b=ball, force=lambda l, rate: 0.2 * rate * abs(rate))
     >>> system = vv.System([ground, ball, damper])
     """
+
+    acts_between = True

@@ -53,6 +53,8 @@ class ThermalStrain(Straining):
     (0.001, True)
     """
 
+    acts_between = True
+
     beam: Beam
     extension: Number = 0.0
     curvature: Pair = (0.0, 0.0)

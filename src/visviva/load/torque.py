@@ -134,6 +134,8 @@ class TorquePair(Component):
         Factor as a function of time, see `TimeFunction`.
     """
 
+    acts_between = True
+
     a: Any
     b: Any
     torque: Vector3

@@ -9,40 +9,12 @@ from typing import TYPE_CHECKING, Any
 from visviva.component.component import Component
 from visviva.component.meshed import Meshed
 from visviva.component.point import Attachable, Point
-from visviva.contact.contact import Contact
 from visviva.contact.obstacle import Obstacle, Plane
-from visviva.contact.tying import Tie
 from visviva.flow.fluid import Fluid
-from visviva.flow.immersed import Immersed
-from visviva.flow.immersed_body import ImmersedBody
-from visviva.flow.immersed_thin import ImmersedThin
 from visviva.joint.joint import Joint
-from visviva.load.bushing import Bushing
-from visviva.load.drive import OnJoint
-from visviva.load.spring import Damper, Spring
-from visviva.load.thermal_strain import ThermalStrain
-from visviva.load.torque import TorquePair
 
 if TYPE_CHECKING:
     from visviva.system.system import System
-
-BETWEEN = (
-    *(
-        Joint,
-        OnJoint,
-        Spring,
-        Damper,
-        Bushing,
-        TorquePair,
-        Contact,
-        Tie,
-        Immersed,
-        ImmersedBody,
-        ImmersedThin,
-    ),
-    *(ThermalStrain, Attachable, Meshed),
-)
-"""What acts between others, by forces that are equal and opposite, unless one side is the ground."""
 
 
 def outside(system: System) -> list[Component]:
@@ -68,7 +40,7 @@ def is_outside(component: Component) -> bool:
         return not component.periodic  # what flows through a boundary takes its momentum along
     if isinstance(component, Attachable | Meshed):
         return False
-    return not isinstance(component, BETWEEN) or any(map(is_ground, partners(component)))
+    return not component.acts_between or any(map(is_ground, partners(component)))
 
 
 def partners(component: Component) -> Iterator[Any]:
