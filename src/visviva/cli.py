@@ -409,5 +409,5 @@ HELP = {"--help", "-h"}
 
 
 def one_line(error: Exception) -> str:
-    """What an error says, in a line that is not too long."""
+    """Message of an error, cut to one line of bounded length."""
     return shortened(" ".join(str(error).split()))

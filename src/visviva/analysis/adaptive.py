@@ -153,7 +153,7 @@ def adaptive_steps(
 
 
 def overlaps(system: System) -> Array:
-    """How deep rigid bodies are in each other at the state evaluated last."""
+    """Depth of overlaps of rigid bodies at the state evaluated last."""
     return np.concatenate([np.zeros(0), *(c.overlaps for c in system.components)])
 
 

@@ -141,7 +141,7 @@ class Passed(Exception):
 
 @dataclass
 class Way:
-    """How far a path has been followed, and what its next step starts from; arcs are 0 before the first one."""
+    """Progress along a path, and the start of its next step; arcs are 0 before the first one."""
 
     system: System
     scheme: ArcLength

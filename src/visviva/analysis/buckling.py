@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 AHEAD = 1e-3
-"""How far, relative to the size of the model, the path is followed for the rate of the stiffness."""
+"""Distance, relative to the size of the model, over which the path is followed for the rate of the stiffness."""
 TOUCHING = 1e-6
 """The same where something touches, which is to go on doing so."""
 MORE = 1e-3

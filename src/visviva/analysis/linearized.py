@@ -68,7 +68,7 @@ def linearized(at: Instant, step: Any = None) -> Linearized:
 
 
 def symmetric(A: sp.csr_array) -> sp.csr_array:
-    """What of a matrix rounding has not made unsymmetric."""
+    """Symmetric part of a matrix that is unsymmetric by rounding alone."""
     return (0.5 * (A + A.T)).tocsr()
 
 

@@ -98,7 +98,7 @@ class Static(Scheme):
         return load_steps(system, self, until, step)
 
     def equations(self, system: System) -> Equilibrium:
-        """What is solved in a load step."""
+        """Problem of a load step."""
         return Equilibrium(system, self)
 
     def motion(self, h: float) -> Table:
@@ -264,7 +264,7 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class LoadReport:
-    """What a load step took."""
+    """Cost of a load step."""
 
     iterations: int
     factorizations: int

@@ -36,7 +36,7 @@ def completed(
     distance: Callable[[Array], Array],
     more: Callable[[LinearOperator], tuple[Array, Array]],
 ) -> tuple[Array, Array]:
-    """Those `values` (k,) with vectors (n, k) of least `distance`, where some of them may have been missed.
+    """The `values` (k,) with vectors (n, k) of least `distance`, where some of them may have been missed.
 
     `more` finds the nearest few of an operator. It is asked for what lies beside those found until nothing there is
     nearer than the farthest of them.

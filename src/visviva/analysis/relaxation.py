@@ -129,7 +129,7 @@ def equilibrium(
 
 
 def free_motions(system: System) -> str:
-    """What nothing holds, for an error."""
+    """Sentence on what nothing holds, for an error."""
     try:
         refuse_free(system)
     except InputError as error:

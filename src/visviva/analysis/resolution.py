@@ -22,11 +22,11 @@ class Lost(InputError):
 LOST = 1e-3
 """Part of a square of a frequency that rounding may change; beyond it the square is lost."""
 RIGID = 0.03
-"""How far a motion may be from rigid ones by its mass; a cantilever's first mode, the nearest, is by three times it."""
+"""Distance from rigid motions, by mass, below which a motion is rigid; a cantilever's first mode has three times it."""
 
 
 def noise(K: Any, z: Array) -> Array:
-    """What rounding of the entries of a stiffness (n, n) typically makes of its quadratic forms with vectors (n, k)."""
+    """Typical effect of rounding the entries of a stiffness (n, n) on its quadratic forms with vectors (n, k)."""
     squares: Array = (z**2 * (K.multiply(K) @ z**2)).sum(axis=0)
     return float(np.finfo(float).eps) * np.sqrt(squares)
 
@@ -58,7 +58,7 @@ def bent(linear: Linearized, z: Array) -> list[MeshBody | None]:
 
 
 def strain(linear: Linearized, body: MeshBody, z: Array) -> Array:
-    """What is left (k,) of motions (n, k), by its mass, beside the rigid motions that parts of a body may have."""
+    """Part (k,) of motions (n, k), by mass, beside the rigid motions that parts of a body may have."""
     at, found, motions = linear.at, np.zeros(z.shape[1]), rigid_motions(linear.at.system, body)
     fixed = np.concatenate([f.fixed for f in at.system.model.fields])
     for unknowns in parts(linear, body) if motions is not None else ():

@@ -84,7 +84,7 @@ def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
 
 
 def rounding(K: Any, z: Array) -> Array:
-    """How far off round-off may be in the quadratic forms of a stiffness with vectors (n, k)."""
+    """Bound of round-off in the quadratic forms of a stiffness with vectors (n, k)."""
     sums: Array = (np.abs(z) * (abs(K) @ np.abs(z))).sum(axis=0)
     return ROUNDED * sums
 
@@ -133,7 +133,7 @@ def sparse_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
 
 
 def misfit(A: sp.csr_array, inverse: Any, B: sp.csr_array, distance: Array, z: Array) -> Array:
-    """How far distances (k,) of modes (n, k) from the shift may be off, by what the inverse leaves of them.
+    """Bound of the error of distances (k,) of modes (n, k) from the shift, by the residue of the inverse.
 
     What modes have of each other does not count: a little of free motions, which are far nearer, looks large.
     """

@@ -100,7 +100,7 @@ def all_roots(linear: Linearized, C: sp.csr_array) -> tuple[Complex, Complex]:
 
 
 def fastest(linear: Linearized) -> float:
-    """What rates of coordinates are measured by: about the highest frequency."""
+    """Scale of the rates of coordinates: about the highest frequency."""
     at = linear.at
     stiff = typical(abs(linear.K.diagonal()) * at.scale**2)
     return float(np.sqrt(stiff / typical(at.M.diagonal() * at.scale**2)))

@@ -1,4 +1,4 @@
-"""What is wrong with the arguments of a constructor, as an error that names the class, argument and value."""
+"""Errors of constructors' arguments, which name the class, the argument and the value."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def converted(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
 
 @cache
 def adapters(cls: type) -> dict[str, TypeAdapter[Any]]:
-    """What validates the arguments of a dataclass."""
+    """Validator of the arguments of a dataclass."""
     try:
         hints = get_type_hints(cls, include_extras=True)
     except NameError:  # names that only a type checker imports
@@ -170,7 +170,7 @@ def adapters(cls: type) -> dict[str, TypeAdapter[Any]]:
 
 
 def called(cls: type, name: Any) -> str:
-    """How messages call what a constructor was to make."""
+    """Name in messages of the object that a constructor was to make."""
     return f"{cls.__name__} {name!r}" if isinstance(name, str) else cls.__name__
 
 
@@ -222,7 +222,7 @@ def is_reference(value: Any) -> bool:
 
 
 def mistaken(types: frozenset[type], value: Any) -> str:
-    """What is wrong with a value that would be turned into a Boolean or number though it is none; else nothing.
+    """Complaint about a value that would be turned into a Boolean or number though it is none; else nothing.
 
     Pydantic takes the text 'yes' for True, '2' for 2 and True for 1.
     """

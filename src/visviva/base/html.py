@@ -28,7 +28,7 @@ class Markup(str):
 
 
 def cell(item: object) -> str:
-    """What stands in a cell."""
+    """Text of a cell."""
     return str(item) if isinstance(item, Markup) else escape(str(item))
 
 

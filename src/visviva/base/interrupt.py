@@ -38,5 +38,5 @@ def deferred_interrupt() -> Iterator[Callable[[], int]]:
 
 
 def exit_code(interrupt: KeyboardInterrupt) -> int:
-    """What a shell expects of a process that a signal has ended: 130 after Ctrl-C, 143 after termination."""
+    """Exit status that a shell expects after a signal: 130 after Ctrl-C, 143 after termination."""
     return 128 + (interrupt.args[0] if interrupt.args else signal.SIGINT)

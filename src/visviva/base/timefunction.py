@@ -315,7 +315,7 @@ def _parsed(text: str) -> ast.expr:
 
 
 def _depth(tree: ast.AST) -> int:
-    """How many operations are in each other; a sum of n terms is n deep."""
+    """Depth of nested operations; a sum of n terms is n deep."""
     level, depth = [tree], 0
     while level:
         level, depth = [child for node in level for child in ast.iter_child_nodes(node)], depth + 1

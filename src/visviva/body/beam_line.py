@@ -57,7 +57,7 @@ class BeamLine:
 
     @cached_property
     def turns(self) -> Array:
-        """What makes directors of the cells (m, k, 3, 3) of those of their nodes; the identity where it is smooth."""
+        """Rotations from directors of nodes to those of cells (m, k, 3, 3); the identity where the line is smooth."""
         turns = np.einsum("mkia,mkja->mkij", self.own, self.triads[self.cells])
         turns[np.abs(turns) < ROUNDING] = 0.0  # a mass of round-off is none
         smooth = np.all(np.abs(turns - np.eye(3)) < ROUNDING, axis=(2, 3))

@@ -52,7 +52,7 @@ class BeamStrains:
 
     @property
     def length(self) -> Array:
-        """What the points stand for (m, q)."""
+        """Lengths that the points stand for (m, q)."""
         return self._shapes[2]
 
     @cached_property
@@ -61,7 +61,7 @@ class BeamStrains:
         return self.of(self.line.points, self.line.triads)
 
     def of(self, phi: Array, d: Array) -> Array:
-        """Those (m, q, 6) of positions (n, 3) and directors (n, 3, 3) of the nodes, of the reference too."""
+        """Strains (m, q, 6) of positions (n, 3) and directors (n, 3, 3) of the nodes, of the reference too."""
         nodes = self.line.cells
         own = np.einsum("mkij,mkjc->mkic", self.line.turns, d[nodes])
         tangent = np.einsum("mqk,mkc->mqc", self.slope, phi[nodes])

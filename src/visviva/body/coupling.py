@@ -225,7 +225,7 @@ class DistributedCoupling(Coupling):
             model.constrain(self, multipliers, [e], first=d + k)
 
     def _fit(self) -> list[Strain]:
-        """What vanishes when the directors are the rotation in the mean deformation of the nodes."""
+        """Constraint values, zero when the directors are the rotation in the mean deformation of the nodes."""
         d = range(self.solid.dimension)
         weights = self._share[:, None] * self._arms / self._size**2
         M = [self._skin.combination(weights[:, j]) for j in d]

@@ -28,7 +28,7 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 DEPENDENT = 1e-7
-"""What is left of a gradient of length one without those of other constraints, from which on it says something new."""
+"""Remainder of a unit gradient without those of other constraints, above which a constraint counts as independent."""
 
 
 class DirectorBody(MeshBody):
@@ -144,7 +144,7 @@ class DirectorBody(MeshBody):
 
     @cached_property
     def _first_moments(self) -> Array:
-        """What all vectors (n (1 + r) + e,) count in mass times the centre of mass."""
+        """Weights of all vectors (n (1 + r) + e,) in mass times the centre of mass."""
         total = np.zeros(len(self.reference_vectors))
         for k, mass in enumerate(self.cell_mass):
             np.add.at(total, self.cell_vectors(k), mass[..., 0].sum(axis=3))

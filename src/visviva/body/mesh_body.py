@@ -113,7 +113,7 @@ class MeshBody(Attachable, Meshed):
         return chosen_faces(self.grid, chosen, self.label)
 
     def skin(self, chosen: str | Faces, fine: bool = False) -> Skin:
-        """What others touch of it: by default the nodes of these faces.
+        """Surface of these faces that others touch: by default their nodes.
 
         Lines have points between their nodes too where it shall be `fine`.
 

@@ -63,7 +63,7 @@ class AssumedStrains:
 
     @cached_property
     def n(self) -> int:
-        """How many samples there are."""
+        """Number of samples."""
         return 2 * len(self.plane.samples) + len(self.shear.samples)
 
     @cached_property

@@ -62,7 +62,7 @@ class PointMass(Attachable):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Ground(Attachable):
-    """What does not move; its own coordinates are those of space."""
+    """Fixed body, whose own coordinates are those of space."""
 
     name: str | None = "ground"
 

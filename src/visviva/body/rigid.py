@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FLAT = 1e-4
-"""What is left of the length of a prism in a plane system when it is drawn: it lies just above the plane."""
+"""Share of the length of a prism that is drawn in a plane system: it lies just above the plane."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

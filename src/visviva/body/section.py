@@ -54,16 +54,16 @@ class SectionInertia(NamedTuple):
 
 
 class Section(metaclass=Validated):
-    """What bodies are across a line or surface."""
+    """Base of sections of beams and shells."""
 
     @property
     def label(self) -> str:
-        """How messages call it."""
+        """Name used in messages."""
         return type(self).__name__
 
 
 class CrossSection(Section):
-    """What a cross section of a beam must give."""
+    """Interface of the cross section of a beam."""
 
     @abstractmethod
     def stiffness_matrix(self) -> Array:

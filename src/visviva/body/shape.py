@@ -66,7 +66,7 @@ Outline = tuple[Core, Frame]
 
 
 class Shape(metaclass=Validated):
-    """What a shape must give; the rest follows."""
+    """Interface of a shape: two methods, from which the rest follows."""
 
     @property
     def core(self) -> Core | None:
@@ -75,7 +75,7 @@ class Shape(metaclass=Validated):
 
     @property
     def feelers(self) -> tuple[Array, float]:
-        """Where the shape touches others: points (n, 3), and the radius of balls about them."""
+        """Points (n, 3) at which the shape touches others, and the radius of balls about them."""
         return self.surface()[0], 0.0
 
     def facets(self) -> Surface:

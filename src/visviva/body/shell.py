@@ -122,7 +122,7 @@ class Shell(DirectorBody):
 
     @cached_property
     def _strains_of_samples(self) -> list[Array]:
-        """What makes strains of the sections (m, q, 8, n) of those sampled, type by type."""
+        """Matrices to strains of the sections (m, q, 8, n) from those sampled, type by type."""
         every = zip(self.parts, self._stiffness_of_parts, strict=True)
         return [
             enhanced_strains(part, C)
@@ -375,7 +375,7 @@ class Shell(DirectorBody):
         return turn if turn < n else int(self._kinked[turn - n])
 
     def turns_of_edges(self, nodes: Ints, owners: Ints) -> Ints:
-        """Which of `every_director` the cells that own edges have at the edges' nodes (m, k); -1 if not theirs."""
+        """Indices into `every_director` of the cells that own edges, at the edges' nodes (m, k); -1 if not theirs."""
         found, first = np.full(nodes.shape, -1), 0
         for part in self.parts:
             mine = (owners >= first) & (owners < first + len(part.cells))
@@ -426,7 +426,7 @@ def reversed_nodes(kind: str) -> Ints:
 
 
 def joined(d: list[Vector], reference: Array, *, rigid: bool) -> list[Strain | Form]:
-    """What holds the directors of a node beyond the first, by their values (k, 3) in the reference."""
+    """Constraints that hold the directors of a node beyond the first, by their values (k, 3) in the reference."""
     strains: list[Strain | Form] = []
     for k in range(1, len(d)):
         across = np.cross(reference[0], reference[1])

@@ -1,4 +1,4 @@
-"""What makes a mesh a poor middle of a shell: edges that do not meet, thickness above the radius of curvature."""
+"""Checks of the middle surface of a shell: edges that do not meet, thickness above the radius of curvature."""
 
 from __future__ import annotations
 

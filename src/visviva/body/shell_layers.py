@@ -67,7 +67,7 @@ def full(c: Array) -> Array:
 
 
 def of_components(F: Array) -> Array:
-    """What takes components (..., 6) of C to those of ``F C F^T``."""
+    """Matrix that takes components (..., 6) of C to those of ``F C F^T``."""
     left, right = F[..., A, :], F[..., B, :]
     both = left[..., A] * right[..., B] + (A != B) * (left[..., B] * right[..., A])
     return np.asarray(both)

@@ -1,4 +1,4 @@
-"""What shells are made of across their thickness: stiffness against eight strains, and mass.
+"""Sections of shells: stiffness against eight strains, and mass.
 
 The order of strains is membrane 11, 22, 2 x 12, change of curvature 11, 22, 2 x 12, shear 1, 2, along the directions 1
 and 2 of the section in the tangent plane. Heights are along the director, from the mesh.
@@ -32,7 +32,7 @@ class ShellInertia(NamedTuple):
 
 
 class ShellSection(Section):
-    """What a section of a shell must give."""
+    """Interface of the section of a shell."""
 
     @abstractmethod
     def stiffness_matrix(self) -> Array:
@@ -61,7 +61,7 @@ class Sheet(NamedTuple):
 
 
 class Layer(metaclass=Validated):
-    """What lies between two heights of a shell."""
+    """Layer of a shell between two heights."""
 
 
 @dataclass(frozen=True, config=CONFIG, kw_only=True)

@@ -53,7 +53,7 @@ class ShellSurface:
 
     @property
     def assumed(self) -> AssumedStrains:
-        """How its strains are sampled."""
+        """Sampling of its strains."""
         return ASSUMED[self.kind]
 
     @property
@@ -111,7 +111,7 @@ class ShellSurface:
     # --- strains -------------------------------------------------------------------------------------------
     @property
     def plane_turns(self) -> Array:
-        """What makes strains 11, 22, 2 x 12 along the section's directions (m, q, 3, 3) of those along coordinates."""
+        """Matrix to strains 11, 22, 2 x 12 along the section's directions (m, q, 3, 3) from those along coordinates."""
         (a, b), (c, d) = np.moveaxis(self.back, (2, 3), (0, 1))
         plane = np.array(
             [(a * a, b * b, a * b), (c * c, d * d, c * d), (2 * a * c, 2 * b * d, a * d + b * c)]
@@ -132,7 +132,7 @@ class ShellSurface:
 
     @cached_property
     def reference(self) -> Array:
-        """Those of the reference (m, n)."""
+        """Strains of the reference (m, n)."""
         return self.sampled(self.points, self.directors)
 
     def change(self, phi: Array, d: Array) -> Array:
@@ -157,7 +157,7 @@ class ShellSurface:
 
     # --- places --------------------------------------------------------------------------------------------
     def near(self, X: Array) -> tuple[float, float, Place]:
-        """How far outside of a cell (of its half) and above it the place `X` (3,) is, and what it is made of."""
+        """Distance of the place `X` (3,) from a cell (in its halves) and above it, and the cell's point under it."""
         cell = CELLS[self.kind]
         local = self.points[self.cells]
         centres = local.mean(axis=1)
@@ -189,14 +189,14 @@ class Place(NamedTuple):
 
 
 def outside(cell: Cell, xi: Array) -> Array:
-    """How far points (m, 2) are outside of the reference cell, in halves of it."""
+    """Distance of points (m, 2) from the reference cell, in halves of it."""
     if cell.n_corners == 4:
         return np.asarray(np.abs(xi).max(axis=1) - 1)
     return np.asarray(2 * np.max([-xi[:, 0], -xi[:, 1], xi.sum(axis=1) - 1], axis=0))
 
 
 def place(parts: Sequence[ShellSurface], X: Array) -> Place:
-    """What the point of the middle under the place `X` (3,) is made of.
+    """Nodes and weights of the point of the middle under the place `X` (3,).
 
     Raises
     ------

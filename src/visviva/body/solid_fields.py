@@ -151,7 +151,7 @@ QUANTITIES: dict[str, tuple[int, Callable[[Fields], Array]]] = {
     "J": (1, lambda f: f.J),
     "energy": (1, lambda f: f.energy),
 }
-"""What can be smoothed, recorded and written by name: number of components, and values (..., components)."""
+"""Fields of solids by name: number of components, and values (..., components) to smooth, record and write."""
 
 OF_STRESS: dict[str, Callable[[Array], Array]] = {"von_mises": equivalent, "principal_stresses": principal}
 """Quantities with kinks where stresses pass through zero: at nodes, they are those of the smoothed stress."""

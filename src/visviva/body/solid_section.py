@@ -1,4 +1,4 @@
-"""What shells whose directors stretch are made of across their thickness: materials in space, and mass."""
+"""Sections of shells whose directors stretch: materials in space across the thickness, and mass."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class SolidLayer(Layer):
 
 
 class SolidSectionBase(Section):
-    """What a section of a shell whose directors stretch must give."""
+    """Interface of the section of a shell whose directors stretch."""
 
     layers: tuple[SolidLayer, ...]
     offset: FiniteFloat

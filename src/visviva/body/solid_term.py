@@ -1,4 +1,4 @@
-"""What the core's terms of solids are made of: elements of one type, energies given in Python, damping."""
+"""Parts of the core's terms of solids: elements of one type, energies given in Python, damping."""
 
 from __future__ import annotations
 

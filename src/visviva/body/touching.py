@@ -1,4 +1,4 @@
-"""What others touch of a body on a mesh: points that are linear in its unknowns, and faces between them."""
+"""Surfaces of mesh bodies for contact and tying: points linear in the unknowns, and faces between them."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class Skin:
 
     @property
     def keys(self) -> set[tuple[int, ...]]:
-        """What tells parts of one body apart: the points of every face in ascending order."""
+        """Key that tells parts of one body apart: the points of every face in ascending order."""
         if self.round:
             return {(int(node),) for node in self.touched}
         return {tuple(row) for rows in self.faces.cells.values() for row in np.sort(rows, axis=1).tolist()}

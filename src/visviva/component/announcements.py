@@ -1,4 +1,4 @@
-"""What components tell about each other before any makes its fields, see `Model.announce`."""
+"""Announcements that components make about each other before any makes its fields, see `Model.announce`."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Guiding:
 
 @dataclass(frozen=True, eq=False)
 class Conducting:
-    """What lets heat pass between two bodies; it is announced about the first.
+    """Announcement of a conductor of heat between two bodies, made about the first.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Conducting:
 
 
 class Straining(Component):
-    """What gives a beam strains of its own, as heat does; it announces itself about the beam."""
+    """Announcement of strains given to a beam, as by heat, made about the beam."""
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Shear along d1 and d2, extension, curvatures, twist (6,) at the unknowns `x` of the system."""
@@ -71,7 +71,7 @@ class Straining(Component):
 
 
 class Wetting(Component):
-    """What lets a body feel the fluid that it lies in; it announces itself about the body."""
+    """Announcement of the immersion of a body in a fluid, made about the body."""
 
     @property
     def carried(self) -> Component:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 settings = ConfigDict(arbitrary_types_allowed=True, extra="forbid", validate_default=True, defer_build=True)
-"""How the constructors of components validate: unknown arguments are refused."""
+"""Validation of the constructors of components: unknown arguments are refused."""
 
 
 LONG = 60
@@ -157,7 +157,7 @@ class Component(metaclass=Composed):
 
     @property
     def label(self) -> str:
-        """How messages call it."""
+        """Name used in messages."""
         return f"{type(self).__name__} '{self.name}'" if self.name else type(self).__name__
 
     def announce(self, model: Model) -> None:
@@ -176,7 +176,7 @@ class Component(metaclass=Composed):
         """After the check has moved the start of other components onto their constraints."""
 
     def rate_constraints(self, state: State) -> RateConstraints | None:
-        """What accelerations have to satisfy besides the constraints of an instant, for schemes that start from them.
+        """Conditions on accelerations besides the constraints of an instant, for schemes that start from them.
 
         Returns
         -------
@@ -185,7 +185,7 @@ class Component(metaclass=Composed):
         return None
 
     def trouble(self, x: Array) -> str:
-        """What is wrong with it at the unknowns `x` of the system, for the message of a step that failed."""
+        """Trouble of the component at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
 
     @property
@@ -205,7 +205,7 @@ class Component(metaclass=Composed):
 
     @property
     def overlaps(self) -> Array:
-        """How deep (n,) what `collides` overlaps at the state evaluated last; adaptive steps bound its growth."""
+        """Depths (n,) of overlaps of what `collides` at the state evaluated last; adaptive steps bound their growth."""
         return np.zeros(0)
 
     def unfit_for_modes(self) -> str:
@@ -218,7 +218,7 @@ class Component(metaclass=Composed):
         return 0
 
     def remarks(self) -> list[str]:
-        """What a user should know about its accuracy before the first step, in sentences that the check prints."""
+        """Remarks on accuracy that the check prints before the first step, in sentences."""
         return []
 
     def gauges(self, state: State) -> dict[str, float]:
@@ -260,7 +260,7 @@ class Component(metaclass=Composed):
             yield np.array([starts for starts, _ in found], dtype=np.int64), mass
 
     def vectors(self, model: Model) -> Vectors | None:
-        """What carries the component, see `Owner`; None for what has no points."""
+        """Vectors that carry the component, see `Owner`; None for components without points."""
         return None
 
     @property
@@ -269,7 +269,7 @@ class Component(metaclass=Composed):
         return False
 
     def surface(self) -> Any:
-        """What is drawn, in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
+        """Drawn surface in own coordinates: points (n, 3) and triangles (m, 3); None for nothing."""
         return None
 
     def outline(self) -> Any:
@@ -277,7 +277,7 @@ class Component(metaclass=Composed):
         return None
 
     def record(self, x: Array) -> Array | None:
-        """What it shows of the last step, which ended at `x`, that does not follow from `x`; kept with every state."""
+        """Record of the last step, which ended at `x`, that does not follow from `x`; kept with every state."""
         return None
 
     def lines(self) -> list[tuple[Vector, Vector]]:

@@ -52,6 +52,6 @@ def connected(components: Sequence[Component]) -> list[list[Component]]:
 
 
 def places(component: Component) -> list[Array]:
-    """Where a component is, as far as it says."""
+    """Points at which a component says that it is."""
     given = (getattr(component, name, None) for name in ("position", "at", "points"))
     return [np.asarray(p, dtype=float) for p in given if p is not None and np.shape(p)[-1:] == (3,)]

@@ -47,7 +47,7 @@ class Attachable(Component):
         return d
 
     def vectors(self, model: Model) -> Vectors | None:
-        """What carries the component: first unknowns (n,), which are positions (n,), and their components, 2 or 3.
+        """Vectors of the component: first unknowns (n,), mask of positions (n,), and their components, 2 or 3.
 
         Positions move along under a translation, directors do not. None for what cannot move.
         """
@@ -71,7 +71,7 @@ class Attachable(Component):
         return f[is_position].sum(axis=0), np.cross(arms, f).sum(axis=0)
 
     def feelers(self) -> tuple[Array, float] | None:
-        """Where it touches others: points (n, 3) in own coordinates, and the radius of balls about them."""
+        """Points (n, 3), in own coordinates, at which it touches others, and the radius of balls about them."""
         return None
 
     def point(self, X: Any = (0.0, 0.0, 0.0)) -> Point:

@@ -33,7 +33,7 @@ def _array(value: Any) -> Array:
 
 
 def flat(value: Any) -> Iterator[Any]:
-    """What lists in lists hold."""
+    """Leaves of nested lists."""
     for item in value:
         if isinstance(item, list | tuple):
             yield from flat(item)

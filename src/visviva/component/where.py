@@ -1,4 +1,4 @@
-"""Where a load acts: a component, a Point or Frame of it, or a component and the place `at`."""
+"""Places where loads act: a component, a Point or Frame of it, or a component and the place `at`."""
 
 from __future__ import annotations
 

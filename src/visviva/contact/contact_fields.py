@@ -1,4 +1,4 @@
-"""What files and pictures show of contacts: pressures, gaps, states and tractions at the nodes of solids."""
+"""Contact fields in files and pictures: pressures, gaps, states and tractions at the nodes of solids."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _at_nodes(source: Ints | None, rows: Array) -> Array:
 
 
 class Painting:
-    """Where the records of contacts belong among the points of all surfaces that are drawn.
+    """Indices of the records of contacts among the points of all surfaces that are drawn.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How stiff and how heavy the layer below a surface in contact is."""
+"""Stiffness and mass of the layer below a surface in contact."""
 
 from __future__ import annotations
 

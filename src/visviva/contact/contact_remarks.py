@@ -1,4 +1,4 @@
-"""What a contact cannot do exactly, said by the check before the first step."""
+"""Remarks on the limits of a contact, printed by the check before the first step."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
 
 
 def insulated(label: str, conducts: bool, *bodies: Any) -> list[str]:
-    """That no heat passes, if more than one of the bodies carries it and nothing `conducts`."""
+    """Remark that no heat passes, if more than one of the bodies carries it and nothing `conducts`."""
     carriers = [body.label for body in bodies if body is not None and body.carries_heat]
     if len(carriers) < 2 or conducts:
         return []

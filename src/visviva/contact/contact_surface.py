@@ -46,7 +46,7 @@ NO_FACETS = np.zeros((0, 4), dtype=np.int64)
 
 
 class Faced(Protocol):
-    """What has a surface of faces of a mesh."""
+    """Component with a surface of faces of a mesh."""
 
     @property
     def dimension(self) -> int:
@@ -214,7 +214,7 @@ def surface_of(component: Attachable, faces: str | Faces, label: str) -> Surface
 
 
 def mesh_bodies(*bodies: Component | None) -> list[MeshBody]:
-    """Those that deform; contact knows others by their shape."""
+    """Deformable bodies; contact knows others by their shape."""
     return [body for body in bodies if isinstance(body, MeshBody)]
 
 
@@ -254,7 +254,7 @@ def forms_of(weights: sp.csr_array, unknowns: NDArray[np.int32]) -> list[list[tu
 
 
 def where_of(corners: Array) -> tuple[tuple[float, ...], ...]:
-    """What tells a facet from others: where its corners are, wherever it begins."""
+    """Key of a facet: the places of its corners, whichever comes first."""
     return tuple(sorted(map(tuple, corners.tolist())))
 
 
@@ -337,7 +337,7 @@ def positions(surface: Surface, x: Array) -> Array:
 def points_of(
     component: Attachable, faces: str | Faces, label: str, fine: bool = False
 ) -> tuple[Surface, float]:
-    """Where a component touches exact shapes and facets, and the radius of balls about these points."""
+    """Points at which a component touches exact shapes and facets, and the radius of balls about them."""
     if isinstance(component, MeshBody):
         own = component.skin(faces, fine)
         return of_skin(component, own), own.round.radius if own.round else 0.0

@@ -36,7 +36,7 @@ def without_tangent(pressures: Array, gaps: Array, tractions: Array, friction: f
 
 
 def unsettled(term: _core.ContactTerm, surface: Surface, friction: float, x: Array) -> str:
-    """Where vertices of the first surface still change between open and closed, or between facets, at `x`."""
+    """Sentence on vertices of the first side that still change between open and closed, or between facets, at `x`."""
     vertices, cure = term.unsettled, ""
     what = "opens and closes, or sticks and slips," if friction > 0 else "opens and closes"
     if not vertices:

@@ -42,7 +42,7 @@ def _sides(contact: Contact) -> list[Side]:
 
 
 def _tied(tie: Tie) -> Keys:
-    """Those of the first faces whose points are all tied."""
+    """First faces whose points are all tied."""
     points = set(tie._used[tie._tied].tolist())
     return {key for key in tie.first.skin(tie.first_faces).keys if points.issuperset(key)}
 

@@ -226,7 +226,7 @@ class Tie(Component):
 
     @property
     def moved(self) -> float:
-        """How far a node of the first mesh was moved at most so that the surfaces fit."""
+        """Largest distance by which a node of the first mesh was moved so that the surfaces fit."""
         return float(self._shift.max(initial=0.0))
 
     def remarks(self) -> list[str]:

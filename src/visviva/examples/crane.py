@@ -80,6 +80,6 @@ def study(
 
 
 def check(result: vv.Result) -> None:
-    """What must hold whatever the parameters: energy, and momentum about the slewing axis."""
+    """Laws that hold for all parameters: energy, and momentum about the slewing axis."""
     assert (result.system.n_coordinates, result.system.n_constraints) in ((42, 37), (42, 38))
     result.assert_conserved("energy", "angular_z", "constraints")

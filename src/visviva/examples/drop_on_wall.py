@@ -42,7 +42,7 @@ def study(angle: float = 60.0, radius: float = 12.0, count: int = 8, until: floa
 
 
 def height(drop: vv.CahnHilliard, x: Array) -> float:
-    """Where the concentration is in the middle on the plane of symmetry."""
+    """Places of mean concentration on the plane of symmetry."""
     on = np.flatnonzero(drop.points[:, 0] < 1e-9)
     on = on[np.argsort(drop.points[on, 1])]
     return float(np.interp(-0.5, -drop.values(x)[on], drop.points[on, 1]))

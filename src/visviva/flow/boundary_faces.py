@@ -48,7 +48,7 @@ class FlowFaces:
 
     @property
     def on_face(self) -> NDArray[np.bool_]:
-        """Which of the nodes (m, k) lie on the face."""
+        """Mask of the nodes (m, k) that lie on the face."""
         found: NDArray[np.bool_] = np.abs(self.N).max(axis=1) > 1e-12
         return found
 

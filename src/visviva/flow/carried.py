@@ -1,4 +1,4 @@
-"""What the fluid around it carries along: places that follow its velocities, and the fluid that is not there."""
+"""Bodies carried by the fluid around them: places that follow its velocities, and the fluid they displace."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Mask = NDArray[np.bool_]
 
 
 THIN_DAMPING, THIN_TANGENTS = 0.05, 2
-"""What bodies thinner than a cell take by default, see `Immersed` and `Newton`."""
+"""Default settings of bodies thinner than a cell, see `Immersed` and `Newton`."""
 BARELY = 2.0
 """Bodies thicker than this times a thin one everywhere are taken not to become thin."""
 NEARBY = 1e-5
@@ -91,7 +91,7 @@ class Carried(Wetting):
 
     @property
     def used_damping(self) -> float:
-        """What it was given, or what thin bodies have by default."""
+        """Value given by the user, or the default of thin bodies."""
         return (THIN_DAMPING if self.is_thin else 0.0) if self.damping is None else self.damping
 
     @property
@@ -141,11 +141,11 @@ class Carried(Wetting):
 
     @property
     def _within(self) -> Mask | None:
-        """Which points (n,) the fluid holds in the step evaluated last, None before any."""
+        """Mask of points (n,) that the fluid holds in the step evaluated last, None before any."""
         return self.term.within
 
     def _located(self, places: Array) -> Place:
-        """Where places (n, d) of the start are in the fluid."""
+        """Position in the fluid of places (n, d) of the start."""
         found = self.fluid.find(places)
         if np.any(found[0] < 0):
             where = self._outside(places[np.argmin(found[0])])
@@ -181,7 +181,7 @@ class Carried(Wetting):
         return (multipliers[:, None] + axes).ravel(), gradients, ahead.ravel()
 
     def _carried_along(self, places: Array, velocities: Array, x: Array) -> Array:
-        """How fast the fluid's velocity (n, d) changes where one moves through it at the unknowns `x` of the system."""
+        """Rate of the fluid's velocity (n, d) seen by moving points, at the unknowns `x` of the system."""
         edge = float(np.min(self.fluid.grid.volumes)) ** (1 / self.fluid.dimension)
         span = NEARBY * edge / max(float(np.abs(velocities).max()), 1e-300)
         ends = [places + side * span * velocities for side in (-0.5, 0.5)]

@@ -26,7 +26,7 @@ what interpolation leaves of profiles that balance."""
 
 
 class Condition(Component):
-    """What a condition on faces of a fluid says, whatever it does there.
+    """Common part of the conditions on faces of a fluid.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ def corner_rows(faces: Faces) -> list[tuple[int, ...]]:
 
 
 class Conditions:
-    """What the conditions of one fluid make of its boundary.
+    """Conditions of one fluid, gathered over its boundary.
 
     Nodes that several conditions share belong to walls first, then to prescribed velocities, then to slip.
 

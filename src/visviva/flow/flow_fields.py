@@ -29,7 +29,7 @@ def raw_pressures(fluid: Fluid, x: Array) -> Array:
 
 
 def level(fluid: Fluid, x: Array) -> float:
-    """What is taken off the unknown pressures, so that their mean vanishes where nothing else fixes them."""
+    """Constant subtracted from the unknown pressures, so that their mean vanishes where nothing else fixes them."""
     if not fluid.conditions.closed:
         return 0.0
     p, total, size = raw_pressures(fluid, x), 0.0, 0.0
@@ -115,7 +115,7 @@ def stream_function(fluid: Fluid, x: Array) -> Array:
 
 @lru_cache(maxsize=4)
 def streams(fluid: Fluid) -> StreamFunction:
-    """What gives the stream function of a fluid, over triangles between all of its nodes."""
+    """Solver for the stream function of a fluid, over triangles between all of its nodes."""
     from visviva.output.skin import skin
     from visviva.output.streamlines import StreamFunction
 
@@ -134,7 +134,7 @@ FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
     "stress": stress,
     "stream_function": stream_function,
 }
-"""What can be recorded and written of fluids by name."""
+"""Fields of fluids that can be recorded and written by name."""
 
 
 def widths(fluid: Fluid) -> dict[str, int]:

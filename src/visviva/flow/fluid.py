@@ -327,7 +327,7 @@ class Fluid(Meshed):
 
     # --- what it shows -------------------------------------------------------------------------------------
     def by_node(self, values: Array) -> Array:
-        """What all unknowns of the system, or their rates, are for the velocities of the nodes (n, 3)."""
+        """Velocities of the nodes (n, 3), or their rates, from the unknowns of the system or the rates of these."""
         d = self.dimension
         v = values[self.flow.start : self.flow.start + self.flow.size].reshape(-1, d)[self.number]
         return np.pad(v, ((0, 0), (0, 3 - d)))
@@ -388,7 +388,7 @@ class Fluid(Meshed):
         return np.vstack(list(self.periods.images(self.grid.points[nodes], middle)))
 
     def at(self, places: Any) -> Place:
-        """Where places (n, d) or (n, 3) are: their cells, and unknowns with weights that interpolate there.
+        """Cells in which places (n, d) or (n, 3) lie, and unknowns with weights that interpolate there.
 
         Beyond periodic faces they are those of their images.
 

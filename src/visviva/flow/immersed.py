@@ -181,7 +181,7 @@ class Immersed(Carried):
         return self.may_be_thin and bool(np.mean(normals(points, points, self._edge).any(axis=1)) > 0.5)
 
     def remarks(self) -> list[str]:
-        """What was chosen for a thin solid, and what only the user can choose."""
+        """Remarks on what was chosen for a thin solid, and on what only the user can choose."""
         if not self.is_thin:
             return []
         thin, found = f"{self.label}: {self.solid.label} is thinner than a cell", []

@@ -1,4 +1,4 @@
-"""What leaves a fluid: through which face a place outside has gone, and the displaced fluid that stays behind."""
+"""Bodies leaving a fluid: the face through which a place has gone, and the displaced fluid that stays behind."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TOLERANCE = 1e-8
-"""How far outside a cell, in its reference coordinates, a place still counts as inside."""
+"""Distance outside a cell, in its reference coordinates, up to which a place counts as inside."""
 NEAREST = 12
 """So many cells whose centres are nearest are tried before all whose boxes hold a place."""
 STRAIGHT = 8 * np.finfo(float).eps
@@ -75,7 +75,7 @@ class Straight:
 
 
 def outside(cell: Cell, xi: Array) -> Array:
-    """How far reference coordinates (n, d) are outside a cell (n,); negative inside."""
+    """Distance of reference coordinates (n, d) from the cell (n,); negative inside."""
     corners = np.array(cell.family.corners, dtype=float)
     excess = np.maximum(corners.min(axis=0) - xi, xi - corners.max(axis=0)).max(axis=1)
     flat = {id(TRIANGLE): 2, id(WEDGE): 2, id(TETRAHEDRON): 3}.get(id(cell.family), 0)

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CORNER = np.cos(np.radians(25.0))
-"""Where an outline turns by more, it has a corner."""
+"""Angle above which an outline is taken to have a corner."""
 NEAR = 0.6
 """Marks closer than this part of the spacing become one, in their middle: thin bodies have one layer."""
 INSIDE = 0.75
@@ -52,7 +52,7 @@ def lattice(points: Array, spacing: float, plane: bool) -> Array:
 
 
 def winding(corners: Array, places: Array) -> Array:
-    """How often a closed surface of triangles (m, 3, 3) goes round places (n,): 1 inside, 0 outside."""
+    """Winding number of a closed surface of triangles (m, 3, 3) about places (n,): 1 inside, 0 outside."""
     middle = corners.mean(axis=(0, 1))
     corners, places = (
         corners - middle,
@@ -68,7 +68,7 @@ def winding(corners: Array, places: Array) -> Array:
 
 
 def _winding(corners: Array, normals: Array, offsets: Array, squares: list[Array], places: Array) -> Array:
-    """What `winding` tells of a few places: solid angles by the distances to corners and the lengths of edges alone."""
+    """Winding numbers of a few places: solid angles by the distances to corners and the lengths of edges alone."""
     A, B, C = (np.sqrt(sum((corners[:, k, i] - places[:, i, None]) ** 2 for i in range(3))) for k in range(3))
     # twice the products of the vectors to two corners, by the law of cosines
     ab, bc, ca = (p * p + q * q - e for (p, q), e in zip(((A, B), (B, C), (C, A)), squares, strict=True))

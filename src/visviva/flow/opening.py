@@ -44,7 +44,7 @@ class Open(FluidBoundary):
         raise NotImplementedError
 
     def trouble(self, x: Array) -> str:
-        """Where fluid comes in much faster than anything moved at the start."""
+        """Place at which fluid comes in much faster than anything moved at the start, in words."""
         v, usual = self.fluid.by_node(x)[:, : self.fluid.dimension], float(np.max(self.fluid.flow.scale))
         fastest, place = 0.0, np.zeros(3)
         for p in flow_faces(self.fluid.grid, self.chosen):

@@ -1,4 +1,4 @@
-"""What lies within a fluid without taking part in it, and what covers its boundary: both are refused unless meant."""
+"""Refusal of bodies that lie within a fluid without taking part in it or cover its boundary, unless meant."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDA
 
 
 def deep_within(points: Array, triangles: NDArray[np.int64], places: Array) -> NDArray[np.bool_]:
-    """Which places (n, 3) lie within a closed surface, and not on it."""
+    """Mask of places (n, 3) that lie within a closed surface, and not on it."""
     inside = np.ones(len(places), dtype=bool)
     reach = TOUCHING * float(np.ptp(points, axis=0).max())
     for way in itertools.product((-reach, reach), repeat=3):

@@ -41,7 +41,7 @@ def normals(points: Array, at: Array, edge: float) -> Array:
 
 
 def thin(extents: Array, thickness: float) -> NDArray[np.bool_]:
-    """Which of these extents (n, d) are those of a layer of less than a thickness, and not of a line or point."""
+    """Mask of those extents (n, d) that belong to a layer thinner than a thickness, and not to a line or point."""
     return np.asarray((extents[:, 0] < thickness) & (extents[:, 1] > 2 * extents[:, 0]))
 
 

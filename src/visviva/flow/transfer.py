@@ -40,7 +40,7 @@ class Transfer:
 
     @cached_property
     def width(self) -> int:
-        """How many nodes a place refers to at most."""
+        """Largest number of nodes that a place refers to."""
         return int(np.diff(self._stencils.indptr).max())
 
     def at(self, places: Place) -> tuple[Ints, Array]:

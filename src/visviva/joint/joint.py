@@ -1,4 +1,4 @@
-"""What all joints share: two frames, constraints as strains, coordinates by augmentation, reactions."""
+"""Base of all joints: two frames, constraints as strains, coordinates by augmentation, reactions."""
 
 from __future__ import annotations
 
@@ -224,5 +224,5 @@ def angle_strains(A: Side, B: Side) -> tuple[Strain, Strain]:
 
 
 def stroke_strain(A: Side, B: Side) -> Strain:
-    """How far B is along A's third director."""
+    """Distance of B from A along A's third director."""
     return dot(A.d3, B.p - A.p)

@@ -75,7 +75,7 @@ LARGE_FLOW, CLOSE_FLOW = 15_000, 1e-3
 
 @dataclass(frozen=True)
 class Problem:
-    """What a choice depends on.
+    """Facts about a system on which the choice depends.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class Choice:
 
 
 class LinearOptions(metaclass=Validated):
-    """Which linear solver to use; `Automatic`, `Direct` or `Iterative`."""
+    """Choice of the linear solver; `Automatic`, `Direct` or `Iterative`."""
 
     @abstractmethod
     def choose(self, problem: Problem) -> Choice:

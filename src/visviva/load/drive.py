@@ -1,4 +1,4 @@
-"""What acts on the coordinate of a joint: motor (prescribed motion), force or torque, spring, damper."""
+"""Drives on the coordinate of a joint: motor (prescribed motion), force or torque, spring, damper."""
 
 from __future__ import annotations
 

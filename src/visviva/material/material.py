@@ -1,4 +1,4 @@
-"""What a material is: an energy of the strain, given to the core by its number and parameters."""
+"""Base of materials: an energy of the strain, given to the core by its number and parameters."""
 
 from __future__ import annotations
 

@@ -122,7 +122,7 @@ def with_volume(function: Callable[[Any], Any], bulk: float, kind: Volumetric) -
 PATHS = {"uniaxial": (1, 0, 0, 0, 0, 0), "volumetric": (1, 1, 1, 0, 0, 0), "shear": (0, 0, 0, 1, 0, 0)}
 """Directions in C along which an energy is tried."""
 REACH = 0.3
-"""How far from rest, in C."""
+"""Distance from rest, in C."""
 
 
 def examine(function: Callable[[Any], Any]) -> None:

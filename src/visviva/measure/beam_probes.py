@@ -1,4 +1,4 @@
-"""What is read off beams in each step."""
+"""Probes of beams."""
 
 from __future__ import annotations
 

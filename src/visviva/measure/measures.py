@@ -37,7 +37,7 @@ class Reading(metaclass=Validated):
 
     @property
     def quantity(self) -> str:
-        """What it is, as `visviva.base.unit_labels` names quantities; nothing if it has no unit or none is known."""
+        """Quantity, as `visviva.base.unit_labels` names it; nothing if it has no unit or none is known."""
         return ""
 
     @property
@@ -121,7 +121,7 @@ class DirectorProduct(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Offset(Measure):
-    """How far the point `to` is from the frame `a` along its director `i`."""
+    """Distance of the point `to` from the frame `a` along its director `i`."""
 
     a: Any
     to: Any
@@ -221,7 +221,7 @@ class JointCoordinate(Measure):
 
     @property
     def name(self) -> str:
-        """Which coordinate: the angle where the joint has one, unless said otherwise."""
+        """Chosen coordinate: the angle where the joint has one, unless said otherwise."""
         return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
 
     def strains(self) -> list[Strain]:
@@ -230,7 +230,7 @@ class JointCoordinate(Measure):
 
 @dataclass(config=settings, frozen=True)
 class Custom(Measure):
-    """What a function without arguments returns: forms or strains, built when the system is."""
+    """Measures returned by a function without arguments: forms or strains, built when the system is."""
 
     function: Callable[[], Any]
 

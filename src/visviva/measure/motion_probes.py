@@ -79,7 +79,7 @@ class JointRate(Reading):
 
     @property
     def name(self) -> str:
-        """Which coordinate."""
+        """Chosen coordinate."""
         return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
 
     @property

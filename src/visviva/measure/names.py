@@ -41,7 +41,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "heat_flux": ("heat flux", "heat_flux"),
     "shape": ("shape", ""),
 }
-"""What fields are called, and their quantities."""
+"""Human names of fields, and their quantities."""
 
 SYMMETRIC = ("xx", "yy", "zz", "xy", "yz", "zx")
 FULL = tuple(a + b for a in "xyz" for b in "xyz")
@@ -69,7 +69,7 @@ def quantity_of(field: str) -> str:
 
 
 def spoken(field: str) -> str:
-    """What a field is called."""
+    """Human name of a field."""
     return FIELDS.get(field, (field.replace("_", " "), ""))[0]
 
 

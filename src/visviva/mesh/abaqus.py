@@ -201,7 +201,7 @@ class Reader:
         return np.concatenate([np.zeros(0, np.int64), *parts])
 
     def one(self, word: str, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str) -> Ints:
-        """What a number or the name of a set stands for."""
+        """Members that a number or the name of a set stands for."""
         word = word.rpartition(".")[2] if not word.isdigit() else word  # without the name of an instance
         if word.isdigit():
             return self.found(np.array([int(word)]), numbers, what)

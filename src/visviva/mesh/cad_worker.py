@@ -24,7 +24,7 @@ CELL = {3: 0.12, 2: 0.43}
 
 
 class Refused(Exception):
-    """What cannot be meshed, in words."""
+    """Error of a geometry that cannot be meshed."""
 
 
 def read(gmsh: Any, order: dict[str, Any]) -> int:

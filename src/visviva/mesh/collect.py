@@ -1,4 +1,4 @@
-"""What a file says of a mesh, and the mesh that follows from it."""
+"""Contents of a mesh file, and the mesh made of them."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Collection:
         return Mesh(self._flat(dimension), cells, node_sets, face_sets, cell_sets)
 
     def part(self, name: str) -> Collection:
-        """What is left without cells that are not in a group, but for those of lower dimension between its nodes.
+        """Collected mesh without the cells outside a group, but for those of lower dimension between its nodes.
 
         Raises
         ------

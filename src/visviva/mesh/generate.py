@@ -65,7 +65,7 @@ def graded(places: Array, counts: tuple[int, ...], grading: tuple[Any, ...] | No
 
 
 class MeshSource(metaclass=Validated):
-    """What gives a mesh: a generator or a file."""
+    """Source of a mesh: a generator or a file."""
 
     @abstractmethod
     def build(self) -> Mesh:

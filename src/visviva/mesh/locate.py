@@ -9,7 +9,7 @@ from visviva.mesh.cells import CELLS, Array, Cell, Ints
 from visviva.mesh.mesh import Mesh
 
 TOLERANCE = 1e-8
-"""How far outside a cell, in its reference coordinates, a point still counts as inside."""
+"""Distance outside a cell, in its reference coordinates, up to which a point counts as inside."""
 
 
 def inverse(cell: Cell, corners: Array, x: Array) -> Array | None:
@@ -31,7 +31,7 @@ def inverse(cell: Cell, corners: Array, x: Array) -> Array | None:
 
 
 def outside(cell: Cell, xi: Array) -> float:
-    """How far reference coordinates are outside the cell; negative inside."""
+    """Distance of reference coordinates from the cell; negative inside."""
     corners = np.array(cell.family.corners, dtype=float)
     low, high = corners.min(axis=0), corners.max(axis=0)
     excess = float(np.maximum(low - xi, xi - high).max())

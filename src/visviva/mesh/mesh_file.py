@@ -183,7 +183,7 @@ def _meshio_read(path: Path) -> Any:
 
 
 def _of_meshio(read: Any) -> Collection:
-    """What meshio has read: cells, named groups, sets."""
+    """Parts of a mesh read by meshio: cells, named groups, sets."""
     unknown = {block.type: len(block.data) for block in read.cells if block.type not in NAMES}
     if unknown:
         listed = ", ".join(f"{n} cells of type {name}" for name, n in unknown.items())

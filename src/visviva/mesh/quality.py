@@ -18,7 +18,7 @@ DEGENERATE = 1e-10  # scaled Jacobian below which a cell has no volume but for r
 
 
 def _sites(cell: Cell) -> Array:
-    """Where Jacobians are looked at: quadrature points, then corners."""
+    """Points at which Jacobians are evaluated: quadrature points, then corners."""
     return np.concatenate([stiffness_rule(cell.name).points, cell.nodes[: cell.n_corners]])
 
 

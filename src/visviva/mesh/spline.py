@@ -189,7 +189,7 @@ class SplinePatch(SplineSource):
         return span - p, np.stack(values)
 
     def functions(self, xi: Array) -> tuple[Ints, Array, Array, Array]:
-        """What is not zero at parameters (n, d), of the rational functions.
+        """Nonzero rational basis functions at parameters (n, d).
 
         Returns
         -------

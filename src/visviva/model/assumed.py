@@ -16,7 +16,7 @@ Ints = NDArray[np.int64]
 
 
 class Sampling(Protocol):
-    """How strains are sampled: of interpolated vectors, products of which are added up.
+    """Sampling of strains: interpolated vectors, products of which are added up.
 
     Attributes
     ----------

@@ -243,7 +243,7 @@ def stepped(e: Array) -> NDArray[np.complex128]:
 
 
 def probes(e: Array, sizes: Array) -> Array:
-    """Where the complex step is judged from (n_e, n): a little along strains, by shares that nothing else has."""
+    """Points (n_e, n) at which the complex step is judged: a little along strains, by shares that nothing else has."""
     share = 1 - 0.5 * np.modf(0.618034 * np.arange(len(e)))[0]
     size = np.maximum(np.abs(e), 0.1 * sizes * np.abs(e / sizes).max(axis=0))
     along: Array = PROBE * share[:, None] * np.copysign(size, e)

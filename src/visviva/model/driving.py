@@ -1,4 +1,4 @@
-"""What functions of time drive: loads and constraints by signals, unknowns by prescribed motion."""
+"""Functions of time as drivers: loads and constraints by signals, unknowns by prescribed motion."""
 
 from __future__ import annotations
 
@@ -90,5 +90,5 @@ class Driving:
         return {account for t, accounts in self.kinks.items() if start < t <= end for account in accounts}
 
     def all_kinks(self) -> list[float]:
-        """Those of loads too, in order."""
+        """Signals, those of loads included, in order."""
         return sorted({t for f in self.signals for t in f.kinks} | set(self.kinks))

@@ -22,7 +22,7 @@ class Owner(Protocol):
 
     @property
     def label(self) -> str:
-        """How messages call it."""
+        """Name used in messages."""
         ...
 
     def vectors(self, model: Any) -> Vectors | None:

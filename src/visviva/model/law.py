@@ -1,4 +1,4 @@
-"""What strains cost: energies and laws known to the core, and functions of the user at batch level."""
+"""Energies and laws of strains: those known to the core, and functions of the user at batch level."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What components build when they join a system: fields of unknowns and elements of terms, in batches."""
+"""The model that components build when they join a system: fields of unknowns and elements of terms, in batches."""
 
 from __future__ import annotations
 

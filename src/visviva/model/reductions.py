@@ -1,4 +1,4 @@
-"""What leaves the equations before they are solved, as components know it of their unknowns."""
+"""Unknowns that leave the equations before they are solved, as components know them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What components may ask of the system they are in: its present state, and the core that holds it."""
+"""The view that components have of their system: its present state, and the core that holds it."""
 
 from __future__ import annotations
 

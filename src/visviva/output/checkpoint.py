@@ -22,7 +22,7 @@ HEAD = 512  # bytes before the HDF5 file, which HDF5 leaves to its user: layout 
 
 @dataclass(frozen=True)
 class Record:
-    """What one part of a run remembers.
+    """Restart record of one part of a run.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ class Coloring:
 
     @property
     def form(self) -> str:
-        """How ticks are printed: three digits, or as many as tell them apart.
+        """Format of ticks: three digits, or as many as tell them apart.
 
         Examples
         --------

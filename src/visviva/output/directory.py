@@ -64,7 +64,7 @@ class RunDirectory:
 
     @property
     def arguments(self) -> Path:
-        """What the study was made of, compared when the run is resumed."""
+        """Fingerprint of the study, compared when the run is resumed."""
         return self.path / "arguments.json"
 
     @property

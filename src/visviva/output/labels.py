@@ -1,4 +1,4 @@
-"""How things are called in pictures, plots and tables: human names and units, noted with the files of a run."""
+"""Names in pictures, plots and tables: human names and units, noted with the files of a run."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where in the file a step goes.
+    """Index in the file for a step.
 
     HDF5 itself cannot append so that a process may die at any moment: it changes several blocks of
     its bookkeeping in an order of its own. Here all bookkeeping for `capacity` steps is written

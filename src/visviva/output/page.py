@@ -171,7 +171,7 @@ def first_field(fields: Sequence[str]) -> str:
 
 
 def changing(frames: Frames, files: RunDirectory, labels: Labels) -> dict[str, Any]:
-    """What a page knows that changes while a run goes on."""
+    """Present state of a run, for a page that follows it."""
     motion = frames.motion
     scene = Scene(motion.surfaces, motion.cloud(), size=(1000, 700))
     eye, target, up = centred(scene.fitted_camera(OPENING), scene.cloud)

@@ -23,7 +23,7 @@ REFUSED = 403
 
 
 class RunPages:
-    """What a browser may ask of a run, by path; only reads. Memory does not grow with the frames of the run.
+    """Server of a run to a browser, read-only. Memory does not grow with the frames of the run.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """What to open; the token in it is the key."""
+        """Address to open; the token in it is the key."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/?token={self.pages.token}"
 
     def server_close(self) -> None:

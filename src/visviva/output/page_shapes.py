@@ -1,4 +1,4 @@
-"""What a page in the browser draws of surfaces: corners with one normal each, triangles, lines and dots."""
+"""Surfaces as a page in the browser draws them: corners with one normal each, triangles, lines and dots."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Shape:
 
 
 def shape_of(surface: Surface) -> Shape:
-    """What is drawn of a surface.
+    """Drawable form of a surface.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What PyVista draws of surfaces: meshes that follow their points."""
+"""Surfaces in PyVista: meshes that follow their points."""
 
 from __future__ import annotations
 

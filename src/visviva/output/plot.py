@@ -196,7 +196,7 @@ def drawn(file: str | Path, heights: Sequence[float], title: str, across: int = 
 
 
 DATE = {"pdf": "CreationDate", "svg": "Date"}
-"""What would make two equal plots differ."""
+"""Metadata that would make files of equal plots differ."""
 
 
 def _draw_probe(panel: Any, series: Columns, stem: str, names: Sequence[str], labels: Labels) -> None:

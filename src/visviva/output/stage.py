@@ -1,4 +1,4 @@
-"""What every renderer of a scene offers, and the choice of the renderer that works on this machine."""
+"""Interface of the renderers of a scene, and the choice of one that works on this machine."""
 
 from __future__ import annotations
 

@@ -128,7 +128,7 @@ class StateFile:
 
     @property
     def records(self) -> Column[list[Array]]:
-        """What contacts showed at these times."""
+        """Records of contacts at these times."""
         return Column(self, self._records_of)
 
     def row(self, k: int) -> Array:
@@ -219,7 +219,7 @@ class StateFile:
 
 
 def _identity(descriptor: int) -> tuple[int, ...]:
-    """What changes as soon as somebody writes to a file or puts another in its place."""
+    """Mark of a file that changes as soon as it is written to or replaced."""
     status = os.fstat(descriptor)
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
 

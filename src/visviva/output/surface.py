@@ -1,4 +1,4 @@
-"""What is drawn and stored of one component."""
+"""Drawn and stored surface of one component."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from visviva.output.layout import FORMAT, WITHOUT_CHECKSUMS, checksum_of_mesh, c
 from visviva.output.surface import Surface
 
 UNREADABLE = (OSError, KeyError, ValueError, TypeError, RuntimeError, IndexError, AttributeError)
-"""What h5py raises on damaged files."""
+"""Errors that h5py raises on damaged files."""
 
 
 class Trajectory:
@@ -83,11 +83,11 @@ class Trajectory:
         self.labels = Labels.of(json.loads(own.attrs.get("labels", "{}")))
 
     def moment(self, time: float) -> str:
-        """How a time is written into a picture."""
+        """Text of a time in a picture."""
         return self.labels.moment(time, float(self.times[-1] - self.times[0]))
 
     def _read(self, stream: str, start: int, stop: int) -> NDArray[np.float64]:
-        """What is stored of a stream for the steps from `start` to `stop`, if it is what was written."""
+        """Stored records of a stream for the steps from `start` to `stop`, if they are what was written."""
         n = self._rows_per_step(stream)
         try:
             values: NDArray[np.float64] = self._streams[stream][start * n : stop * n]

@@ -1,4 +1,4 @@
-"""What a picture shows, and from where one looks at it."""
+"""Content of a picture, and its camera."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ ABOVE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))  # the same for what lies in the plan
 
 @dataclass(frozen=True)
 class Scene:
-    """What is drawn and from where: surfaces, their colours, the box that holds the motion, camera, size.
+    """View of a run: surfaces, their colours, the box that holds the motion, camera, size.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class Scene:
 
     @property
     def reach(self) -> float:
-        """How far the ground is drawn from the middle."""
+        """Distance from the middle to which the ground is drawn."""
         return 0.95 * self.extent
 
     def fitted_camera(self, opening: float) -> Camera:

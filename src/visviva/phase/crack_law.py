@@ -1,4 +1,4 @@
-"""What cracks cost and what they take of a material's energy, at points; the core has the same in C++."""
+"""Energy of cracks and degradation of a material's energy, at points; the core has the same in C++."""
 
 from __future__ import annotations
 

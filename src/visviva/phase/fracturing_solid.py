@@ -39,7 +39,7 @@ HEATED = {
 
 @plain_dataclass(frozen=True, eq=False)
 class Evaluation:
-    """What is asked of a type of cells: fields at points and forces on nodes, in Python."""
+    """Interface of a type of cells: fields at points and forces on nodes, in Python."""
 
     solid: FracturingSolid
     nodes: Ints
@@ -189,7 +189,7 @@ class FracturingSolid(Solid):
             )
 
     def _refuse_coarse(self) -> None:
-        """Where no cell resolves the length, nothing of the result is meant."""
+        """Refuse a length of cracks that no cell resolves."""
         size = min(
             float(edges(self.grid.points, nodes, cell).min()) for cell, nodes in self.grid.cells.items()
         )

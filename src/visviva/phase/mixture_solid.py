@@ -37,7 +37,7 @@ A, B = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
 
 @plain_dataclass(frozen=True, eq=False)
 class StressedCells:
-    """What is asked of a type of cells: fields at points and forces on nodes, in Python."""
+    """Interface of a type of cells: fields at points and forces on nodes, in Python."""
 
     solid: MixtureSolid
     nodes: Ints

@@ -162,7 +162,7 @@ class PhaseBody(Meshed):
 
     # --- what it shows -------------------------------------------------------------------------------------
     def coefficients(self, field: Field, x: Array) -> Array:
-        """Those of a field among the unknowns `x` of the system."""
+        """Coefficients of a field among the unknowns `x` of the system."""
         return np.array(x[field.start : field.start + field.size])
 
     def values(self, x: Array) -> Array:

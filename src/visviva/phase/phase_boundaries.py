@@ -1,4 +1,4 @@
-"""What happens to mixtures and order parameters at walls and from outside: wetting, given values, sources."""
+"""Boundary conditions and sources of mixtures and order parameters: wetting, given values, reactions."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ class Inflow(Term):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class ConcentrationSource(Component):
-    """What reactions or radiation add to a mixture, per volume and time.
+    """Source of a mixture by reactions or radiation, per volume and time.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class Source(Term):
         self.k, self.has_potential, self.table, self.values = k, potential is not None, table, values
 
     def loads(self, s: Stencils) -> Array:
-        """What comes in (m, k) per time, by coefficients."""
+        """Rates of supply (m, k), by coefficients."""
         t = self.table
         return np.asarray(np.einsum("mq,mq,mqk->mk", t.size, self.values.at(s.step.te, t.X), t.N))
 

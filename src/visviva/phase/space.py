@@ -69,7 +69,7 @@ class Table:
 
 
 class ScalarSpace(Protocol):
-    """What components ask of the space that their scalar fields are in.
+    """Interface of the space of scalar fields.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class ScalarSpace(Protocol):
         ...
 
     def fitted_on(self, nodes: Ints, values: Array) -> Array:
-        """Those coefficients (k,) by values at these nodes."""
+        """Coefficients (k,) from values at these nodes."""
         ...
 
 

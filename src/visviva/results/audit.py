@@ -59,13 +59,13 @@ class Judgement:
 
 
 def audit(result: Result) -> str:
-    """What was done, and a line with a verdict about everything that may be conserved."""
+    """Audit of a run: what was done, and a line with a verdict about everything that may be conserved."""
     return "\n".join([*(f"  {line}" if k else line for k, line in enumerate(course(result))),
                       *(f"  {judged}" for judged in judgements(result))])  # fmt: skip
 
 
 def course(result: Result) -> list[str]:
-    """How a run went: steps, size, solver, energies and works."""
+    """Lines on the course of a run: steps, size, solver, energies and works."""
     system, s, ledger = result.system, result.statistics, result.ledger
     labels = labels_of(system.units, result.scheme)
     works = ", ".join(f"{k} {energy(f'work_{k}', ledger, labels)}" for k in ledger.works) or "none"
@@ -108,7 +108,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def judgements(result: Result) -> list[Judgement]:
-    """What to think of the energy, the momenta, equilibria and constraints of a run."""
+    """Verdicts on the energy, the momenta, equilibria and constraints of a run."""
     ledger, stability = result.ledger, result.system.stepper.stability
     scale = measured(ledger.energy_scale, labels_of(result.system.units, result.scheme), 4)
     found = [
@@ -260,7 +260,7 @@ def axes_of(system: System) -> tuple[str, str]:
 
 
 def gauge_text(system: System) -> str:
-    """What components show of the last step, behind a bar or an audit's line.
+    """Notes of components on the last step, printed behind a bar or an audit's line.
 
     Examples
     --------

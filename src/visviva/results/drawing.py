@@ -1,4 +1,4 @@
-"""What is drawn of a system: surfaces of its components, and where their points are at a state."""
+"""Drawing of a system: surfaces of its components, and the places of their points at a state."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Drawing:
         self.fields = self._known(shown)
 
     def _known(self, fields: Sequence[str]) -> dict[str, int]:
-        """Those of the fields that some component has, with their numbers of components."""
+        """Requested fields that some component has, with their numbers of components."""
         everything = {*QUANTITIES, *FIELDS, *(name for c in self._meshes for name in c.widths())}
         for name in fields:
             if name not in everything:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 STILL = 1e-6
-"""What moves by less than this part of its size counts as being at rest."""
+"""Part of its size below which the motion of a body counts as rest."""
 
 RELEASE = "release"
 """Work in statics of what held a system that starts out of equilibrium: it lets go slowly in the first load step."""
@@ -169,7 +169,7 @@ class Ledger:
 
     @property
     def energy_scale(self) -> float:
-        """What energy errors are relative to: the largest of kinetic energy, swing of potentials, work.
+        """Scale of energy errors: the largest of kinetic energy, swing of potentials, work.
 
         Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
         rounding only.
@@ -201,7 +201,7 @@ class Ledger:
         return max(rms, STILL * self.length / self.duration if self.duration > 0 else 0.0)
 
     def momentum_scale(self, kind: str) -> float:
-        """What changes of momentum ('momentum' or 'angular') are relative to.
+        """Scale of changes of momentum ('momentum' or 'angular').
 
         The greatest momentum that the masses can have with the largest kinetic energy T of the run, ``sqrt(2 m
         T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
@@ -212,7 +212,7 @@ class Ledger:
 
     @property
     def rate_scale(self) -> float:
-        """How often per unit of time the system moves by its length; once in the run at least."""
+        """Rate at which the system moves by its length; once in the run at least."""
         return max(self.speed / self.length, 1 / self.duration if self.duration > 0 else 1.0)
 
     def imbalance(self) -> float:

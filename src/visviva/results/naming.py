@@ -1,4 +1,4 @@
-"""How the files of a run call what they hold: clocks, fields and columns with their units."""
+"""Names within the files of a run: clocks, fields and columns with their units."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LABELLED = (*BASE, *DERIVED, "stress", "energy", "power", "angle")
 
 
 def clock_of(scheme: Scheme) -> str:
-    """What the times of a run are: load steps are no seconds, and paths through limit points count their states."""
+    """Clock of a run: seconds, load factors, or the count of states on a path through limit points."""
     if not scheme.has_growing_time:
         return "state"
     return "time" if scheme.has_inertia else "load parameter"
@@ -58,7 +58,7 @@ def labels_of(
 
 
 def up_of(system: System) -> tuple[float, float, float] | None:
-    """What is up in a system: against its gravity, if there is some.
+    """Upward direction of a system: against its gravity, if there is some.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What acts on a system from outside, so that its momenta are not meant to be conserved."""
+"""Actions on a system from outside, for which its momenta are not meant to be conserved."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def is_outside(component: Component) -> bool:
 
 
 def partners(component: Component) -> Iterator[Any]:
-    """What a component refers to."""
+    """Components that a component refers to."""
     for f in fields(component) if is_dataclass(component) else ():
         value = getattr(component, f.name)
         yield from value if isinstance(value, list | tuple) else (value,)

@@ -1,4 +1,4 @@
-"""What a run leaves: states, ledger, statistics, and the audit of what was conserved."""
+"""Result of a run: states, ledger, statistics, and the audit of what was conserved."""
 
 from __future__ import annotations
 
@@ -289,7 +289,7 @@ class Result:
         return figures
 
     def audit(self) -> str:
-        """What was conserved, in ten lines; also printed."""
+        """Audit of what was conserved, in ten lines; also printed."""
         text = audit(self)
         print(text)
         return text

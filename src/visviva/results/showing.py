@@ -64,12 +64,12 @@ def target(file: str | Path | None) -> Iterator[Path]:
 
 
 def made(path: Path, file: str | Path | None) -> Picture:
-    """What was drawn, and where it is if it stays."""
+    """Drawn file, and its place if it stays."""
     return Picture(path.read_bytes(), None if file is None else path)
 
 
 def labels(result: Result, columns: Mapping[str, str] | None = None) -> Labels:
-    """How a result calls what it shows."""
+    """Title of what a result shows."""
     return labels_of(result.system.units, result.scheme, columns=columns, up=up_of(result.system))
 
 

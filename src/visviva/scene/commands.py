@@ -1,4 +1,4 @@
-"""What the commands of the command line share: composing, resuming, introducing and checking a study."""
+"""Steps shared by the commands of the command line: composing, resuming, introducing and checking a study."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
 def as_before(
     directory: Path, given: dict[str, Any], parameters: dict[str, Any], force: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What an earlier run was given, but for its end time; with `force` all that is given now."""
+    """Arguments of an earlier run, but for its end time; with `force` those given now."""
     from visviva.output.directory import RunDirectory
     from visviva.study.restart import notes_of
 

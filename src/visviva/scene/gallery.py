@@ -48,7 +48,7 @@ def example(name: str) -> ModuleType:
 
 
 def first_line(module: ModuleType) -> str:
-    """What an example is about."""
+    """Summary of an example."""
     return (module.__doc__ or "").strip().split("\n")[0]
 
 
@@ -65,7 +65,7 @@ def compose_file(file: str, parameters: Mapping[str, Any]) -> Source:
 
 
 def compose_module(module: ModuleType, name: str, parameters: Mapping[str, Any]) -> Source:
-    """What the function `study` of a module gives."""
+    """Study returned by the function `study` of a module."""
     from visviva.study.study import Study
 
     known, hints = inspect.signature(module.study).parameters, get_type_hints(module.study)
@@ -100,7 +100,7 @@ def parameters_of(module: ModuleType) -> list[tuple[str, str, str]]:
 
 
 def described(module: ModuleType, name: str) -> str:
-    """What a model is, and its parameters with their types and defaults, for ``--set``."""
+    """Summary of a model, and its parameters with their types and defaults, for ``--set``."""
     text = (module.study.__doc__ or module.__doc__ or "").strip()
     rows = [(key, kind, default) for key, kind, default in parameters_of(module)]
     if not rows:

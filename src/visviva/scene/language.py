@@ -1,4 +1,4 @@
-"""What a scene file can say: the public constructors of visviva, found by looking, not by registration."""
+"""The language of scene files: the public constructors of visviva, found by looking, not by registration."""
 
 from __future__ import annotations
 
@@ -74,18 +74,18 @@ def public(base: type[T]) -> dict[str, type[T]]:
 
 
 def components() -> dict[str, type[Component]]:
-    """What can stand in a system."""
+    """Constructors of components of a system."""
     return public(Component)
 
 
 def values() -> dict[str, type[Any]]:
-    """What can stand as an argument: shapes, meshes, materials, sections, options of solvers, measures, probes."""
+    """Constructors of arguments: shapes, meshes, materials, sections, options of solvers, measures, probes."""
     choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
     return {**choices, **public(Reading)}
 
 
 def probes() -> dict[str, type[Any]]:
-    """What can be recorded."""
+    """Constructors of probes."""
     return public(Reading)
 
 

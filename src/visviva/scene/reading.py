@@ -219,7 +219,7 @@ class Reader:
         return given
 
     def probes(self) -> dict[str, Any]:
-        """What is recorded."""
+        """Probes of the scene."""
         data = self.document.data.get("probes")
         if data is None:
             return {}

@@ -54,7 +54,7 @@ def load(file: str | Path) -> ModuleType:
 
 
 def line_of(error: Exception, path: Path) -> str:
-    """Where in the file it went wrong, as ``:12``."""
+    """Line of the file where it went wrong, as ``:12``."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f":{error.lineno}"
     lines = [

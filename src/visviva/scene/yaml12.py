@@ -44,7 +44,7 @@ FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-
 
 
 class Unreadable(InputError):
-    """What makes a text unreadable, with the line and the key if they are known."""
+    """Error of an unreadable text, with the line and the key if they are known."""
 
     def __init__(self, message: str, line: int | None = None, key: Key = ()) -> None:
         super().__init__(message)
@@ -72,7 +72,7 @@ def number(text: str) -> int | float | None:
 
 
 def plain(text: str) -> Any:
-    """What a scalar without quotes and tag means: null, a Boolean, a number, or the text itself."""
+    """Value of a scalar without quotes and tag: null, a Boolean, a number, or the text itself."""
     if text in NAMED:
         return NAMED[text]
     found = number(text)
@@ -80,7 +80,7 @@ def plain(text: str) -> Any:
 
 
 def tagged(tag: str, text: str) -> Any:
-    """What a scalar with a tag means."""
+    """Value of a scalar with a tag."""
     kind = tag.removeprefix("tag:yaml.org,2002:")
     if tag == "!" or kind == "str":
         return text

@@ -1,4 +1,4 @@
-"""What a run is made of, in words that can be compared: every argument of every component, by value.
+"""Fingerprint of a run, in words that can be compared: every argument of every component, by value.
 
 A value is told in one line: numbers and texts as they are, arrays, meshes and files by a digest of their bytes,
 functions by a digest of their code with defaults, closure and the globals that they use. Components that arguments
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from visviva.study.study import Study
 
 Arguments = dict[str, dict[str, str]]
-"""What every argument is, by the labels of components and the names of arguments."""
+"""Values of arguments, by the labels of components and the names of arguments."""
 
 LINE = 160  # characters; what is longer becomes a digest
 FEW = 9  # numbers that are told one by one
@@ -71,7 +71,7 @@ def fingerprint(study: Study) -> tuple[Arguments, list[str]]:
 
 
 def changes(before: Arguments, now: Arguments) -> list[str]:
-    """What differs, one line each: the component, its argument, both values."""
+    """Differences, one line each: the component, its argument, both values."""
     found = [f"{owner} is missing" for owner in before if owner not in now]
     found += [f"{owner} is new" for owner in now if owner not in before]
     for owner, arguments in now.items():
@@ -261,7 +261,7 @@ def is_written(name: str, value: Any) -> bool:
 
 
 def contents(function: FunctionType) -> Iterator[Any]:
-    """What a function's closure holds."""
+    """Values in a function's closure."""
     for cell in function.__closure__ or ():
         try:
             yield cell.cell_contents

@@ -1,4 +1,4 @@
-"""What a run directory notes of the study that it holds, and what may not have changed when it is resumed."""
+"""Record of the study in a run directory, and comparison with it when the run is resumed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Origin:
 
     @classmethod
     def of(cls, study: Study) -> Self:
-        """What a study is made of."""
+        """Record of a study."""
         return cls(*fingerprint(study))
 
     def write(self, files: RunDirectory) -> None:
@@ -46,7 +46,7 @@ class Origin:
 
     @classmethod
     def read(cls, files: RunDirectory) -> Self:
-        """What the directory notes.
+        """Contents of the record.
 
         Raises
         ------

@@ -65,7 +65,7 @@ class Cadence:
 
 
 def steps_of(study: Study) -> dict[str, Any]:
-    """How a study steps through time."""
+    """Time stepping of a study."""
     return {
         "step": study.step,
         "scheme": str(study.scheme),

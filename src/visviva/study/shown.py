@@ -1,4 +1,4 @@
-"""What a study shows: which points are drawn."""
+"""Drawn points of a study."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from visviva.study.study import Probe, Study
 
 
 def draw(study: Study) -> Drawing:
-    """What is drawn of a study: its system, and its trails where no component has their name."""
+    """Drawn components of a study: its system, and its trails where no component has their name."""
     places = {name: place_of(study.probes[name]) for name in study.trails if name in study.probes}
     spots = {name: place for name, place in places.items() if place is not None}
     return Drawing(study.system, spots, study.fields)

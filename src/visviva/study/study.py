@@ -16,7 +16,7 @@ from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.system import System
 
 Probe = Form | Vector | Strain | Callable[[System], Any]
-"""What can be recorded over time: a form, vector or strain, or a function of the system."""
+"""Type of probes: a form, vector or strain, or a function of the system."""
 
 FIELDS = ("von_mises", "pressure", "cauchy", "energy")
 """Fields of solids that trajectories hold unless others are chosen."""
@@ -31,7 +31,7 @@ TYPES: tuple[tuple[str, Any, str], ...] = (
     ("moments", Iterable, "a list of times"),
     ("adaptive", Adaptive | None, "vv.Adaptive(...)"),
 )
-"""What the arguments of a study are."""
+"""Arguments of a study."""
 
 
 @dataclass

@@ -45,7 +45,7 @@ def build_core(system: System) -> _core.System:
 
 
 def hand_driving(core: _core.System, driving: Driving) -> None:
-    """What functions of time drive."""
+    """Parts driven by functions of time."""
     core.set_signal_count(max(len(driving.signals), 1))
     core.set_driven(driving.is_driven)
     if driving.drives:
@@ -53,7 +53,7 @@ def hand_driving(core: _core.System, driving: Driving) -> None:
 
 
 def hand_reductions(core: _core.System, system: System) -> None:
-    """What leaves the equations before they are solved."""
+    """Reductions of the equations before they are solved."""
     reductions = system.model.reductions
     if (system.local >= 0).any():
         core.condense_elements(system.local)

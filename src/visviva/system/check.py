@@ -1,4 +1,4 @@
-"""What is looked at before the first step: freedoms, redundant constraints, initial state, tangents."""
+"""Checks before the first step: freedoms, redundant constraints, initial state, tangents."""
 
 from __future__ import annotations
 
@@ -264,7 +264,7 @@ def told_moves(system: System, x0: Array, v0: Array, edited: bool) -> tuple[list
 
 
 def largest_move(system: System, f: Field, what: str, change: Array) -> str:
-    """How far a field has moved, in words: lengths, unless it hardly does but turn."""
+    """Text on how far a field has moved: lengths, unless it hardly does but turn."""
     vectors = f.component.vectors(system.model)
     assert vectors is not None
     starts, is_position, width = vectors

@@ -24,7 +24,7 @@ ROUND_OFF = 4e-15
 
 @dataclass
 class Correction:
-    """How far a projection moved things.
+    """Sizes of the motion by a projection.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 ROUNDING = 3e-12
 """A motion that meets less than this part of the stiffnesses that cancel in it is free."""
 CLEAR = 1e-6
-"""How far a free motion may be from a translation or rotation along an axis to be called so."""
+"""Distance from a translation or rotation along an axis up to which a free motion is called so."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Motions:
 
     @property
     def possible(self) -> NDArray[np.bool_]:
-        """Which of the six (6,) the body has."""
+        """Mask of the six motions (6,) that the body has."""
         return self.size > 0
 
     def in_words(self, free: Array) -> str:
@@ -165,7 +165,7 @@ def refuse_massless(system: System) -> None:
 
 
 def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list[str]:
-    """Those of the bodies that can move rigidly in a step and meet nothing while all others stay; their motions."""
+    """Bodies that can move rigidly in a step and meet nothing while all others stay; their motions."""
     motions = [m for body in bodies if (m := rigid_motions(system, body))]
     if not motions:
         return []

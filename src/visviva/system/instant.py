@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NO_STEP = 1e-3
-"""What stands for the length of steps before one is known."""
+"""Length of steps assumed before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
 LIGHT = 1e-6
@@ -143,7 +143,7 @@ class Instant:
 
     @property
     def moment(self) -> float:
-        """How far from now functions of time are looked at: a step, as far as its length is known."""
+        """Span from now over which functions of time are looked at: a step, as far as its length is known."""
         return self.system.clock.step or NO_STEP
 
     def drift(self) -> Array:
@@ -173,7 +173,7 @@ class Instant:
         return G
 
     def _span(self, v: Array) -> float:
-        """How far along velocities to look for differences."""
+        """Distance along velocities at which differences are taken."""
         return 1e-3 / (float(np.max(np.abs(v) / self.scale, initial=0.0)) or 1.0)
 
     def bend(self, null: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What a system remembers besides its state, which decides the bits of coming steps; and looks that leave no trace."""
+"""The memory of a system besides its state, which decides the bits of coming steps; and looks that leave no trace."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from visviva.system.system import System
 
 CORE, HISTORY = "core: ", "history: "
-"""How names of records begin of the core's parts, and of terms in Python."""
+"""Prefixes of the names of records: those of the core's parts, and of terms in Python."""
 HISTORY_VERSION = 1
 INTERNAL, INTERNAL_VERSION = "histories", 1
 """Record of all internal variables of materials, which hold whatever the next steps are."""

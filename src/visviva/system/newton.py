@@ -1,4 +1,4 @@
-"""How the equations of a step are solved, and the failure to do so."""
+"""Newton's method for the equations of a step, and the failure of it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Newton(metaclass=Validated):
-    """How a step's equations are solved.
+    """Newton's method for the equations of a step.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the choice of a linear solver is told of a system, and the solvers handed to its core."""
+"""Facts on a system for the choice of its linear solver, and the solvers handed to its core."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STATIC = 100.0
 LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
-"""What is carried along by a flow makes the tangent unsymmetric."""
+"""Roles of fields carried along by a flow, which make the tangent unsymmetric."""
 
 
 def uses_null_space(system: System) -> bool:

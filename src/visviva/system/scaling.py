@@ -86,7 +86,7 @@ def split(values: Array, part: NDArray[np.int32], n_parts: int) -> list[Array]:
 
 
 def asymmetry(K: sp.csr_array) -> sp.coo_array:
-    """What entries of a scaled matrix differ by from those across the diagonal, as ``System::asymmetry`` of the core.
+    """Largest difference of entries of a scaled matrix across the diagonal, as ``System::asymmetry`` of the core.
 
     Rows and columns are scaled by their diagonal, so that units do not count and constraints do not either; those
     without one by their largest entry. Where something is larger than one then, row and column share in taking it

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 LARGEST, FULL = 6000, 600
 """Equations up to which a tangent is factored for its signs alone, and as a full matrix."""
 UNSYMMETRIC, BY_DIFFERENCES = 1e-11, 1e-7
-"""What entries of an equilibrated tangent may differ by across the diagonal; the latter where derivatives may be
+"""Allowed difference of entries of an equilibrated tangent across the diagonal; the latter where derivatives may be
 differences."""
 COMPLIANCE = 1e-6
 """Of scaled constraints, so that they have pivots too; it leaves the signs of all but the hardest directions."""
@@ -37,7 +37,7 @@ NEUTRAL, ROUNDING = 1e-13, 1e-10
 
 @dataclass
 class Stability:
-    """How many equilibria a run found, how many were unstable, and of how many that is not known."""
+    """Counts of equilibria that a run found: all, unstable ones, and those whose stability is not known."""
 
     equilibria: int = 0
     unstable: int = 0

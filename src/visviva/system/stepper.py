@@ -1,4 +1,4 @@
-"""What marching remembers of a system: where its clock stands, what led to the present state, how steps are chosen."""
+"""The stepper: the memory of marching, which is its clock, how the present state came about, how steps are chosen."""
 
 from __future__ import annotations
 

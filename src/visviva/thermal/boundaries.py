@@ -1,4 +1,4 @@
-"""How heat gets into bodies: temperatures that are given, fluxes, convection, radiation, sources in the volume."""
+"""Boundary conditions and sources of heat: given temperatures, fluxes, convection, radiation, sources in the volume."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class ThroughPoints(Component):
     kind = "heat"
 
     def points(self) -> Sequence[Points]:
-        """Where it comes in."""
+        """Points at which it comes in."""
         raise NotImplementedError
 
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:

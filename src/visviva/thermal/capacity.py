@@ -36,7 +36,7 @@ class Capacity:
         return [self.slope, *self.bends.ravel(), *[1.0, 0.0] * rest]
 
     def times(self, factor: float) -> Capacity:
-        """That of `factor` as much."""
+        """Capacity multiplied by `factor`."""
         return Capacity(factor * self.c, self.zero, self.slope, self.bends * (1.0, factor))
 
     @property
@@ -79,7 +79,7 @@ class Capacity:
 
 
 def bent(t: float, T: Array) -> Array:
-    """What the entropy gains above a bend."""
+    """Gain of entropy above a bend."""
     rise = np.maximum(T - t, 0)
     return np.asarray(rise - t * np.log1p(rise / t) if t > 0 else rise)
 

@@ -24,7 +24,7 @@ LEAST = 1e-6
 
 
 class Carried:
-    """What elements of one type need: shape functions, their derivatives, volumes and the metric.
+    """Data of elements of one type: shape functions, their derivatives, volumes and the metric.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ def pairs(a: Array, b: Array) -> Array:
 
 
 class ViscousHeat(Term):
-    """What viscosity takes from the flow, as heat; the unknowns are those of `CarriedHeat`."""
+    """Viscous dissipation of the flow as heat; the unknowns are those of `CarriedHeat`."""
 
     kind = "viscous heating"
 

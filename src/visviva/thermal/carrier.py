@@ -1,4 +1,4 @@
-"""What conditions of heat ask of bodies that carry it."""
+"""Interface of bodies that carry heat, for boundary conditions and exchange."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class GivenTemperatures:
 
 @dataclass(frozen=True, eq=False)
 class HeatPort:
-    """Where heat goes in and out: unknowns whose mean, by `weights`, has the temperature there.
+    """Port through which heat goes in and out: unknowns whose mean, by `weights`, has the temperature there.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class HeatCarrier(Component):
         """Let heat flow in at quadrature points, booked as `kind`."""
 
     def heat_port(self, nodes: Ints) -> HeatPort:
-        """Where heat goes in and out that is shared evenly by nodes (k,)."""
+        """Port whose heat is shared evenly by nodes (k,)."""
         contents, temperatures = self.balance_unknowns(nodes), self.temperature_unknowns(nodes)
         return HeatPort(
             contents.astype(np.int64), temperatures.astype(np.int64), np.full(len(nodes), 1 / len(nodes))

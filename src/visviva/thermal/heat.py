@@ -1,4 +1,4 @@
-"""How materials that deform store and conduct heat."""
+"""Storage and conduction of heat in materials that deform."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class HeatLaw(metaclass=Validated):
 
 @dataclass(config=settings, kw_only=True)
 class Heat(HeatLaw):
-    """How a material that deforms stores and conducts heat.
+    """Storage and conduction of heat in a material that deforms.
 
     The free energy is
     ``W(C) (1 + moduli_slope (T - T0)) - 3 K expansion (T - T0) ln J + c (T - T0 - T ln(T / T0))`` with

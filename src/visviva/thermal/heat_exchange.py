@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Side:
-    """Where an exchange sees a port: columns of its unknowns."""
+    """Columns of a port among the unknowns of an exchange."""
 
     def __init__(self, port: HeatPort, first: int) -> None:
         self.port, k = port, len(port.contents)

@@ -17,7 +17,7 @@ Ints = NDArray[np.int64]
 
 
 class HeldTemperature(Term):
-    """That the temperature of strain and entropy at a node, in the mean of its cells, is what it should be.
+    """Constraint that the temperature of strain and entropy at a node, in the mean of its cells, is the given one.
 
     An element is a cell with one of its nodes; its unknowns are the positions of the cell's nodes, the node's entropy,
     and its supply of entropy, whose equation this is. It speaks of the end of a step: a temperature held within

@@ -63,7 +63,7 @@ class Lump(Component):
         self.algorithmic = model.field(self, "temperature", [T], role=Role.TEMPERATURE, scale=self.reference)
 
     def heat_port(self) -> HeatPort:
-        """Where its heat goes in and out."""
+        """Port through which its heat goes in and out."""
         one = np.ones(1)
         return HeatPort(np.array([self.entropy.start]), np.array([self.algorithmic.start]), one)
 

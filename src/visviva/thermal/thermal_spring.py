@@ -176,7 +176,7 @@ class ThermalSpring(Lump):
         return [*mine, self.capacity, self.reference, self.damping]
 
     def _strain_entropy(self, length: float) -> float:
-        """What its length takes of the entropy at one temperature."""
+        """Part of the entropy that depends on its length, at one temperature."""
         g = length - self.free if self.law == "linear" else np.log(length / self.free)
         return float(self._coupling * g - self.moduli_slope * 0.5 * self.stiffness * g**2)
 

@@ -44,7 +44,7 @@ Ints = NDArray[np.int64]
 
 @plain_dataclass(frozen=True, eq=False)
 class Evaluation:
-    """What is asked of the term of a solid's cells: fields at points and forces on nodes, in Python."""
+    """Interface of the term of a solid's cells: fields at points and forces on nodes, in Python."""
 
     solid: ThermoelasticSolid
     nodes: Ints
