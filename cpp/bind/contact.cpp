@@ -196,7 +196,7 @@ void bind_construction(nb::class_<ContactTerm, Term>& term) {
         nb::arg("inertia"), nb::arg("most_inertia"), nb::arg("damping"));
 }
 
-// What it found in the last step.
+// Findings of the last step.
 void bind_findings(nb::class_<ContactTerm, Term>& term) {
     term.def("book_contact",
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })

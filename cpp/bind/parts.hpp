@@ -1,5 +1,5 @@
 #pragma once
-// What the parts of the binding add to the module.
+// Contribution of each part of the binding to the module.
 #include <nanobind/nanobind.h>
 
 void bind_terms(nanobind::module_& m);

@@ -42,7 +42,7 @@ static Blocks blocks_of(const Ints& block, const Ints& stage, const Ints& multip
         return view(s.sums.name.data(), s.sums.name.size(), self); \
     })
 
-// How many unknowns a kind of reduction has taken out of the equations.
+// Number of unknowns that a kind of reduction has taken out of the equations.
 template <class T>
 static int n_reduced(const System& s) {
     int n = 0;
@@ -64,7 +64,7 @@ static void bind_records(nb::module_& m) {
             "numbers", [](const Record& record) { return handed_over(record.numbers); }, nb::rv_policy::move);
 }
 
-// What the equations consist of.
+// Parts of the equations.
 static void bind_unknowns(nb::class_<System>& system) {
     system
         .def("__init__",
@@ -98,7 +98,7 @@ static void bind_unknowns(nb::class_<System>& system) {
         });
 }
 
-// What leaves the equations before they are solved.
+// Reductions of the equations before they are solved.
 static void bind_reductions(nb::class_<System>& system) {
     system
         .def("condense_elements",
@@ -216,7 +216,7 @@ static void bind_steps(nb::class_<System>& system) {
         });
 }
 
-// What is remembered, and brought back.
+// Memory, and its restoration.
 static void bind_memory(nb::class_<System>& system) {
     system.def("memory", &System::memory)
         .def("histories", [](const System& s) { return handed_over(s.histories()); })

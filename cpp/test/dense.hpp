@@ -1,4 +1,4 @@
-// What tests compare with: dense matrices, arbitrary numbers, differences.
+// References of tests: dense matrices, arbitrary numbers, differences.
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>

@@ -1,4 +1,4 @@
-// What leaves the equations before they are solved: solutions are those of the whole dense system.
+// Reductions: their solutions are those of the whole dense system.
 #include <doctest/doctest.h>
 
 #include "dense.hpp"

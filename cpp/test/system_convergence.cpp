@@ -1,4 +1,4 @@
-// What Newton's increments tell of the error that remains.
+// Estimate of the remaining error from Newton's increments.
 #include <doctest/doctest.h>
 
 #include <initializer_list>

@@ -1,4 +1,4 @@
-// What has to be put back however a scope is left: functions from outside may throw anywhere.
+// Guard that puts things back however a scope is left: functions from outside may throw anywhere.
 #pragma once
 #include <utility>
 

@@ -7,7 +7,7 @@ namespace visviva {
 
 enum class Instructions { base, v3, v4 };
 
-/// What this core was compiled for and this processor has, the narrowest first.
+/// Instruction sets that this core was compiled for and this processor has, the narrowest first.
 std::vector<Instructions> available();
 
 /// The best of them; VISVIVA_ISA=base|v3|v4 in the environment forces one, and throws if it is not there.

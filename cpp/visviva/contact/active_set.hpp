@@ -1,4 +1,4 @@
-// Which gaps carry pressure: chosen in the iterations of a step, until that settles.
+// Active set: gaps that carry pressure, chosen in the iterations of a step until that settles.
 #pragma once
 #include <utility>
 #include <vector>

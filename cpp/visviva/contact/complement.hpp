@@ -1,4 +1,4 @@
-// What is left of the motion of a few points when their common rigid motion is taken away: forces along it
+// Motion of a few points without their common rigid motion: forces along it
 // have neither resultant nor torque, so they can mend energy without touching the momenta.
 #pragma once
 #include <Eigen/Dense>

@@ -1,4 +1,4 @@
-// What friction adds to a contact: tractions, their tangent, memory and books.
+// Friction of a contact: tractions, their tangent, memory and books.
 #include <algorithm>
 
 #include "visviva/contact/contact_term.hpp"

@@ -1,4 +1,4 @@
-// What a contact tells of its gaps to the heat that passes there.
+// Interface of a contact to the heat that passes at its gaps.
 #include "visviva/contact/contact_term.hpp"
 #include "visviva/contact/passage.hpp"
 

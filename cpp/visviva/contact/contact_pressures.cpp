@@ -1,4 +1,4 @@
-// Which gaps of a contact carry pressure, and how much.
+// Gaps of a contact that carry pressure, and their pressures.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,7 @@ bool ContactTerm::closed(int A) const {
     return area0_[A] > 0 && gap0_[A] <= rounding;
 }
 
-// How fast closed gaps close when the step begins.
+// Rate at which closed gaps close when the step begins.
 void ContactTerm::find_rates(const Context& c) {
     gaps_->skin().increments(c.vectors.v0, V0_);
     if (rates_at_ == X0_ && rates_of_ == V0_) return;
@@ -36,7 +36,7 @@ void ContactTerm::find_rates(const Context& c) {
         rate0_[A] = wanted[A] ? as_vector(at_start_[A].gradient).dot(stencil_of(A, V0_)) : 0.0;
 }
 
-// What a gap has to change by so that the scheme's rate at the end is the restitution times that of closing.
+// Change of a gap for which the scheme's rate at the end is the restitution times that of closing.
 double ContactTerm::rebound(int A, const Context& c) const {
     const double* v1 = c.step.motion[2];
     return -(options_.restitution + v1[1]) / v1[0] * std::min(rate0_[A], 0.0);

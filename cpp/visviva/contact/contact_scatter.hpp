@@ -13,7 +13,7 @@ namespace visviva {
 
 class ContactScatter {
   public:
-    // What the multipliers of a gap add to the tangent: by the stencil's positions, and on its forces.
+    // Tangent of a gap's multipliers: by the stencil's positions, and on its forces.
     struct Border {
         Eigen::MatrixXd row, column, square;
     };

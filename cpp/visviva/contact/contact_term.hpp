@@ -86,7 +86,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     const ContactCosts& costs() const { return costs_; }
     const Gaps& gaps() const { return *gaps_; }
 
-    /// What heat that passes asks of the step under way, of all gaps.
+    /// Data of all gaps for the heat that passes in the step under way.
     void find_passages(const Context&, bool gradients, std::vector<Passage>& out);
     /// Multipliers of a gap, of pressure and then of traction, and which of a passage's three one is.
     std::vector<int> multipliers(int A) const { return scatter_.multipliers(A); }
@@ -95,7 +95,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     int work_account = -1, energy_account = -1, friction_account = -1, slip_energy_account = -1;
 
   private:
-    // What an evaluation has left.
+    // Result of the last evaluation.
     struct Evaluation {
         std::vector<double> S, gap1, area1, forces, friction_forces;
         std::vector<char> active, slips;
@@ -122,7 +122,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void settle();
     void find_gaps();
     void find_gradients();
-    // What takes its time in the segments, and not in the forces around them.
+    // Time spent in the segments, and not in the forces around them.
     template <class F>
     void segments(F f) {
         double spent = 0;

@@ -82,7 +82,7 @@ inline void add_to(double& sum, double u) { sum += u; }
 inline void add_value(double& sum, double c) { sum += c; }
 inline double value(double u) { return u; }
 
-/// What has been computed, in order, to be walked backwards with K sets of adjoints. Part of it can be walked
+/// Tape of computations, in order, to be walked backwards with K sets of adjoints. Part of it can be walked
 /// and dropped early.
 template <class T, int K>
 class Tape {

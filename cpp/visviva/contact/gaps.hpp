@@ -20,8 +20,8 @@ struct Gap {
         hessian;  // [i][j]; several gaps may share what belongs to them together, see seconds()
 };
 
-/// What friction acts on at a gap: the displacement there of the second surface relative to the first is the
-/// sum of `weight` (areas that add up to zero) times those of the stencil's vertices, seen along two
+/// Slip at a gap, on which friction acts: the displacement there of the second surface relative to the first
+/// is the sum of `weight` (areas that add up to zero) times those of the stencil's vertices, seen along two
 /// directions of the tangent plane that turn with the first surface; in the plane the second is zero.
 struct Grip {
     Eigen::VectorXd weight;
@@ -36,7 +36,7 @@ struct Grip {
 void set_tangents(int dim, const Eigen::Vector3d& n, const Eigen::MatrixXd* N, const Eigen::Vector3d& edge,
                   int tail, int head, Grip& out);
 
-/// How deep bodies may be in each other at a gap and be seen there, and how far they come nearer in a step.
+/// Depth to which bodies may overlap at a gap and be seen there, and their approach in a step.
 struct Approach {
     double sight = HUGE_VAL, way = 0;
 };
@@ -70,7 +70,7 @@ class Gaps {
     virtual void keep_sides() {}
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}
-    /// What gaps remember of the way to where the last step began.
+    /// Memory of gaps: the way to where the last step began.
     virtual void write_memory(std::vector<double>&) const {}
     virtual void read_memory(const double*& /*memory*/) {}
     /// A gap that opens again between two configurations, or pushes at the end elsewhere than where it
@@ -94,7 +94,7 @@ class Gaps {
     /// their own second derivatives `along` it; gradients as well.
     virtual void seconds(const double* X, const std::vector<double>& S, const double* direction,
                          std::vector<Gap>& out) = 0;
-    /// What friction acts on at the gaps that are wanted, with or without its derivatives.
+    /// Slips at the gaps that are wanted, with or without derivatives.
     virtual void grips(const double* /*X*/, const std::vector<char>& /*wanted*/, bool /*gradients*/,
                        std::vector<Grip>& /*out*/) {
         throw std::logic_error("friction is not known for these gaps");

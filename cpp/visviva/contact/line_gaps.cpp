@@ -26,7 +26,7 @@ struct Neighbour {
     int vertex, local;
 };
 
-/// What a point is nearest to: a segment and the stretch to a neighbour that comes nearest to it, as places
+/// Nearest part of a bar: a segment and the stretch to a neighbour that comes nearest to it, as places
 /// of both ends of the stretch and of the segment in the stencil.
 struct Nearest {
     int local[4];

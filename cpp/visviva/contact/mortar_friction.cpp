@@ -1,4 +1,4 @@
-// What friction acts on at mortar gaps, and the masses of their vertices.
+// Slips at mortar gaps, on which friction acts, and the masses of their vertices.
 #include "visviva/contact/mortar.hpp"
 
 namespace visviva::mortar {
@@ -17,7 +17,7 @@ void Mortar::find_weights(const double* X, const std::vector<char>& wanted, bool
     });
 }
 
-// What a vertex has of the integrals of the gap, which fades out where stencils end.
+// Share of a vertex in the integrals of the gap, which fades out where stencils end.
 void Mortar::masses(const double* X, const std::vector<char>& wanted, bool gradients,
                     std::vector<Grip>& out) {
     find_weights(X, wanted, gradients);

@@ -1,4 +1,4 @@
-// Which facets of mortar gaps come near each other, and what vertices gaps depend on.
+// Facets of mortar gaps that come near each other, and the vertices that gaps depend on.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -47,7 +47,7 @@ bool Mortar::search(const double* from, const double* to) {
     return !same;
 }
 
-// What the gaps of the vertices of pairs can depend on: corners, and what their normals are made of.
+// Vertices on which the gaps of pairs can depend: corners, and those that make their normals.
 void Mortar::gather_neighbours() {
     for (auto& list : neighbours_) list.clear();
     for (const Pair& p : found_) {
@@ -115,7 +115,7 @@ Range Mortar::range(const Pair& p) const {
             std::min(skin_.ahead[p.first], skin_.ahead[p.second])};
 }
 
-// How much nearer the facets come along the first one's normal at both ends of the way.
+// Approach of the facets along the first one's normal at both ends of the way.
 double Mortar::nearing(const Pair& p, const double* from, const double* to) const {
     double way = 0;
     for (const Vector3& n : {views_[p.first].normal, views_after_[p.first].normal}) {

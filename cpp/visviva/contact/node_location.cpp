@@ -11,7 +11,7 @@ namespace {
 
 double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
 
-// How far x lies from its foot in the direction of the simplex' middle.
+// Distance of x from its foot in the direction of the simplex' middle.
 double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     Vector3 y = Vector3::Zero(), middle = Vector3::Zero();
     for (int i = 0; i < foot.n; ++i) y += foot.coordinate[i] * facet.corner[foot.vertex[i]];
@@ -19,12 +19,12 @@ double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
     return (x - y).dot((middle - y).normalized());
 }
 
-// How far a point lies above the plane of a simplex.
+// Height of a point above the plane of a simplex.
 double above(const Found& found, const Vector3& x) {
     return found.normal.dot(x - found.facet.corner[found.facet.vertex(found.foot.simplex, 0)]);
 }
 
-// How far a point lies beside a simplex, by the length of its first edge.
+// Distance of a point beside a simplex, relative to the length of its first edge.
 double beside(const Found& found, const Vector3& x) {
     const FacetShape& facet = found.facet;
     const Vector3 &a = facet.corner[facet.vertex(found.foot.simplex, 0)],

@@ -19,7 +19,7 @@ struct Scalar {
     Matrix3 dd = Matrix3::Zero();
 };
 
-// How far out a place is along each of the directions that bound the core.
+// Distance of a place along each of the directions that bound the core.
 int excesses(const ObstacleShape& shape, const Vector3& y, Scalar (&q)[3]) {
     if (shape.core == ObstacleShape::half_space) {
         q[0].v = y[2], q[0].d = Vector3::UnitZ();

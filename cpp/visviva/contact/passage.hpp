@@ -1,4 +1,4 @@
-// What a gap lets heat know of its contact in a step.
+// Data of a gap's contact in a step that the passage of heat needs.
 #pragma once
 #include <Eigen/Dense>
 

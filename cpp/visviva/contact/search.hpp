@@ -1,4 +1,4 @@
-// Which facets come near each other: a tree of bounding boxes, built once and refitted.
+// Search for facets that come near each other: a tree of bounding boxes, built once and refitted.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -84,7 +84,7 @@ void BoxTree::query(const Ray& ray, F reach) const {
     }
 }
 
-/// What a facet sweeps from one configuration to another, with a margin all round.
+/// Box swept by a facet from one configuration to another, with a margin all round.
 Box swept(const Skin&, int facet, const double* from, const double* to, double margin);
 
 /// Facets that come near single vertices between two configurations.

@@ -1,4 +1,4 @@
-// How the corners of a segment's polygon and its centroid move with the corners of both facets in their
+// Derivatives of the corners and centroid of a segment's polygon by the corners of both facets in their
 // plane. Adjoints come in pairs of rows, for x and y, of L at once.
 #pragma once
 #include "visviva/contact/segment_geometry.hpp"

@@ -210,7 +210,7 @@ inline T faded(const T& s) {
     return (-1.0) * (cube * ((-15.0) * s + 6.0 * (s * s) + 10.0)) + 1.0;
 }
 
-/// How much a segment counts: less where facets are far apart along the first one's normal, or hardly look at
+/// Weight of a segment: less where facets are far apart along the first one's normal, or hardly look at
 /// each other. Without it gaps would jump when a pair leaves. Nothing: not at all.
 template <class T>
 inline std::optional<T> weight(const Vec<T>& n1, const Vec<T>& n2, const Vec<T>& between, double reach) {
@@ -224,7 +224,7 @@ inline std::optional<T> weight(const Vec<T>& n1, const Vec<T>& n2, const Vec<T>&
     return w;
 }
 
-/// What a segment in space is made of: both facets over their plane, and their common polygon. Lines of its
+/// Geometry of a segment in space: both facets over their plane, and their common polygon. Lines of its
 /// edges: k from the first facet's corner k to the next, `facet_corners` + k the same of the second.
 template <class T>
 struct Outline {

@@ -23,7 +23,7 @@ class LocalHessian {
   private:
     using Row = double[segment_size];
 
-    // How the corners of the polygon and the centroid move, by the facets' corners.
+    // Derivatives of the corners of the polygon and of the centroid by the facets' corners.
     void find_motion() {
         for (int k = 0; k <= n_; ++k) {
             double unit[4 * segment_corners][2] = {};
@@ -222,7 +222,7 @@ class LocalHessian {
     Row extended_[planar_size + 4 * segment_corners] = {}, products_[planar_size];
 };
 
-/// What the integrals of a segment depend on in space: corners in the frame of the plane, which tilts towards
+/// Variables of a segment's integrals in space: corners in the frame of the plane, which tilts towards
 /// its own axes by the corners of the first facet.
 class Spatial {
   public:
@@ -315,8 +315,8 @@ class Spatial {
         }
     }
 
-    // What the angles of the tilt add: coordinates are u - a w - a (a u + b v) / 2, v - b w - b (a u + b v) /
-    // 2 and w + a u + b v - (a^2 + b^2) w / 2, and so are the components of the covectors.
+    // Contribution of the angles of the tilt: coordinates are u - a w - a (a u + b v) / 2, v - b w - b (a u +
+    // b v) / 2 and w + a u + b v - (a^2 + b^2) w / 2, and so are the components of the covectors.
     void add_tilt(const LocalGradient<double>& local, Row* M) const {
         Row all = {}, with[2] = {};  // the gradient of the sum, and that with the covectors' derivatives
         double by_angle[2] = {}, twice[2][2] = {}, sum = 0;

@@ -265,7 +265,7 @@ std::optional<Outline<T>> outline(const FacetPair& p, const Vec<T>* x) {
     return outline(x, p.n_first, x + facet_corners, p.n_second, p.range);
 }
 
-// How much a segment counts, by the corners' coordinates; 1 alone if it has not begun to fade.
+// Weight of a segment, by the corners' coordinates; 1 alone if it has not begun to fade.
 struct Fading {
     double value = 1, g[N] = {}, H[N][N] = {};
 

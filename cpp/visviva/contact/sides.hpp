@@ -1,4 +1,4 @@
-// Which side of the body that it lies in a vertex belongs to: that by which it came in, not the nearest.
+// Side of the body to which a vertex inside belongs: that by which it came in, not the nearest.
 // Known for the start of the step, and kept for where a step may be looked at again.
 #pragma once
 #include <cstddef>

@@ -1,4 +1,5 @@
-// How far the facets of a surface see before its own body is in the way, and how thick that is behind them.
+// Distance to which the facets of a surface see before their own body is in the way, and its thickness behind
+// them.
 #pragma once
 #include <vector>
 
@@ -13,7 +14,7 @@ struct Sight {
 /// For every facet, [facet][facet_corners], of a surface with vertices at X, three numbers each.
 std::vector<Sight> find_sights(int dim, const std::vector<double>& X, const std::vector<int>& facets);
 
-/// How deep two bodies of these thicknesses may be in each other: half way to where each of them would have
+/// Depth to which two bodies of these thicknesses may overlap: half way to where each of them would have
 /// left the other on its far side. What lies deeper are their far sides, which face each other as well. Of a
 /// surface whose other side is not known the other body's thickness is all.
 double deepest(double one, double two);

@@ -10,7 +10,7 @@ constexpr int L8 = 8;
 
 VISVIVA_INLINE V inverse_root(V a) { return 1.0 / vsqrt(a); }
 
-/// What happens at a point, velocities at the evaluation point of the step.
+/// State at a point, velocities at the evaluation point of the step.
 template <int D, int N>
 struct FlowPoint {
     V v[D], rate[D], L[D * D];  // velocity, its rate, its gradient dv_i/dx_j
@@ -44,7 +44,7 @@ struct FlowElement {
             }
         for (int b1 = 0; b1 < P; ++b1) p[b1] = gather(x.x1, index(N + b1));
     }
-    // How many of the W lanes hold elements; none or less in groups that fill the last block.
+    // Number of the W lanes that hold elements; none or less in groups that fill the last block.
     VISVIVA_INLINE int active() const { return f.n - block * L8 - lane < W ? f.n - block * L8 - lane : W; }
     VISVIVA_INLINE const int* index(int slot) const { return f.index + (block * slots + slot) * L8 + lane; }
     VISVIVA_INLINE std::int64_t point(int q) const {

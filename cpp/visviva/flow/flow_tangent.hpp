@@ -56,7 +56,7 @@ struct FlowTangent {
         }
     }
 
-    // What multiplies N_b: derivatives of the carrying velocity
+    // factors of N_b: derivatives of the carrying velocity
     VISVIVA_INLINE void outer(int q, int a, const V* G, const FlowPoint<D, N>& at, V* U) const {
         const V wt = e.f.convection * e.step.theta * e.volume(q), rho = e.f.rho * wt;
         V seen[D * D];  // gradient of the velocity in the residual of stabilisation

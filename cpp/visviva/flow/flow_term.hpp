@@ -14,7 +14,7 @@ namespace visviva {
 // Values [element][point][dim] at a time, given from outside.
 using FlowLoad = std::function<void(double t, double* values)>;
 
-/// What a batch is made of; arrays as given by Python, [element][...] except N and M.
+/// Data of a batch; arrays as given by Python, [element][...] except N and M.
 struct FlowData {
     int n, n_nodes, n_pressures, n_points, dim;
     double density, viscosity;

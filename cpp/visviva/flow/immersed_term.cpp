@@ -39,7 +39,7 @@ double ImmersedTerm::carrying(const Context& c, int first, int i) const {
     return v0 + share(c.step) * (v1 - v0);
 }
 
-// How far a scheme says that a point has moved: its rate times the step (statics knows no rates).
+// Motion of a point by the scheme: its rate times the step (statics knows no rates).
 double ImmersedTerm::moved(const Context& c, int k, int i) const {
     if (!c.step.is_static()) return c.step.h * points_.value(c.vectors.rate, k, i);
     return points_.value(c.vectors.x1, k, i) - points_.value(c.vectors.x0, k, i);
@@ -215,7 +215,7 @@ void ImmersedTerm::tangent(const Context& c, double* values) {
     });
 }
 
-// What the fluid does on the solid and the solid on the fluid, and what is lost where nodes go ahead; the
+// Work of the fluid on the solid and of the solid on the fluid, and the loss where nodes go ahead; the
 // defect is how far nodes have moved otherwise.
 // What moves with the fluid over steps has no rate to keep at an instant.
 void ImmersedTerm::ledger(const Context& c, const double*, LedgerSums& sums) {

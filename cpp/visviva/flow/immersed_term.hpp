@@ -62,7 +62,7 @@ class ImmersedTerm : public EntryTerm, public NeighbourSearch, public TermMemory
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
-    // Which points the fluid holds in the step evaluated last; none before it was asked.
+    // Mask of the points that the fluid holds in the step evaluated last; none before it was asked.
     std::vector<char> within() const;
     int n() const { return points_.n(); }
     // First unknowns of velocities that a point may come to follow; whether the fluid holds it now, and

@@ -58,7 +58,7 @@ struct LuView {
     void* owner;
 };
 
-/// What `BlockLU` did to a block with dependent rows: it added the outer product of `row` and `column`.
+/// Repair by `BlockLU` of a block with dependent rows: the outer product of `row` and `column` was added.
 struct LuGauge {
     int x, n;  // first unknown and size of the block
     std::vector<double> row, column;
@@ -116,7 +116,7 @@ class BlockLU {
     void find_dependent(bool on);
     int n_dependent() const;  ///< Dependent rows of all blocks.
 
-    /// What the last factorisation added to the matrix. The solution is then one of the singular system, if
+    /// Additions of the last factorisation to the matrix. The solution is then one of the singular system, if
     /// the right-hand side lets the added part vanish.
     const std::vector<LuGauge>& gauges() const { return gauges_; }
 

@@ -12,7 +12,7 @@ void assign_with_room(std::vector<T>& a, std::size_t n, T value) {
     a.assign(n, value);
 }
 
-// What the kernels see: block row i holds blocks row[i] .. row[i + 1], stored by columns.
+// View of the kernels: block row i holds blocks row[i] .. row[i + 1], stored by columns.
 template <class T>
 struct BlockView {
     int rows, cols;  // of a block

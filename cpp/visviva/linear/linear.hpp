@@ -38,7 +38,7 @@ struct MemoryShortage : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// What a solver says of itself, of its last factorisation and of its last solution.
+// Report of a solver: itself, its last factorisation, its last solution.
 struct LinearReport {
     std::string name;           // of what serves at present
     std::string message;        // why it failed, or what was notable
@@ -69,14 +69,14 @@ class RigidSolver {
 class SolverSequence {
   public:
     virtual ~SolverSequence() = default;
-    // What decides which one, for a restart.
+    // Memory that decides which one, for a restart.
     virtual std::vector<double> state() const = 0;
     virtual void set_state(const std::vector<double>&) = 0;
     // Whether those that are a last resort may take over where others fail.
     virtual void allow_last_resort(bool on) = 0;
 };
 
-// What a solver can besides; none by default.
+// Optional abilities of a solver; none by default.
 struct LinearCapabilities {
     RigidSolver* rigid = nullptr;
     SolverSequence* sequence = nullptr;

@@ -1,4 +1,4 @@
-// Which linear solver and with what options: plain data, filled by whoever knows the problem.
+// Choice of the linear solver and its options: plain data, filled by whoever knows the problem.
 #pragma once
 #include <functional>
 
@@ -9,7 +9,7 @@
 namespace visviva {
 
 enum class Backend { sparse_lu, cholesky, pardiso, krylov };
-// What is known of the matrix. Definite: symmetric and positive definite.
+// Known properties of the matrix. Definite: symmetric and positive definite.
 enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
 enum class Preconditioner { none, diagonal, block, incomplete, multigrid, saddle, augmented, commutator };

@@ -1,4 +1,4 @@
-// Which materials there are, see material_list.hpp; their energies are in materials.hpp.
+// The materials, see material_list.hpp; their energies are in materials.hpp.
 #pragma once
 
 namespace visviva {

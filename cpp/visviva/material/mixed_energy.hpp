@@ -65,7 +65,7 @@ struct FbarEnergy : TensorEnergy {
     }
 };
 
-/// How a pressure measures the change of volume: g with U = g^2 / 2 of the material's volumetric energy U,
+/// Measure of the change of volume that a pressure acts on: g with U = g^2 / 2 of the volumetric energy U,
 /// numbered like those (see volumetric()); tr E is for linear materials, U = ((J^-b - 1) / b + ln J) / b for
 /// Blatz and Ko's.
 enum class VolumeMeasure : int { logarithm = 0, difference = 1, simo = 2, trace = 3, blatz_ko = 4 };

@@ -26,7 +26,7 @@ VISVIVA_INLINE T determinant_less_one(const T* c, bool in_plane = false) {
     return plane + c[2] * (plane + 1.0) + (cofactors - c[4] * c[4] - c[5] * c[5]);
 }
 
-/// What energies have if they do not say otherwise: one block of strains of equal units, no internal
+/// Defaults of energies: one block of strains of equal units, no internal
 /// variables.
 struct PlainEnergy {
     static constexpr int n_blocks = 1, n_internal = 0;

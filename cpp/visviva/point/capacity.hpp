@@ -61,7 +61,7 @@ struct Capacity {
         }
         return zero * expm1(y);
     }
-    /// What the heat content gains where the entropy H grows by `more`.
+    /// Gain of the heat content where the entropy H grows by `more`.
     V increase(V H, V more) const {
         if (is_constant()) return c * (zero + zero * expm1(H / c)) * expm1(more / c);
         return content(rise_of(H + more)) - content(rise_of(H));

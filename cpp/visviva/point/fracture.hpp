@@ -13,7 +13,7 @@ constexpr int kind = 0, split = 1, first = 2, shear = 3, local = 4, linear = 5, 
               material = 8, n_par = 8 + material_max_parameters;
 }
 
-/// What of the energy drives cracks: all of it; all but that of a volume which shrinks (Amor, Marigo &
+/// Part of the energy that drives cracks: all of it; all but that of a volume which shrinks (Amor, Marigo &
 /// Maurini 2009), measured by tr E or by J; or that of principal strains that stretch (Miehe, Welschinger &
 /// Hofacker 2010), Green's or logarithmic ones.
 enum class CrackSplit : int {

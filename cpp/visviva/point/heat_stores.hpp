@@ -1,4 +1,4 @@
-// What stores heat beside solids: springs, lumps, sections of beams and layers of shells. Entropies are
+// Stores of heat beside solids: springs, lumps, sections of beams and layers of shells. Entropies are
 // transported, temperatures act as multipliers do, see HeatPairing.
 #pragma once
 #include "visviva/point/layer.hpp"

@@ -19,7 +19,7 @@ struct HeatedBranchMap : Layout<HeatedBranchMap> {
     }
 };
 
-/// How the time of relaxation depends on the temperature, time a(theta): not at all, ln a = -c1 (theta -
+/// Dependence of the time of relaxation on the temperature, time a(theta): none, ln a = -c1 (theta -
 /// theta_r) / (c2 + theta - theta_r) (Williams, Landel & Ferry), or ln a = c1 (1 / theta - 1 / theta_r)
 /// (Arrhenius).
 enum class TimeShift : int { none = 0, wlf = 1, arrhenius = 2 };

@@ -7,7 +7,7 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// What the layer through a height z above a shell of four nodes knows of its motion: squared distances of
+/// Kinematics of the layer through a height z above a shell of four nodes: squared distances of
 /// the places x = phi + z d of its nodes (edges, then diagonals), their edges times the mean director of both
 /// ends (tying points A and C along 1, B and D along 2 of Dvorkin & Bathe 1984), squared lengths of the
 /// directors (tying points of Betsch & Stein 1995), and the enhanced strain across. All else is linear in

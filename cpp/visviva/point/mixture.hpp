@@ -253,7 +253,7 @@ struct RelaxationPairing {
     }
 };
 
-/// What a wall's energy adds to the potential there.
+/// Contribution of a wall's energy to the potential there.
 struct WallPairing {
     static constexpr bool is_gradient = false;
     template <class State>

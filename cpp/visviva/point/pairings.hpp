@@ -21,7 +21,7 @@ struct Number<n, false> {
     static VISVIVA_INLINE V of(V value, const V*) { return value; }
 };
 
-/// What a pairing may look at, values alone or with derivatives: stresses (of the strains of the energy, the
+/// View of a pairing, values alone or with derivatives: stresses (of the strains of the energy, the
 /// first ones of the map), strains at theta (at the end of what acts there), their change in the step, rates.
 template <class Number, int n_e, int n_s>
 struct PointState {

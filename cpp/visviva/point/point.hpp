@@ -11,7 +11,7 @@ inline constexpr int point_lanes = 8;
 inline constexpr int point_max_groups = 6;
 inline constexpr int point_max_nodes = 125;
 
-/// What is known at compile time of the unknowns of an element that are interpolated alike. Its part of the
+/// Compile-time description of the unknowns of an element that are interpolated alike. Its part of the
 /// local unknowns at a point is y[component][column] = sum over nodes of u[node][component]
 /// weight[node][column].
 struct Group {

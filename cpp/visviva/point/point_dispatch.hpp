@@ -1,4 +1,4 @@
-// Which physics there are, see physics_list.hpp and heated_list.hpp, and their kernels for the machine that
+// The physics, see physics_list.hpp and heated_list.hpp, and their kernels for the machine that
 // runs.
 #pragma once
 #include <iterator>
@@ -39,7 +39,7 @@ inline constexpr int n_physics = 0  // neither of phases nor with heat
 inline constexpr int n_heated_physics =
     static_cast<int>(std::size(physics_traits)) - n_phase_physics - n_physics;
 
-/// What a physics expects.
+/// Arrays that a physics expects.
 struct PointShape {
     int n_groups, n_par, n_strains, n_energy, n_history;
     Group group[point_max_groups];

@@ -75,7 +75,8 @@ struct PointElement {
                      lane);
     }
 
-    /// What a change at the end of a local unknown changes where it acts, and in its rate.
+    /// Derivatives of a local unknown's value where it acts, and of its rate, by its value at the end of the
+    /// step.
     VISVIVA_INLINE double share(int g) const { return Map::groups[g].is_end ? 1.0 : step.theta; }
     VISVIVA_INLINE double rate_factor(int g) const {
         const int order = Map::groups[g].order;

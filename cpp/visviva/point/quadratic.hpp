@@ -59,7 +59,7 @@ constexpr Quadratic<n> operator*(const Quadratic<n>& p, const Quadratic<n>& q) {
     return r;
 }
 
-/// What is not zero in the strains of a map: Map::strains(y, e) fills n_strains of them from n_local
+/// Nonzero pattern of the strains of a map: Map::strains(y, e) fills n_strains of them from n_local
 /// unknowns.
 template <class Map>
 struct Strains {

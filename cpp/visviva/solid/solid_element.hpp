@@ -8,7 +8,7 @@ namespace visviva::VISVIVA_ISA {
 
 constexpr int L8 = solid_lanes;
 
-/// What a point's stress needs and gives.
+/// Input and output of a point's stress.
 struct SolidPoint {
     alignas(64) V F1[9], Ft[9], rate[9];  // deformation gradient at the end and at theta, its rate; row-major
     V c0[6], c1[6], ct[6];                // C - I
@@ -45,7 +45,7 @@ struct SolidElement {
         for (int a = 0; !ends && a < nodes(); ++a)
             for (int c = 0; c < D; ++c) x0[a * D + c] = at(x.x0, a, c);
     }
-    // How many of the W lanes hold elements; none or less in groups that fill the last block.
+    // Number of the W lanes that hold elements; none or less in groups that fill the last block.
     VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
     VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
     VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
@@ -286,7 +286,7 @@ struct SolidElement {
         finish(r, smallest);
     }
 
-    // What the forces of the points lack
+    // correction of the points' forces
     VISVIVA_INLINE void finish(V* r, V smallest) const {
         vstore(v.smallest + block * L8 + lane, smallest);
         if (v.mass) inertia(r);

@@ -11,7 +11,7 @@
 
 namespace visviva {
 
-/// What a batch is made of; arrays as given by Python, [element][...].
+/// Data of a batch; arrays as given by Python, [element][...].
 struct SolidData {
     int n, n_nodes, n_pressures, n_points, dim, n_par;
     MaterialKind kind;
@@ -52,7 +52,7 @@ class SolidTerm : public Term, public MeshAssembly {
     int n_nodes() const { return view_.n_nodes; }
     int n_points() const { return view_.n_points; }
     int dim() const { return view_.dim; }
-    // What elements begin ... end - 1 (begin a multiple of eight) feel at the configuration x, without
+    // Forces on elements begin ... end - 1 (begin a multiple of eight) at the configuration x, without
     // inertia and damping: fields at their points [element][point][solid_field_rows], or the forces on their
     // nodes [element][node][dim].
     void fields(const double* x, int begin, int end, double* out);

@@ -57,7 +57,7 @@ inline constexpr LawTraits law_traits[] = {
 };
 constexpr const LawTraits& traits(LawKind kind) { return law_traits[static_cast<int>(kind)]; }
 
-// What all elements of a batch share: the sparsity of forms, strains and tangent.
+// Sparsity of forms, strains and tangent, which all elements of a batch share.
 struct StrainShape {
     int n_x = 0, n_y = 0, n_e = 0, n_m = 0;  // unknowns, forms, strains, multipliers per element
     LawKind law = LawKind::linear;

@@ -127,7 +127,7 @@ VISVIVA_INLINE void scatter(V a, const int* index, int n, double* r) {
     for (int l = 0; l < n; ++l) r[index[l]] += a[l];
 }
 
-// What was the end of a step is the begin of the next.
+// The end of a step is the begin of the next.
 VISVIVA_INLINE void keep_ends(const StrainView& v, int base, const Work& w) {
     for (int a = 0; a < v.shape.n_y; ++a) vstore(v.y0 + a * v.stride + base, w.y1[a]);
     for (int i = 0; i < v.shape.n_e; ++i) vstore(v.e0 + i * v.stride + base, w.e1[i]);

@@ -23,7 +23,7 @@ void pad_rows(To& to, const From* from, int rows, int n, int stride) {
             to[static_cast<std::size_t>(k) * stride + e] = from[k * n + std::min(e, n - 1)];
 }
 
-// Which strains the law's D couples to strain i.
+// Strains that the law's D couples to strain i.
 bool coupled(const StrainShape& s) {
     return s.law != LawKind::linear && s.law != LawKind::constraint && s.law != LawKind::servo &&
            s.law != LawKind::load;

@@ -1,4 +1,4 @@
-// How far Newton's method still is from its solution.
+// Distance of Newton's method from its solution.
 #pragma once
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-// What a step adds to the ledger: energies, works, momenta, defects, and the losses of impacts.
+// Contribution of a step to the ledger: energies, works, momenta, defects, and the losses of impacts.
 #include <algorithm>
 
 #include "visviva/system/system.hpp"

@@ -12,7 +12,7 @@ namespace visviva {
 class Monotone {
   public:
     void resize(int n) { halted_.assign(n, 0), rests_.assign(n, 0); }
-    /// Those that only grow; all rest at first.
+    /// Unknowns that only grow; all rest at first.
     void set(std::vector<int> unknowns);
     bool any() const { return !unknowns_.empty(); }
     /// Halts unknowns [n], or none where empty; of the others those rest that have not grown yet.
@@ -26,11 +26,12 @@ class Monotone {
         if (any() && !accepted_.empty()) rests_ = accepted_;
         begin_step();
     }
-    /// Those that shrink rest from now on; returns whether an increment was changed.
+    /// Let unknowns that shrink rest from now on; returns whether an increment was changed.
     bool project(double* dx);
     /// Lets go what a negative force holds, by the residual and the tangent's values.
     void release(const double* r, const Csr& csr, const double* values);
-    /// What rests becomes rows and columns of the identity; what is halted is coupled to nothing else.
+    /// Make rows and columns of resting unknowns those of the identity; halted ones are coupled to nothing
+    /// else.
     void mask(const Csr& csr, double* values) const;
     void clear(double* r) const;
     bool is_masked(int unknown) const { return rests_[unknown] || halted_[unknown]; }

@@ -1,4 +1,4 @@
-// What a restart needs beside the state: the predictor's history and where the kept factorisation was made.
+// Restart data beside the state: the predictor's history and where the kept factorisation was made.
 // Looks that leave no trace restart the system as well, and bring back what else they may have changed.
 #include "visviva/base/at_exit.hpp"
 #include "visviva/system/system.hpp"
@@ -58,7 +58,7 @@ void System::refuse_unknown(const std::vector<Record>& memory) const {
         iterations->end(iterations->numbers.data() + 3);
 }
 
-// What terms know of themselves, alone.
+// Records of the terms alone.
 std::vector<double> System::histories() const {
     std::vector<double> m;
     for (const auto& [term, can] : terms_)

@@ -283,7 +283,7 @@ bool System::update_tangent(const Context& c) {
     return solver_->factor(values_.data(), place(c.step));
 }
 
-// How far the predicted step goes, relative to the unknowns' scales; 1 where nothing is predicted.
+// Size of the predicted step, relative to the unknowns' scales; 1 where nothing is predicted.
 double System::extent() const {
     double largest = 0;
     for (const Segment& s : segments_)

@@ -38,7 +38,7 @@ struct Report {
     std::string reason;              // why not converged
 };
 
-// What a held unknown takes in over a step, from the force r that holds it: work of a position, power of a
+// Intake of a held unknown over a step, from the force r that holds it: work of a position, power of a
 // velocity, or an amount (heat) that the ledger counts by itself.
 enum class Supply : int { work = 0, power = 1, amount = 2 };
 
@@ -63,7 +63,7 @@ class System {
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
-    // What leaves the equations before they are solved, in this order.
+    // Reductions of the equations before they are solved, in this order.
     void add_reduction(std::shared_ptr<Reduction> reduction) { reductions_.push_back(std::move(reduction)); }
     // island[unknown], and of accounts of constraints: what joints hold together, so that an impact goes
     // through all of it.
@@ -73,7 +73,7 @@ class System {
     }
     void set_accounts(int n_accounts, int n_components);
     void finalize();
-    // What the tangent hardly resists, [unknown][n_modes]: rigid motions of solids, for multigrid.
+    // Near null space of the tangent, [unknown][n_modes]: rigid motions of solids, for multigrid.
     void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
     void set_solver(std::unique_ptr<LinearSolver> solver);
     // For the rates at the end of steps that project them; constraint[unknown]: multipliers of lasting

@@ -1,4 +1,4 @@
-// What a part remembers for restarts, under its name and with the version of its layout.
+// Restart record of a part, under its name and with the version of its layout.
 #pragma once
 #include <stdexcept>
 #include <string>

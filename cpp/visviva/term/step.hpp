@@ -1,4 +1,4 @@
-// What a scheme tells the terms about the step under way: a handful of numbers.
+// The step under way as a scheme describes it to the terms: a handful of numbers.
 #pragma once
 
 namespace visviva {

@@ -31,7 +31,7 @@ struct Impact {
     std::vector<int> unknowns;
 };
 
-// What the ledger adds up; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
+// Sums of the ledger; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
 // statics `release` per unknown, the work of what held it out of equilibrium when the step began.
 struct LedgerSums {
     std::vector<double> energy, work, momentum, defect, release;
@@ -94,7 +94,7 @@ class TermMemory {
     virtual void write_memory(std::vector<double>&) const = 0;
     // Moves on in the memory; true if the coupling has changed.
     virtual bool read_memory(const double*& memory) = 0;
-    // What the last evaluation has left, which may be shown and decides the forces of its step; and brings it
+    // Result of the last evaluation, which may be shown and decides the forces of its step; and brings it
     // back after others.
     virtual std::any evaluation() const { return {}; }
     virtual void restore_evaluation(const std::any&) {}
@@ -118,7 +118,7 @@ class IterationLimit {
     virtual double share(const double* x1, const double* d) const = 0;
 };
 
-// What a term can besides; none by default.
+// Optional abilities of a term; none by default.
 struct TermCapabilities {
     MeshAssembly* mesh = nullptr;
     NeighbourSearch* search = nullptr;

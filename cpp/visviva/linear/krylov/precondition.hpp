@@ -14,7 +14,7 @@ class Preconditioning {
     virtual double memory() const { return 0; }
     virtual const char* name() const = 0;
     std::string message;
-    // How the last solution went; whether what is kept from an earlier matrix should have been made anew.
+    // Course of the last solution; whether what is kept from an earlier matrix should have been made anew.
     virtual void learn(int /*iterations*/) {}
     virtual bool kept() const { return false; }
     virtual void forget() {}

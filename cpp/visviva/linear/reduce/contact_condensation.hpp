@@ -23,7 +23,7 @@ class ContactCondensation : public Reduction {
     void condense(std::vector<double>& r) override;
     void recover(const double* r, double* d) const override;
     bool solve(const double* r, const Place& place, double* d, LinearSolver& rest, double tolerance) override;
-    /// How many multipliers have left.
+    /// Number of multipliers eliminated.
     int n() const { return static_cast<int>(nodes_.size()); }
     /// Whether forces on the nodes of other multipliers were left out.
     bool is_rough() const { return rough_; }

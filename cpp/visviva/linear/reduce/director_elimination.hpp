@@ -24,7 +24,7 @@ class DirectorElimination : public Reduction {
     bool reduce(const double* values) override;
     void condense(std::vector<double>& r) override;
     void recover(const double* r, double* d) const override;
-    /// How many multipliers have left.
+    /// Number of multipliers eliminated.
     int n() const { return static_cast<int>(directors_.size()); }
 
   private:

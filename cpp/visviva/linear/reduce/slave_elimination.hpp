@@ -22,7 +22,7 @@ class SlaveElimination : public Reduction {
     bool reduce(const double* values) override;
     void condense(std::vector<double>& r) override;
     void recover(const double* r, double* d) const override;
-    /// How many unknowns have left.
+    /// Number of unknowns eliminated.
     int n() const { return static_cast<int>(given_.size()); }
 
   private:
