@@ -17,6 +17,7 @@ from visviva.body.mesh_points import FacePoints, Points, cell_points, face_point
 from visviva.body.touching import Skin
 from visviva.component.component import short
 from visviva.component.meshed import Meshed
+from visviva.component.momentum import EVERYWHERE, NOWHERE, Axes
 from visviva.component.point import Attachable
 from visviva.component.values import Number, Vector3, VectorOrFunction
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
@@ -65,6 +66,12 @@ class MeshBody(Attachable, Meshed):
     moves_rigidly = False
 
     # --- what derives from it says -------------------------------------------------------------------------
+    @property
+    def outside_axes(self) -> Axes:
+        return (
+            EVERYWHERE if getattr(self, "mass_damping", 0.0) else NOWHERE
+        )  # which brakes against a room at rest
+
     @property
     def axisymmetric(self) -> bool:
         """Whether a plane mesh stands for a revolution."""

@@ -17,6 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.component.momentum import EVERYWHERE, Axes
 from visviva.model.field import Vectors
 from visviva.model.form import Vector
 
@@ -98,7 +99,6 @@ class Component(metaclass=Composed):
     name: str | None = None
 
     contributes_last: ClassVar[int] = 0  # since it asks what others hold: those with larger numbers later
-    acts_between = False  # by forces that are equal and opposite, unless one side is the ground
     carries_heat = False  # whether it has temperatures that what it touches could see
     is_fixed = False  # without unknowns, so that others may attach to it though it is in no system
 
@@ -187,6 +187,14 @@ class Component(metaclass=Composed):
     def trouble(self, x: Array) -> str:
         """Trouble of the component at the unknowns `x` of the system, for the message of a step that failed."""
         return ""
+
+    @property
+    def outside_axes(self) -> Axes:
+        """Along which axes it exchanges linear, and about which angular momentum with what is in no system.
+
+        What acts by forces that are equal and opposite, or by none, does so nowhere; unless one side is the ground.
+        """
+        return EVERYWHERE
 
     @property
     def touches(self) -> bool:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component
+from visviva.component.momentum import NOWHERE, Axes
 from visviva.component.values import VectorOrFunction
 from visviva.mesh.cells import CELLS
 from visviva.mesh.mesh import Mesh
@@ -21,6 +22,10 @@ class Meshed(Component):
     """A component that fills the cells of a mesh `grid`, with fields at its nodes."""
 
     grid: Mesh
+
+    @property
+    def outside_axes(self) -> Axes:
+        return NOWHERE  # what acts on it does
 
     @property
     def dimension(self) -> int:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from visviva.base.arguments import place
 from visviva.base.errors import InputError
 from visviva.component.component import Component
+from visviva.component.momentum import NOWHERE, Axes
 from visviva.model.field import Vectors
 from visviva.model.form import Vector
 
@@ -29,6 +30,10 @@ class Attachable(Component):
     has_directions = True
     moves_rigidly = True  # one frame carries all its points; otherwise directions depend on where they are
     is_massless = False  # frames that go with another component
+
+    @property
+    def outside_axes(self) -> Axes:
+        return NOWHERE  # what acts on it does
 
     def place(self, X: Array) -> Vector:
         """Position of the material point `X` (3,), given in the component's own coordinates."""

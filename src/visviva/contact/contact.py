@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable
 from visviva.component.values import Number
 from visviva.contact.bars import is_bar
@@ -138,7 +139,7 @@ class Contact(Component):
     >>> result.assert_conserved("energy", "momentum_z", "angular_x", tolerance=1e-9)
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     first: Attachable
     second: Component | None = None

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.body.point_mass import Ground
 from visviva.body.shape import Box, Capsule, Core, Cylinder, Sphere
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable, Frame
 from visviva.component.values import Vector3
 from visviva.contact.contact_surface import NO_FACETS, Surface, of_vectors
@@ -48,6 +49,8 @@ class Plane(Component):
     >>> result.assert_conserved("energy", tolerance=1e-9)
     """
 
+    outside_axes = NOWHERE
+
     on: Attachable | None = None
     at: Vector3 = (0.0, 0.0, 0.0)
     normal: Vector3 = (0.0, 0.0, 1.0)
@@ -72,6 +75,8 @@ class Obstacle(Component):
     first : array (3,), optional
         First direction of its frame, as far as it is across the axis.
     """
+
+    outside_axes = NOWHERE
 
     shape: Box | Sphere | Cylinder | Capsule
     on: Attachable | None = None

@@ -14,6 +14,7 @@ from visviva.body.mesh_body import MeshBody
 from visviva.body.touching import Skin
 from visviva.component.announcements import Guiding, Holding
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 from visviva.contact.contact_remarks import conducted, insulated
 from visviva.contact.tie_integrals import MortarSurfaces
@@ -81,7 +82,7 @@ class Tie(Component):
     1.0
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     first: MeshBody
     second: MeshBody

@@ -14,6 +14,7 @@ from visviva import _core
 from visviva.base.errors import InputError, RunError
 from visviva.component.component import settings
 from visviva.component.meshed import Meshed
+from visviva.component.momentum import Axes, axes_along, by_forces, joined
 from visviva.component.values import Number, VectorOrField, VectorOrFunction
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
@@ -166,6 +167,19 @@ class Fluid(Meshed):
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         self._gravity = self._gravity + np.asarray(acceleration, dtype=float)
+
+    @property
+    def outside_axes(self) -> Axes:
+        across = by_forces(axes_along(self.periods.shifts))[
+            1
+        ]  # what leaves on one side comes in on the other
+        return joined(by_forces(axes_along(self.body_force)), ("", across))
+
+    @property
+    def conserves_momenta(self) -> bool:
+        return (
+            not self.convection
+        )  # its skew form keeps energy whatever the mesh, momentum as the mesh gets finer
 
     # --- what it contributes -------------------------------------------------------------------------------
     def announce(self, model: Model) -> None:

@@ -16,6 +16,7 @@ from visviva.body.director_body import refuse_thin
 from visviva.body.element import masses, nodal_masses
 from visviva.body.solid import Solid
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
@@ -97,7 +98,7 @@ class Immersed(Carried):
     [-0.1, 0.1, 0.0]
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     solid: Solid
     massless: bool = False

@@ -14,6 +14,7 @@ from visviva.body.inertia import MassProperties
 from visviva.body.rigid import RigidBody, mass_matrix
 from visviva.body.shape import AnyShape
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried
 from visviva.flow.leaving import Displaced
 from visviva.flow.marks import marks
@@ -78,7 +79,7 @@ class ImmersedBody(Carried):
     -3.141593
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     body: RigidBody
     spacing: float = 1.5

@@ -13,6 +13,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 from visviva.flow.carried import Carried, Mask
 from visviva.flow.location import Place
@@ -76,7 +77,7 @@ class ImmersedThin(Carried):
     -0.01
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     body: MeshBody
     displaced: Number

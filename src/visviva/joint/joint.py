@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable, Frame, Point, refuse_uncomposed
 from visviva.component.values import Vector3
 from visviva.model.form import Form, Strain, Vector, dot, strain
@@ -73,7 +74,7 @@ class Joint(Component):
         Make the joint's angle (counting turns) or stroke a coordinate of the system.
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     a: Any
     b: Any

@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable, Frame
 from visviva.component.values import Vector3
 from visviva.model.form import Strain, dot
@@ -47,7 +48,7 @@ class Bushing(Component):
     >>> system = vv.System([ground, body, rubber])
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     a: Any
     b: Any

@@ -15,6 +15,7 @@ from visviva.body.director_body import refuse_thin
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import VectorOrField
 from visviva.load.force import guarded
 from visviva.model.batch import components, strain_batch
@@ -116,6 +117,10 @@ class BodyForce(Component):
     solid: MeshBody
     force: VectorOrField
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self.force))
 
     def __post_init__(self) -> None:
         refuse_thin(

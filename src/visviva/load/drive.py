@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 from visviva.joint.joint import Joint
 from visviva.model.form import Form
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 class OnJoint(Component):
     """Base of what acts on a coordinate: `joint`, and `coordinate` ('angle' or 'stroke')."""
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     joint: Joint
     coordinate: Literal["angle", "stroke"] | None = None

@@ -12,6 +12,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.body.shell import Shell
 from visviva.component.component import Component, settings
+from visviva.component.momentum import ABOUT_ANY, Axes
 from visviva.component.values import Vector3
 from visviva.mesh.faces import Faces
 from visviva.model.form import Vector
@@ -62,6 +63,10 @@ class EdgeMoment(Component):
     edges: str | Faces
     moment: Vector3
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return ABOUT_ANY
 
     def __post_init__(self) -> None:
         faces = self.shell.faces(self.edges)

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError, VisvivaError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Vector3, VectorOrFunction
 from visviva.component.where import frame_of, movable, point_of
 from visviva.model.callback import rate_callback
@@ -57,6 +58,10 @@ class Force(Component):
     force: VectorOrFunction
     at: Vector3 | None = None
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self.force))
 
     def __post_init__(self) -> None:
         point_of(self.label, self.on, self.at)

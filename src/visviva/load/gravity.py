@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Vector3
 
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ class Gravity(Component):
 
     acceleration: Vector3 = (0.0, 0.0, -9.81)
     name: str | None = "gravity"
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self.acceleration))
 
     def announce(self, model: Model) -> None:
         for component in model.components:

@@ -11,6 +11,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.body.beam import Beam
 from visviva.component.component import Component, settings
+from visviva.component.momentum import EVERYWHERE, Axes, axes_along, by_forces, joined
 from visviva.component.values import Vector3, VectorOrFunction
 from visviva.load.distributed import Distribution
 from visviva.load.force import carried
@@ -56,6 +57,14 @@ class LineLoad(Component):
     moment: Vector3 = (0.0, 0.0, 0.0)
     follower: bool = False
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return (
+            EVERYWHERE
+            if self.follower
+            else joined(by_forces(axes_along(self.force)), ("", axes_along(self.moment)))
+        )
 
     def __post_init__(self) -> None:
         self._has_force = callable(self.force) or bool(np.any(self.force))

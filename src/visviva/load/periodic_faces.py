@@ -14,6 +14,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Matrix
 from visviva.mesh.periodic import numbering
 
@@ -80,6 +81,11 @@ class PeriodicFaces(Component):
         given = np.asarray(self.strain, dtype=float)
         self._gradient = np.diag(given) if given.ndim == 1 else given
         self._times: Any = self.times
+
+    @property
+    def outside_axes(self) -> Axes:
+        apart = self.solid.points[self._followers] - self.solid.points[self._leaders]
+        return "", by_forces(axes_along([*apart, *apart @ self._gradient.T]))[1]  # pairs pull past each other
 
     def declare(self, model: Model) -> None:
         model.index(self.solid)

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime, TimeFunction
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Vector3
 from visviva.model.term import Stencils, Term
 
@@ -61,6 +62,12 @@ class RotatingFrame(Component):
     times: OfTime | None = None
 
     contributes_last = True
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(
+            "".join(c for c in "xyz" if axes_along(self.angular_velocity) != c)
+        )  # across its axis
 
     def contribute(self, model: Model) -> None:
         others = [c for c in model.components if isinstance(c, RotatingFrame) and c is not self]

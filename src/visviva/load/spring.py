@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Function, Number, Vector3
 from visviva.component.where import point_of
 from visviva.load.force import guarded
@@ -51,7 +52,7 @@ class Spring(Component):
     >>> result.assert_conserved("energy", tolerance=1e-9)
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     a: Any
     b: Any
@@ -137,4 +138,4 @@ class Damper(Spring):
     >>> system = vv.System([ground, ball, damper])
     """
 
-    acts_between = True
+    outside_axes = NOWHERE

@@ -14,6 +14,7 @@ from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
 from visviva.component.announcements import Clamping, Holding
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
 from visviva.load.force import guarded
@@ -82,6 +83,10 @@ class Fixed(Support):
 
     directions: Directions = EVERY
 
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self.directions))
+
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_nothing(self.directions)
@@ -138,6 +143,10 @@ class SymmetryPlane(Support):
     """
 
     normal: Vector3
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self._along))
 
     def reactions(self, state: State) -> tuple[Ints, Array]:
         """Nodes (k,), and the forces (k, 3) of an oblique plane on them; planes across an axis fix unknowns."""
@@ -219,6 +228,10 @@ class Prescribed(Support):
 
     motion: Motion
     directions: Directions = EVERY
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self._moved))
 
     def __post_init__(self) -> None:
         super().__post_init__()

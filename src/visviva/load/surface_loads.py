@@ -13,6 +13,7 @@ from visviva.base.timefunction import OfTime
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import FacePoints
 from visviva.component.component import Component, settings
+from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import FaceSet, Number, VectorOrFunction
 from visviva.load.distributed import Distribution
 from visviva.mesh.cells import CELLS
@@ -63,6 +64,10 @@ class Traction(OnFaces):
 
     traction: VectorOrFunction
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return by_forces(axes_along(self.traction))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -14,6 +14,7 @@ from visviva.base.timefunction import OfTime, TimeFunction
 from visviva.body.beam import Beam
 from visviva.component.announcements import Straining
 from visviva.component.component import settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ class ThermalStrain(Straining):
     (0.001, True)
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     beam: Beam
     extension: Number = 0.0

@@ -14,6 +14,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
+from visviva.component.momentum import ABOUT_ANY, NOWHERE, Axes, axes_along
 from visviva.component.point import Frame
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, movable
@@ -56,6 +57,10 @@ class Torque(Component):
     torque: Vector3
     times: OfTime | None = None
 
+    @property
+    def outside_axes(self) -> Axes:
+        return "", axes_along(self.torque)
+
     def contribute(self, model: Model) -> None:
         act(model, self, frame_of(self.label, self.on), Vector.constant(self.torque), self.times)
 
@@ -67,6 +72,10 @@ class FollowerTorque(Component):
     on: Any
     torque: Vector3
     times: OfTime | None = None
+
+    @property
+    def outside_axes(self) -> Axes:
+        return ABOUT_ANY
 
     def contribute(self, model: Model) -> None:
         frame = frame_of(self.label, self.on)
@@ -104,6 +113,10 @@ class SemitangentialTorque(Component):
     torque: Vector3
     times: OfTime | None = None
 
+    @property
+    def outside_axes(self) -> Axes:
+        return ABOUT_ANY
+
     def contribute(self, model: Model) -> None:
         d = frame_of(self.label, self.on).directors
         x, _ = model.initial
@@ -134,7 +147,7 @@ class TorquePair(Component):
         Factor as a function of time, see `TimeFunction`.
     """
 
-    acts_between = True
+    outside_axes = NOWHERE
 
     a: Any
     b: Any

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
 from visviva.model.field import Field
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -74,6 +75,8 @@ class Wetting(Component):
     0.5
     """
 
+    outside_axes = NOWHERE
+
     body: CahnHilliard | MixtureSolid | AllenCahn
     faces: FaceSet
     angle: Number | None = None
@@ -130,6 +133,8 @@ class PrescribedConcentration(Component):
     -----
     The ledger books what the inflow brings, its potential times its amount, as "supply".
     """
+
+    outside_axes = NOWHERE
 
     body: CahnHilliard | MixtureSolid
     nodes: Nodes
@@ -194,6 +199,8 @@ class ConcentrationSource(Component):
     rate : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
         Of an order parameter: a force, which adds to ``-(f' - div(K grad c))``.
     """
+
+    outside_axes = NOWHERE
 
     body: CahnHilliard | MixtureSolid | AllenCahn
     rate: OfTimeAndPlace

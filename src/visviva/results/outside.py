@@ -7,18 +7,19 @@ from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 from visviva.component.component import Component
-from visviva.component.meshed import Meshed
-from visviva.component.point import Attachable, Point
+from visviva.component.momentum import EVERYWHERE, Axes
+from visviva.component.point import Point
 from visviva.contact.obstacle import Obstacle, Plane
-from visviva.flow.fluid import Fluid
 from visviva.joint.joint import Joint
 
 if TYPE_CHECKING:
     from visviva.system.system import System
 
 
-def outside(system: System) -> list[Component]:
-    """Components that exchange momentum with what is in no system: given loads, weight, supports, the ground.
+def outside(system: System) -> list[tuple[Component, Axes]]:
+    """Components that exchange momentum with what is in no system, and along and about which axes.
+
+    These are given loads, weight, supports, the ground.
 
     Examples
     --------
@@ -26,21 +27,18 @@ def outside(system: System) -> list[Component]:
     >>> ground, ball, other = vv.Ground(), *(vv.PointMass(mass=1.0, position=(x, 0, 0)) for x in (1, 2))
     >>> free = vv.Spring(a=ball, b=other, stiffness=1.0, name="free")
     >>> held = vv.Spring(a=ground, b=ball, stiffness=1.0, name="held")
-    >>> [c.name for c in outside(vv.System([ground, ball, other, free, held, vv.Gravity(name="weight")]))]
-    ['held', 'weight']
+    >>> [(c.name, *axes) for c, axes in outside(vv.System([ground, ball, other, free, held, vv.Gravity()]))]
+    [('held', 'xyz', 'xyz'), ('gravity', 'z', 'xy')]
     """
-    return [c for c in system.components if is_outside(c)]
+    acting = ((c, outside_axes(c)) for c in system.components)
+    return [(c, axes) for c, axes in acting if any(axes)]
 
 
-def is_outside(component: Component) -> bool:
-    """Whether a component itself acts from outside."""
-    if component.is_fixed or isinstance(component, Plane | Obstacle):
-        return False  # acts by what attaches to it
-    if isinstance(component, Fluid):
-        return not component.periodic  # what flows through a boundary takes its momentum along
-    if isinstance(component, Attachable | Meshed):
-        return False
-    return not component.acts_between or any(map(is_ground, partners(component)))
+def outside_axes(component: Component) -> Axes:
+    """Axes of a component itself, all of them if it acts between others one of which is the ground."""
+    if isinstance(component, Plane | Obstacle):
+        return component.outside_axes  # what it moves with acts by what attaches to it
+    return EVERYWHERE if any(map(is_ground, partners(component))) else component.outside_axes
 
 
 def partners(component: Component) -> Iterator[Any]:
@@ -57,5 +55,5 @@ def is_ground(value: Any) -> bool:
     if isinstance(value, Plane | Obstacle):
         return value.on is None or value.on.is_fixed
     return isinstance(value, Component) and (
-        value.is_fixed or (isinstance(value, Joint) and is_outside(value))
+        value.is_fixed or (isinstance(value, Joint) and any(outside_axes(value)))
     )

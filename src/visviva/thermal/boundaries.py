@@ -14,6 +14,7 @@ from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import TimeFunction
 from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier
 
@@ -86,6 +87,8 @@ class PrescribedTemperature(Component):
     The ledger books the heat that flows in there as "supply".
     """
 
+    outside_axes = NOWHERE
+
     body: HeatCarrier
     nodes: Nodes
     value: OfTimeAndPlace
@@ -122,6 +125,8 @@ class PrescribedTemperature(Component):
 
 class ThroughPoints(Component):
     """Base of heat that comes in by a law at quadrature points."""
+
+    outside_axes = NOWHERE
 
     body: HeatCarrier
     kind = "heat"

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.touching import Skin
 from visviva.component.component import Component
+from visviva.component.momentum import NOWHERE, Axes
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
 from visviva.model.term import Stencils, Term
@@ -82,6 +83,10 @@ class HeatCarrier(Component):
     start_temperatures: Array
     carries_heat = True
     balances_entropy = False  # or heat, in the unknowns of order 1
+
+    @property
+    def outside_axes(self) -> Axes:
+        return NOWHERE
 
     @property
     @abstractmethod

@@ -12,6 +12,7 @@ from visviva import _core
 from visviva.base.errors import InputError, RunError
 from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Curve, Number
 from visviva.contact.contact import Contact
 from visviva.thermal.carrier import HeatCarrier
@@ -55,6 +56,8 @@ class HeatContact(Component):
     >>> heat = vv.HeatContact(contact=contact, conductance=[(0, 0), (10, 5)])
     >>> system = vv.System([lower, upper, contact, heat])
     """
+
+    outside_axes = NOWHERE
 
     contact: Contact
     conductance: Curve | None = None

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Nodes, Number
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier, HeatPort
@@ -129,6 +130,8 @@ class HeatExchange(Component):
     >>> round(cup.temperature_at(system.x), 1)
     317.6
     """
+
+    outside_axes = NOWHERE
 
     a: Any
     b: Any = None

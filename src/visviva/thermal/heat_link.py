@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number, Vector3
 from visviva.mesh.locate import locate
 from visviva.thermal.carrier import HeatCarrier
@@ -53,6 +54,8 @@ class HeatLink(Component):
     >>> right.temperatures(system.x).mean().round(3)
     np.float64(5.0)
     """
+
+    outside_axes = NOWHERE
 
     first: HeatCarrier
     second: HeatCarrier

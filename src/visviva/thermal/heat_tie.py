@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.contact.tying import THIN, with_neighbours
@@ -66,6 +67,8 @@ class HeatTie(Component):
     >>> float(vv.TemperatureAt(body=left, at=(1, 0.4, 0.3))(system).round(9))
     15.0
     """
+
+    outside_axes = NOWHERE
 
     first: HeatCarrier
     second: HeatCarrier

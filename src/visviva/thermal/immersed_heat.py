@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.flow.immersed import Immersed
 from visviva.thermal.carrier import HeatCarrier
@@ -59,6 +60,8 @@ class ImmersedHeat(Component):
     >>> bool(310 < ball.temperatures(system.x).mean() < 340)
     True
     """
+
+    outside_axes = NOWHERE
 
     immersed: Immersed
     heat: FluidHeat

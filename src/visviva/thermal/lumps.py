@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -32,6 +33,8 @@ class Lump(Component):
     temperature : float, optional
         At the start; by default the reference.
     """
+
+    outside_axes = NOWHERE
 
     capacity: Number
     reference: Number
