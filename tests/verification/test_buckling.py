@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 import visviva as vv
+from visviva.analysis.buckling import real_pairs
 
 STIFF = 1e7
 """Of a beam of unit length and bending stiffness against shear and stretch, as not to matter."""
@@ -261,6 +262,45 @@ def test_plate_in_compression() -> None:
         (found,) = factors([sheet, rim, left, corner, push], 1)
         error.append(found / (4 * PLATE) - 1)
     assert 0 < error[1] < 0.3 * error[0] < 0.02
+
+
+def squeezed(count: int, n: int) -> np.ndarray:
+    """Factors of a simply supported plate whose edges all come together by t, beside `PLATE`."""
+    sheet, rim = plate(count)
+    left = vv.Fixed(solid=sheet, nodes="x0", directions=(True, False, False))
+    front = vv.Fixed(solid=sheet, nodes="y0", directions=(False, True, False))
+    push = vv.Prescribed(solid=sheet, nodes="x1", motion=("-t", None, None))
+    shove = vv.Prescribed(solid=sheet, nodes="y1", motion=(None, "-t", None))
+    return factors([sheet, rim, left, front, push, shove], n) / (PLATE * (1 - POISSON))
+
+
+@pytest.mark.parametrize("missed", [None, 1, 2, 4])
+def test_double_factors_of_a_square_plate(missed: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under equal compression k = i^2 + j^2, so that most stand twice; also where Krylov's space leaves one out."""
+    import scipy.sparse.linalg as spl
+
+    eigs = spl.eigs
+
+    def forgetful(*args: Any, k: int, **options: Any) -> Any:
+        values, z = eigs(*args, k=k, **options)
+        left = np.argsort(-np.abs(values))
+        left = left if missed is None or k < 10 else np.delete(left, missed)
+        return values[left], z[:, left]
+
+    monkeypatch.setattr(spl, "eigs", forgetful)
+    found = squeezed(16, 6)
+    np.testing.assert_allclose(found, [2, 5, 5, 8, 10, 10], rtol=0.06)
+    np.testing.assert_allclose(found[[1, 4]], found[[2, 5]], rtol=1e-6)
+
+
+def test_pairs_of_rounding_are_two_vectors() -> None:
+    """Rounding makes a conjugate pair of a double eigenvalue: its plane is that of both parts, and is kept."""
+    A = np.array([[2.0, 1e-12, 0.0], [-1e-12, 2.0, 0.0], [0.0, 0.0, 1.0]])
+    values, vectors = np.linalg.eig(A)
+    assert np.iscomplexobj(values)
+    found = real_pairs(values, vectors)[1]
+    assert np.linalg.matrix_rank(found) == 3
+    np.testing.assert_allclose(A @ found, found * values.real, atol=1e-11)
 
 
 def test_plate_in_shear() -> None:

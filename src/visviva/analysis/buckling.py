@@ -46,6 +46,8 @@ ROUNDING = 2e-15
 """Changes of the tangent by loads are zero that are smaller than this, where its diagonal is scaled to 1."""
 REAL = 1e-6
 """Imaginary part, relative to its size, up to which a root is real."""
+SURE = 1e-3
+"""How far a factor may be from the Rayleigh quotient of its vector: what is farther is rounding of infinite ones."""
 
 
 @dataclass
@@ -333,11 +335,13 @@ def critical(tangent: Tangent, rate: sp.csr_array, n: int) -> tuple[Array, Array
     A, rate = S @ symmetric(tangent.A) @ S, symmetric(S @ rate @ S)
     times = lambda z: -tangent.scaled(rate @ np.ravel(z))  # noqa: E731
 
+    random = np.random.default_rng(0)
+
     def nearest(operator: Any, n: int = 4) -> tuple[Array, Array]:
-        inverse, z = largest(operator, n)
-        real = (np.abs(inverse.imag) <= REAL * np.abs(inverse)) & (np.abs(inverse) > 0)
-        z = z[:, real].real
-        return -(z * (A @ z)).sum(axis=0) / (z * (rate @ z)).sum(axis=0), z
+        inverse, z = real_pairs(*largest(operator, n, random.standard_normal(len(tangent.scale))))
+        s = -(z * (A @ z)).sum(axis=0) / (z * (rate @ z)).sum(axis=0)
+        sure = np.abs(s * inverse - 1) <= SURE
+        return s[sure], z[:, sure]
 
     operator = spl.LinearOperator(A.shape, matvec=times, dtype=float)
     s, z = nearest(operator, 2 * n + 4)
@@ -346,17 +350,28 @@ def critical(tangent: Tangent, rate: sp.csr_array, n: int) -> tuple[Array, Array
     return s, tangent.scale[:, None] * z
 
 
-def largest(operator: Any, n: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Eigenvalues of largest size and their vectors; all of small operators."""
+def largest(operator: Any, n: int, start: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Eigenvalues of largest size and their vectors; all of small operators.
+
+    Each search has a `start` of its own: the same one has no part in the copies that the first left out.
+    """
     import scipy.sparse.linalg as spl
 
     size = operator.shape[0]
     if n >= size - 2:
         values, vectors = np.linalg.eig(operator @ np.eye(size))
         return values, vectors
-    start = np.random.default_rng(0).standard_normal(size)
     try:
         values, vectors = spl.eigs(operator, k=n, which="LM", v0=start)
     except spl.ArpackError as error:
         raise RunError(f"buckling: the lowest {n} factors were not found; ask for fewer") from error
     return values, vectors
+
+
+def real_pairs(values: NDArray[Any], vectors: NDArray[Any]) -> tuple[Array, Array]:
+    """Eigenvalues (j,) of those (k,) that are real and not zero, with real vectors (n, j).
+
+    Rounding makes pairs with conjugate vectors of double ones: both parts of these are vectors.
+    """
+    real = (np.abs(values.imag) <= REAL * np.abs(values)) & (np.abs(values) > 0)
+    return values.real[real], np.where(values.imag < 0, vectors.imag, vectors.real)[:, real]
