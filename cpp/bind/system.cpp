@@ -270,10 +270,10 @@ static void bind_assembly(nb::class_<System>& system) {
              [](System& s, const std::vector<int>& halted) {
                  s.halt(std::vector<char>(halted.begin(), halted.end()));
              })
-        .def("trial_energy",
+        .def("trial_energies",
              [](System& s, const Step& step, const Doubles& signals) {
                  nb::gil_scoped_release release;
-                 return s.trial_energy(step, signals_of(signals));
+                 return s.trial_energies(step, signals_of(signals));
              })
         .def_prop_ro("csr", [](nb::handle self) {
             auto view = [self]<class T>(const std::vector<T>& a) {

@@ -33,9 +33,24 @@ def plate(**options: Any) -> vv.FracturingSolid:
     return vv.FracturingSolid(**given)
 
 
-def pulled(solid: vv.FracturingSolid) -> vv.System:
+def pulled(solid: vv.FracturingSolid, *more: vv.Component) -> vv.System:
     held = vv.Fixed(solid=solid, nodes="y0")
-    return vv.System([solid, held, vv.Prescribed(solid=solid, nodes="y1", motion=(0, "3e-3*t", None))])
+    return vv.System([solid, held, *more, vv.Prescribed(solid=solid, nodes="y1", motion=(0, "3e-3*t", None))])
+
+
+@pytest.mark.parametrize("floor", [0.0, 1e3, -1e6])
+def test_to_and_fro_ends_where_it_does_wherever_heights_are_measured_from(floor: float) -> None:
+    """The potential of the weight has any constant; gone to and fro by it, the crack stopped half way."""
+    ends = []
+    for low in (0.0, floor):
+        mesh = vv.RectangleMesh(size=(1, 1), counts=(8, 8), origin=(0, low))
+        solid = plate(mesh=mesh, length=0.25, density=1e-6)
+        weight = vv.Gravity(acceleration=(0, -9.81, 0))
+        system = pulled(solid, weight)
+        vv.quasi_static(system, until=0.5, step=0.25, scheme=vv.AlternateMinimization())
+        ends.append(solid.damages(system.x))
+    assert ends[0].max() > 0.9
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-4)
 
 
 def forces(

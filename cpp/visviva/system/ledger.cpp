@@ -91,15 +91,13 @@ void System::evaluate_ledger(const Step& step, const Signals& signals, bool move
     book({step, vectors, signals}, moves ? v.data() : still_.data());
 }
 
-double System::trial_energy(const Step& step, const Signals& signals) {
+std::vector<double> System::trial_energies(const Step& step, const Signals& signals) {
     update_vectors(step);
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     LedgerSums kept = sums;
     book({step, vectors, signals}, still_.data());
-    double total = 0;
-    for (double energy : sums.energy) total += energy;
-    sums = std::move(kept);
-    return total;
+    std::swap(sums, kept);
+    return kept.energy;
 }
 
 }  // namespace visviva

@@ -100,8 +100,8 @@ class System {
     void halt(const std::vector<char>& halted) { monotone_.halt(halted, dx.data()); }
     // Whether the tangent factored last is of those that rest by the residual evaluated last.
     bool is_settled() const { return !monotone_.has_changed(); }
-    // Of all accounts at the trial state.
-    double trial_energy(const Step& step, const Signals& signals);
+    // Of each account at the trial state.
+    std::vector<double> trial_energies(const Step& step, const Signals& signals);
     // Fixed unknowns that move as prescribed, or through which something flows: their increments are put into
     // dx before a step is solved, and what they take in is booked on these accounts.
     void set_prescribed(std::vector<int> unknown, std::vector<int> account, std::vector<Supply> supply) {

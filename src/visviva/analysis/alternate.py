@@ -31,7 +31,7 @@ class AlternateMinimization(Static):
     Parameters
     ----------
     energy_tolerance : float
-        Share of the stored energy that the last change of damages may release.
+        Share of the energy stored in what cracks, weights left out, that the last change of damages may release.
     rounds : int
         Largest number of goes to and fro; a load step that takes more is halved.
     newton : int
@@ -82,12 +82,18 @@ class Alternation(Equilibrium):
 
     options: AlternateMinimization
     damages: NDArray[np.int32] = field(init=False)
+    stored: NDArray[np.bool_] = field(
+        init=False
+    )  # accounts of the energies that cracks release, without weights
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.damages = np.zeros(len(self.dx), dtype=np.int32)
         for growing, _ in self.system.model.growing:
             self.damages[growing.start : growing.start + growing.size] = 1
+        cracking = {self.system.model.index(growing.component) for growing, _ in self.system.model.growing}
+        accounts = self.system.model.accounts
+        self.stored = np.array([a.kind == "stored" and a.component in cracking for a in accounts])
 
     @contextmanager
     def _halted(self, unknowns: NDArray[np.int32]) -> Iterator[None]:
@@ -101,10 +107,10 @@ class Alternation(Equilibrium):
         with self._halted(self.damages):
             super().predict(time)
 
-    def energy(self, time: float) -> float:
-        """Stored at the trial state."""
+    def energies(self, time: float) -> Array:
+        """Stored at the trial state, by account."""
         step = self.at(time)
-        return float(self.system.core.trial_energy(step, self.system.signals(step)))
+        return np.array(self.system.core.trial_energies(step, self.system.signals(step)))
 
     def iterate(self, time: float) -> LoadReport:
         o, taken, wait = self.options, LoadReport(0, 0), 0
@@ -115,10 +121,10 @@ class Alternation(Equilibrium):
                     return taken + found
                 wait += max(o.newton, wait)  # tried ever more seldom, as it costs
             taken += self._part(time, self.damages, ROUGHLY)
-            before = self.energy(time)
+            before = self.energies(time)
             taken += self._part(time, 1 - self.damages, ROUGHLY)
-            after = self.energy(time)
-            if before - after <= o.energy_tolerance * abs(after):
+            after = self.energies(time)
+            if (before - after).sum() <= o.energy_tolerance * after[self.stored].sum():
                 return taken + self._part(time, self.damages, o.tolerance)
         raise self.failure(
             time, f"no equilibrium in {o.rounds} goes to and fro between positions and damages"
