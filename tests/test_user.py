@@ -2,12 +2,15 @@
 
 import gc
 import weakref
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import visviva as vv
 from visviva.model.form import dot
+from visviva.model.term import Stencils
 
 EXACT = vv.Newton(tolerance=1e-15)
 """What is tested here is the discretisation, not where the iteration stops."""
@@ -367,3 +370,39 @@ def test_a_bumper_in_absolute_values_pushes_back_wherever_it_starts(start: float
         ends.append([system.x[0], system.v[0]])
     assert ends[1] == pytest.approx(ends[0], rel=1e-9)
     assert ends[1][1] > 0.9
+
+
+class Barrier(vv.Term):
+    """Pushes what comes down to x = -1 back up; there is nothing below."""
+
+    def residual(self, s: Stencils) -> Any:
+        found = np.zeros_like(s.x)
+        with np.errstate(all="ignore"):
+            found[:, 0] = -1 / np.sqrt(1 + s.x[:, 0])
+        return found
+
+
+def test_steps_that_go_where_a_term_has_no_value_are_halved() -> None:
+    """The first step would go through the barrier; halved, the run is that of short steps, to their order."""
+    ends = []
+    for step in (2.0, 2.0 / 512):
+        ball = vv.PointMass(mass=1.0, velocity=(-1.2, 0, 0))
+        system = vv.System([ball, vv.UserTerm(term=Barrier(), on=[ball])])
+        result = vv.simulate(system, until=2.0, step=step)
+        ends.append((system.x[0], result.statistics.rejected))
+    exact = solve_ivp(lambda t, y: (y[1], (1 + y[0]) ** -0.5), (0, 2), (0, -1.2), rtol=1e-10).y[0, -1]
+    assert ends[0][1] > 0
+    assert ends[0][0] == pytest.approx(exact, abs=0.3)
+    assert ends[1] == (pytest.approx(exact, rel=1e-4), 0)
+
+
+def test_terms_without_value_are_named_when_no_step_helps() -> None:
+    class Later(vv.Term):
+        def residual(self, s: Stencils) -> Any:
+            return np.full_like(s.x, np.inf if s.step.te > 0 else 0.0)
+
+    ball = vv.PointMass(mass=1.0)
+    system = vv.System([ball, vv.UserTerm(term=Later(), on=[ball], name="later")])
+    with pytest.raises(vv.StepFailure, match="UserTerm 'later': its residual is not finite"):
+        vv.simulate(system, until=1.0, step=0.5)
+    assert system.time == 0

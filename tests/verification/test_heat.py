@@ -231,3 +231,16 @@ def test_large_bodies_are_solved_by_multigrid_and_find_what_factors_find() -> No
         mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4)), conductivity=1.0, conductivity_slope=0.1
     )
     assert "positive definite" not in vv.System([uneven]).linear_explanation
+
+
+def test_radiation_that_overflows_fails_the_step() -> None:
+    """From nothing to a great heat the first iterate is beyond all numbers: steps are cut, and the state is kept."""
+    body = vv.ThermalBody(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), conductivity=1.0, capacity=1e-12, temperature=1e-10
+    )
+    hot = vv.Radiation(body=body, faces="x1", emissivity=1.0, ambient=1e5)
+    system = vv.System([body, hot])
+    with pytest.raises(vv.StepFailure, match="Radiation 'radiation-1': its residual is not finite"):
+        vv.simulate(system, until=1e6, step=1e6)
+    assert system.time == 0
+    assert body.temperatures(system.x).max() == 1e-10

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.analysis.load_steps import Equilibrium, LoadReport, NoEquilibrium, Static
 from visviva.base.arguments import bounded
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, NotFinite
 from visviva.model.state import State
 from visviva.system.system import System
 
@@ -144,7 +144,7 @@ class Alternation(Equilibrium):
         kept = self.dx.copy()
         try:
             report = super().iterate(time)
-        except NoEquilibrium:
+        except (NoEquilibrium, NotFinite):
             self.dx[:] = kept
             return None
         return report

@@ -13,7 +13,7 @@ from visviva.analysis.fork import NEAR, Fork, critical_mode
 from visviva.analysis.load_steps import Equilibrium, LoadReport, NoEquilibrium, Static
 from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import bounded, whole
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, NotFinite, RunError
 from visviva.output.checkpoint import Record
 from visviva.results.result import Result
 from visviva.system.memory import Trial
@@ -125,7 +125,7 @@ def follow_path(system: System, scheme: ArcLength, until: float, step: float) ->
         try:
             with Trial(system):
                 iterations = way.go()
-        except NoEquilibrium as failure:
+        except (NoEquilibrium, NotFinite) as failure:
             system.stepper.rejected += 1
             way.shorten(failure)
         except Passed:
@@ -203,7 +203,7 @@ class Way:
         self.is_near = self.arc <= NEAR * self.longest / self.scheme.longest
         self.arc *= 1.0 if self.is_near else 0.5
 
-    def shorten(self, failure: NoEquilibrium) -> None:
+    def shorten(self, failure: RunError) -> None:
         """Try again with half the step, unless that is too short."""
         scheme = self.scheme
         leaps = self.is_near and self.fork is not None

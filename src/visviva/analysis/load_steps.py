@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from visviva.analysis.march import advance, begin, checked_times, keep
 from visviva.base.arguments import bounded, whole
-from visviva.base.errors import InputError, RunError
+from visviva.base.errors import InputError, NotFinite, RunError
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.memory import Trial
@@ -349,7 +349,7 @@ def load_steps(system: System, scheme: Static, until: float, step: float) -> Ite
                 equations.predict(target)
                 report = equations.iterate(target)
                 equations.accept(target)
-        except NoEquilibrium as failure:
+        except (NoEquilibrium, NotFinite) as failure:
             system.stepper.rejected += 1
             if clock.halvings >= scheme.halvings:
                 clock.restart(clock.time)

@@ -34,6 +34,10 @@ class RunError(VisvivaError, RuntimeError):
     """A computation that was well posed by its input failed on the way."""
 
 
+class NotFinite(RunError):
+    """Something has no finite value at a state that is tried: a shorter step may not come there."""
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """End of a message about an unknown name: the nearest known one, or all if there are few.
 

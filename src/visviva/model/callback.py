@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import RunError, VisvivaError
+from visviva.base.errors import NotFinite, RunError, VisvivaError
 
 Array = NDArray[np.float64]
 LawCallback = Callable[..., None]
@@ -78,7 +78,7 @@ class Function:
         f = np.asarray(self.raw(e), dtype=float)
         if not np.all(np.isfinite(f)):
             k = int(np.argmin(np.isfinite(f).all(axis=0)))
-            raise RunError(f"{self.label}: it returned {f[:, k].tolist()} at the strains {e[:, k].tolist()}")
+            raise NotFinite(f"{self.label}: it returned {f[:, k].tolist()} at the strains {e[:, k].tolist()}")
         return f
 
     def takes_complex(self, e: Array) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.base.errors import RunError
+from visviva.base.errors import NotFinite, RunError
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -245,7 +245,7 @@ def checked(label: str, what: str, value: Any, shape: tuple[int, ...]) -> Array:
     if a.shape != shape:
         raise RunError(f"{label}: its {what} has shape {a.shape}, expected {shape}")
     if not np.all(np.isfinite(a)):
-        raise RunError(f"{label}: its {what} is not finite: {a[~np.isfinite(a)][:3].tolist()}")
+        raise NotFinite(f"{label}: its {what} is not finite: {a[~np.isfinite(a)][:3].tolist()}")
     return a
 
 

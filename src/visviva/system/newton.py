@@ -58,6 +58,15 @@ class Newton(metaclass=Validated):
             bounded(self, tangents=(0, 1e9))
 
 
+@dataclass(frozen=True)
+class GivenUp:
+    """What is reported of a step that went where something has no value."""
+
+    reason: str
+    worst_unknown: int = -1
+    increments: tuple[float, ...] = ()
+
+
 class StepFailure(RunError):
     """A step that did not converge.
 

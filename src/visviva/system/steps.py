@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import NotFinite
 from visviva.system.memory import Trial
-from visviva.system.newton import StepFailure
+from visviva.system.newton import GivenUp, StepFailure
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
@@ -71,7 +72,12 @@ def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array 
     tangents = system.asked_tangents if newton.tangents is None else newton.tangents
     with Trial(system):
         system.prescribe(step)
-        report = solve(step, signals, newton.tolerance, newton.max_iterations, _keep_factor(system), tangents)
+        try:
+            report = solve(
+                step, signals, newton.tolerance, newton.max_iterations, _keep_factor(system), tangents
+            )
+        except NotFinite as error:
+            raise StepFailure(system, system.time, step.h, GivenUp(str(error))) from error
         if not report.converged:
             raise StepFailure(system, system.time, step.h, report)
     return report

@@ -286,7 +286,6 @@ class Radiation(ThroughFaces):
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
         ambient = self._values.at(time, X)
         self._refuse_below_zero(ambient, RunError)
-        factor = self.emissivity * self.constant
-        return factor * ((ambient - self.zero) ** 4 - (T - self.zero) ** 4), -4 * factor * (
-            T - self.zero
-        ) ** 3
+        factor, T = self.emissivity * self.constant, T - self.zero
+        with np.errstate(over="ignore"):  # of temperatures that are tried only
+            return factor * ((ambient - self.zero) ** 4 - T**4), -4 * factor * T**3
