@@ -75,6 +75,61 @@ def dry(kind: str, allowed: bool) -> vv.System:
     return vv.System([c for c in parts if not isinstance(c, vv.Immersed | vv.ImmersedBody)])
 
 
+def stood(body: Callable[[float], Any], at: float, allowed: bool = False) -> vv.System:
+    """A fluid with something at this height that it does not know of."""
+    flat = body in (line_in_plane, warm_patch)
+    if flat:
+        mesh = vv.RectangleMesh(size=(1, 1), counts=(4, 4)).build()
+    else:
+        mesh = vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4)).build()
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1, dry=allowed)
+    return vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), body(at)])
+
+
+ROD = vv.RectangleSection(width=1.0, height=0.02, young=1e4, density=2.0)
+
+
+def line_in_plane(at: float) -> vv.Beam:
+    return vv.Beam(mesh=vv.LineMesh(points=[(0, at, 0), (1, at, 0)], count=3), section=ROD, first=(0, 0, 1))
+
+
+def line_in_space(at: float) -> vv.Beam:
+    """Of one cell, both ends of which are on walls."""
+    return vv.Beam(mesh=vv.LineMesh(points=[(0, 0.4, at), (1, 0.4, at)], count=1), section=ROD)
+
+
+def sheet(at: float) -> vv.Shell:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+    mesh = vv.Mesh(np.pad(mesh.points, ((0, 0), (0, 1)), constant_values=at), mesh.cells)
+    return vv.Shell(
+        mesh=mesh, section=vv.HomogeneousSection(thickness=0.01, young=1.0, poisson=0.3, density=1.0)
+    )
+
+
+def warm_patch(at: float) -> vv.ThermalBody:
+    """From there on upwards."""
+    mesh = vv.RectangleMesh(size=(0.4, 0.4), counts=(2, 2), origin=(0.3, at))
+    return vv.ThermalBody(mesh=mesh, conductivity=1.0)
+
+
+@pytest.mark.parametrize(
+    ("body", "cure"),
+    [
+        (line_in_plane, "ImmersedThin"),
+        (line_in_space, "ImmersedThin"),
+        (sheet, "ImmersedThin"),
+        (warm_patch, "leave its place out of the mesh"),
+    ],
+)
+def test_thin_and_thermal_bodies_in_a_fluid_that_does_not_know_of_them(body: Any, cure: str) -> None:
+    """Refused within, unless meant; along a wall, or beyond it, they are no matter."""
+    with pytest.raises(InputError, match=rf"lies within Fluid.*{cure}.*allow it by Fluid\(dry=True\)"):
+        stood(body, 0.4)
+    stood(body, 0.4, allowed=True)
+    stood(body, 1.0)
+    stood(body, 1.1)
+
+
 def massless(allowed: bool) -> vv.System:
     fluid, solid = box(), patch(density=0.0)
     wet = vv.Immersed(solid=solid, fluid=fluid, massless=allowed)

@@ -65,7 +65,8 @@ class Fluid(Meshed):
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns. What is
         immersed passes them, on into the next period.
     dry : bool
-        Allow solids and rigid bodies that lie within the mesh and take no part in the flow; else they are refused.
+        Allow solids, beams, shells, rigid bodies and thermal bodies that lie within the mesh and take no part in the
+        flow; else they are refused.
     speed : float, optional
         A velocity that is large in it, by which those found are judged. By default the largest at the start, or 1 (in
         the units of the model) where nothing flows then: give it if they will be far from that.

@@ -13,6 +13,7 @@ from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
 from visviva.component.announcements import Wetting
+from visviva.component.meshed import Meshed
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
 from visviva.mesh.cells import CELLS
@@ -34,8 +35,12 @@ INTERIOR = 1e-4
 
 
 def places_within(body: Owner, dimension: int) -> Array:
-    """Places (n, d) that lie inside of a body at the start; none of what has no volume."""
-    if isinstance(body, MeshBody) and body.dimension == dimension == body.grid.dimension:
+    """Places (n, d) that lie inside of a body at the start, on the line or middle of a thin one; none of points."""
+    if isinstance(body, MeshBody) and body.is_thin:
+        grid = body.grid
+        flat = dimension == 3 or (grid.dimension == 1 and not np.any(grid.points[:, 2:]))
+        return np.vstack([grid.centres, grid.points])[:, :dimension] if flat else np.zeros((0, dimension))
+    if isinstance(body, Meshed) and body.dimension == dimension == body.grid.dimension:
         return np.asarray(body.grid.centres)
     if isinstance(body, RigidBody) and body.shape is not None:
         X = below(*body.shape.surface())
@@ -54,7 +59,7 @@ def below(points: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def refuse_dry(fluid: Fluid, model: Model) -> None:
-    """Refuse solids and rigid bodies that lie within a fluid and feel nothing of it.
+    """Refuse what lies within a fluid and feels nothing of it: bodies, thin ones too, and meshes that stand still.
 
     Raises
     ------
@@ -62,16 +67,35 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
         With the component, the place, and what to take instead.
     """
     for body in model.components:
-        if model.announced(body, Wetting):
+        if body is fluid or model.announced(body, Wetting):
             continue
         places = places_within(body, fluid.dimension)
-        cells = fluid.location.find(places)[0] if len(places) else np.zeros(0, dtype=int)
-        if np.any(cells >= 0):
-            kind = "Immersed(solid=...)" if isinstance(body, MeshBody) else "ImmersedBody(body=...)"
+        if len(places):
+            places = places[fluid.location.find(places)[0] >= 0]
+        if isinstance(body, MeshBody) and body.is_thin and len(places):  # along a wall it is not within
+            places = places[deep_in_fluid(fluid, places, TOUCHING * fluid.extent)]
+        if len(places):
             raise InputError(
-                f"{body.label} lies within {fluid.label}, at {places[np.argmax(cells >= 0)].round(6).tolist()} for "
-                f"instance, and neither feels the other: add vv.{kind}, move it, or allow it by Fluid(dry=True)"
+                f"{body.label} lies within {fluid.label}, at {places[0].round(6).tolist()} for instance, and neither "
+                f"feels the other: {cure(body)}, move it, or allow it by Fluid(dry=True)"
             )
+
+
+def cure(body: Owner) -> str:
+    """What takes a component into account that lies within a fluid."""
+    if isinstance(body, MeshBody):
+        return "add vv.ImmersedThin(body=...)" if body.is_thin else "add vv.Immersed(solid=...)"
+    if isinstance(body, RigidBody):
+        return "add vv.ImmersedBody(body=...)"
+    return "leave its place out of the mesh of the fluid"
+
+
+def deep_in_fluid(fluid: Fluid, places: Array, reach: float) -> NDArray[np.bool_]:
+    """Which places (n, d) are farther than that from the border of a fluid."""
+    inside = np.ones(len(places), dtype=bool)
+    for way in itertools.product((-reach, reach), repeat=fluid.dimension):
+        inside[inside] = fluid.location.find(places[inside] + way)[0] >= 0
+    return inside
 
 
 def covered_by_mesh(fluid: Fluid, grid: Mesh) -> Array:
