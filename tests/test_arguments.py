@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
+import numpy as np
 import pytest
 
 import visviva as vv
@@ -47,3 +49,21 @@ def test_checks_of_the_constructor_itself_speak_for_themselves() -> None:
 def test_input_errors_are_value_errors() -> None:
     with pytest.raises(ValueError, match="valid number"):
         vv.PointMass(mass="heavy")
+
+
+def test_arguments_cannot_be_changed_in_place() -> None:
+    given = np.array([1.0, 0.0, 0.0])
+    ball = vv.PointMass(mass=1.0, velocity=given)
+    given[0] = 7.0
+    assert ball.velocity[0] == 1.0
+    for one in (ball, copy.deepcopy(ball)):
+        with pytest.raises(ValueError, match="read-only"):
+            one.velocity[0] = 5.0
+    grid = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    steel = vv.LinearElastic(young=1.0, poisson=0.3)
+    system = vv.System([vv.Solid(mesh=grid, material=steel, density=1.0)])
+    with pytest.raises(vv.InputError, match=r"LinearElastic: young .*replace"):
+        steel.young = 2.0
+    system.reset()
+    with pytest.raises(vv.InputError, match=r"LinearElastic: young .*replace"):
+        copy.deepcopy(steel).young = 2.0

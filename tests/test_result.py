@@ -190,3 +190,27 @@ def test_what_notebooks_show() -> None:
         result._repr_html_().count("<svg") == 7
     )  # energies, the error of the balance, and three of the force
     assert "hex8" in solid._repr_html_()
+
+
+def test_results_outlive_their_system_only_by_what_was_kept(tmp_path: Path) -> None:
+    """What a reset system holds is another run, of which an earlier result knows nothing."""
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0), name="ball")
+    system, place = vv.System([ball]), vv.Position(of=ball)
+    first = vv.simulate(system, until=1.0, step=0.1, record={"place": place})
+    vv.simulate(system, until=2.0, step=0.1)
+    assert "to t = 1 " in first.audit()
+    assert "to t = 1 " in repr(first)
+    assert first.history(place)[-1] == pytest.approx([1.0, 0, 0])
+    ball.velocity = (3, 0, 0)
+    second = vv.simulate(system, until=1.0, step=0.1, start="beginning")
+    assert second.history(vv.Position(of=ball))[-1] == pytest.approx([3.0, 0, 0])
+    assert first.history("place")[-1] == pytest.approx([1.0, 0, 0])
+    assert first.columns()["place_x"][-1] == pytest.approx(1.0)
+    for look in (
+        lambda: first.history(vv.Position(of=ball)),
+        first.audit,
+        lambda: first.write(tmp_path / "x"),
+        first.picture,
+    ):
+        with pytest.raises(vv.InputError, match="was reset since"):
+            look()

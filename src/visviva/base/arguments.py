@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from abc import ABCMeta
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from inspect import Parameter, Signature, signature
@@ -18,6 +18,8 @@ from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 
 from visviva.base.errors import InputError, nearest, shortened
 
+MADE = "_is_made"
+"""Attribute of objects whose constructor is through."""
 UNEXPECTED = "unexpected_keyword_argument"
 OBJECTS = ConfigDict(arbitrary_types_allowed=True)
 LISTED = BeforeValidator(lambda value: value.tolist() if isinstance(value, np.ndarray) else value)
@@ -65,9 +67,9 @@ class Validated(ABCMeta):
             if complaint:
                 raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
         if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
-            return super().__call__(**converted(cls, named(cls, args, kwargs)))
+            return fixed(super().__call__(**converted(cls, named(cls, args, kwargs))), given.values())
         try:
-            return super().__call__(*args, **kwargs)
+            return fixed(super().__call__(*args, **kwargs), given.values())
         except ValidationError as error:
             raise refusal(cls, kwargs.get("name"), error) from None
 
@@ -81,6 +83,57 @@ class Validated(ABCMeta):
     @__signature__.setter
     def __signature__(cls, value: Any) -> None:
         """Pydantic would set one that does not know the fields of a class which it completes late."""
+
+
+class Fixed(metaclass=Validated):
+    """Base of arguments that keep their own arguments, as what is made of them would not follow.
+
+    Those that no user derives from are frozen dataclasses instead.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.NeoHooke(young=1.0, poisson=0.3).young = 2.0
+    Traceback (most recent call last):
+    visviva.base.errors.InputError: NeoHooke: young stays as given; make another by dataclasses.replace(it, young=2.0)
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse to set an argument."""
+        argument = getattr(type(self), "__dataclass_fields__", {}).get(name)
+        if MADE in vars(self) and argument is not None and argument.init:
+            cure = f"make another by dataclasses.replace(it, {name}={value!r})"
+            raise InputError(f"{type(self).__name__}: {name} stays as given; {cure}")
+        super().__setattr__(name, value)
+
+
+def fixed(made: Any, given: Iterable[Any] = ()) -> Any:
+    """An object whose arguments that are arrays and lists cannot be changed in place.
+
+    Nobody would notice an entry that is set: what is made of an array stays as it is. Arrays that were `given` are
+    copied, as they are the user's own.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> vv.PointMass(mass=1.0).velocity[0] = 5.0
+    Traceback (most recent call last):
+    ValueError: assignment destination is read-only
+    """
+    theirs = {id(value) for value in given}
+    if isinstance(made, Fixed):
+        vars(made)[MADE] = True
+    for f in fields(made) if is_dataclass(made) else ():
+        value = vars(made).get(f.name)
+        if not f.init:
+            continue
+        if isinstance(value, np.ndarray) and value.flags.writeable:
+            own = value.copy() if id(value) in theirs or not value.flags.owndata else value
+            own.setflags(write=False)
+            vars(made)[f.name] = own
+        elif type(value) is list:
+            vars(made)[f.name] = tuple(value)
+    return made
 
 
 class Named(type):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import Validated
+from visviva.base.arguments import MADE, Validated, fixed
 from visviva.base.errors import InputError
 from visviva.component.momentum import EVERYWHERE, Axes
 from visviva.model.field import Vectors
@@ -73,10 +73,6 @@ def is_told(component: Component, f: Field[Any]) -> bool:
     return value is not f.default and not (
         isinstance(value, str | int | float | tuple) and value == f.default
     )
-
-
-MADE = "_is_made"
-"""Attribute of components whose constructor is through."""
 
 
 class Composed(Validated):
@@ -137,6 +133,7 @@ class Component(metaclass=Composed):
         vars(self).update(given)
         if "__dataclass_fields__" in vars(type(self)) and hasattr(self, "__post_init__"):
             self.__post_init__()
+        fixed(self)
         vars(self)[MADE] = True
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -198,7 +198,7 @@ class CentreOfMass(Reading):
         return "length"
 
     def __call__(self, system: System) -> Any:
-        parts = self.of if isinstance(self.of, list) else [self.of]
+        parts = self.of if isinstance(self.of, list | tuple) else [self.of]
         mass = sum(c.total_mass for c in parts)
         if mass == 0:
             raise InputError(f"CentreOfMass: {', '.join(c.label for c in parts)} has no mass")

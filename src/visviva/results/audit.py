@@ -70,7 +70,7 @@ def course(result: Result) -> list[str]:
     labels = labels_of(system.units, result.scheme)
     works = ", ".join(f"{k} {energy(f'work_{k}', ledger, labels)}" for k in ledger.works) or "none"
     seconds = max(s.seconds, 1e-12)
-    end = with_unit(f"{system.time:.6g}", labels.unit("time"))
+    end = with_unit(f"{ledger.last('time'):.6g}", labels.unit("time"))
     clock = {"time": "t =", "state": "load parameter"}.get(labels.clock, labels.clock)
     moved = [f"initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
     return [
@@ -109,7 +109,7 @@ def with_unit(text: str, unit: str) -> str:
 
 def judgements(result: Result) -> list[Judgement]:
     """Verdicts on the energy, the momenta, equilibria and constraints of a run."""
-    ledger, stability = result.ledger, result.system.stepper.stability
+    ledger, stability = result.ledger, result.stability
     scale = measured(ledger.energy_scale, labels_of(result.system.units, result.scheme), 4)
     found = [
         Judgement(

@@ -89,6 +89,8 @@ class Result:
 
     Attributes
     ----------
+    system : System
+        What has moved. Refused after `System.reset`, by which it forgets this run; what was kept of it stays readable.
     times : array (n,)
         Times of the kept states, to be read.
     states, rates : sequences of arrays
@@ -103,7 +105,7 @@ class Result:
         Where the run was written to.
     """
 
-    system: System
+    _system: System
     scheme: Scheme
     ledger: Ledger
     kept: Kept | StateFile = field(default_factory=Kept)
@@ -113,6 +115,22 @@ class Result:
     _times: Array = field(
         default_factory=lambda: np.zeros(0), init=False, repr=False
     )  # as far as they are read
+
+    def __post_init__(self) -> None:
+        self._composition, self.stability = self._system.composition, self._system.stepper.stability
+
+    @property
+    def system(self) -> System:
+        self._refuse_other_run()
+        return self._system
+
+    def _refuse_other_run(self) -> None:
+        if self._system.composition is not self._composition:
+            raise InputError(
+                "Result: its system was reset since, or simulated with start='beginning', and what is in it now is "
+                "another run; read an earlier result before that, or simulate a system.copy(). What was kept, times, "
+                "states, ledger and recorded histories, can still be read"
+            )
 
     @property
     def times(self) -> Array:
@@ -149,6 +167,7 @@ class Result:
         if name is not None:
             return self.recorded.values(name)
         refuse_no_probe("Result.history", "what", what)
+        self._refuse_other_run()
         if isinstance(what, Form | Vector | Strain):
             return np.array([what.value(x) for x in self.states])
         if not isinstance(what, Measure):
@@ -269,8 +288,8 @@ class Result:
             write_directory(self, path, fields)
 
     def __repr__(self) -> str:
-        s = self.statistics
-        return f"Result({s.steps} steps to t = {self.system.time:g} with {self.scheme}, {len(self.times)} states kept)"
+        end = f"{self.statistics.steps} steps to t = {self.ledger.last('time'):g}"
+        return f"Result({end} with {self.scheme}, {len(self.times)} states kept)"
 
     def _repr_html_(self) -> str:
         return html_of(self)

@@ -153,7 +153,9 @@ def write_directory(result: Result, path: str | Path, fields: Sequence[str]) -> 
     files.write_labels(labels(result, units))
     result.ledger.to_csv(files.ledger)
     result.to_csv(files.probes)
-    files.write_summary({"scheme": str(result.scheme), "end_time": result.system.time, **figures(result)})
+    files.write_summary(
+        {"scheme": str(result.scheme), "end_time": result.ledger.last("time"), **figures(result)}
+    )
     if Drawing(result.system).surfaces:
         write_trajectory(result, files.trajectory, fields)
 

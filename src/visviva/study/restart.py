@@ -98,6 +98,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         getattr(system.core, name)[:] = state.arrays[name]
     bring_back(system, records, histories_alone=changed)
     stepper.recall(march)
+    result.stability = stepper.stability
     if forces is not None and not changed:
         stepper.told_forces = forces.arrays["residual"]
     stepper.pace = {pace.name: pace for pace in paces if pace is not None}

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import Named, finite, refuse_other
+from visviva.base.arguments import MADE, Named, finite, refuse_other
 from visviva.base.errors import InputError, RunError, nearest
 from visviva.base.html import table
 from visviva.base.renamed import Renamed
 from visviva.base.unit_labels import Units
 from visviva.component.component import (
-    MADE,
     Component,
     characteristic_length,
     claim,
@@ -99,6 +98,7 @@ class System(metaclass=Named):
     def _compose(self) -> None:
         """Number the unknowns of the components, and hand them to the core."""
         self.stepper = Stepper()
+        self.composition = object()  # by which results know whether it is still theirs
         self.changed: dict[str, list[str]] = {}  # arguments of components that were set since
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
