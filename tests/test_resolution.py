@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,17 @@ def test_two_parts_of_one_body_are_free_one_by_one() -> None:
     squared = vv.modes(vv.System([solid]), 14).squared
     assert squared[:12].tolist() == [0.0] * 12
     assert squared[12] > 0.1
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 6])
+def test_what_grows_is_found_beside_what_rounding_nearly_hides(n: int) -> None:
+    """A pendulum on its head, by -g / l, is the lowest mode, and farther from zero than those of a wire."""
+    wires = deepcopy(wire(1e-5, 1.0)["beam-1"])
+    ground, top = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 3, 2))
+    rod = vv.Distance(a=ground.point((0, 3, 0)), b=top.point())
+    push = vv.Force(on=top, force=(0, 0, -3.0))
+    system = vv.System([wires, vv.Clamped(solid=wires, nodes="start"), ground, top, rod, push])
+    modes, unit = vv.modes(system, n), bernoulli(1e-5, 1.0)
+    exact = [-1.5, -1.5, *(CANTILEVER * unit) ** 2][:n]
+    assert not modes.stable
+    assert modes.squared == pytest.approx(exact, rel=3e-3)

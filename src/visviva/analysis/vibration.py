@@ -39,19 +39,38 @@ def found_modes(linear: Linearized, n: int) -> tuple[Array, Array]:
 
 
 def few_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
-    """The lowest modes of all, of which inverse iteration finds the very lowest where they are in round-off."""
+    """The lowest modes of all, of which inverse iteration finds those where they are in round-off."""
     squared, z, doubt = dense_modes(linear, n)
     lowest = min(n, z.shape[0] // 2 - 1)
     if lowest < 1 or not np.any(LOST * np.abs(squared[:lowest]) <= doubt[:lowest]):
         return squared, z, doubt
+    unsure = float(doubt.max()) / LOST
     try:
-        low, y, doubts = sparse_modes(linear, lowest)
+        low, y, doubts = within(linear, lowest, unsure)
     except Lost:
         raise
     except (InputError, RunError):  # free motions alone, or too few others
         return squared, z, doubt
-    k = len(low)
-    return np.r_[low, squared[k:]], np.c_[y, z[:, k:]], np.r_[doubts, doubt[k:]]
+    m, near = int(np.sum(squared < -unsure)), low >= -unsure
+    k = min(m + int(np.sum(near)), len(squared))
+    low, y, doubts = low[near][: k - m], y[:, near][:, : k - m], doubts[near][: k - m]
+    return (
+        np.r_[squared[:m], low, squared[k:]],
+        np.c_[z[:, :m], y, z[:, k:]],
+        np.r_[doubt[:m], doubts, doubt[k:]],
+    )
+
+
+def within(linear: Linearized, n: int, radius: float) -> tuple[Array, Array, Array]:
+    """Modes by inverse iteration, `n` and all of squares up to a radius: those below zero may be far from it."""
+    found, most = sparse_modes(linear, n), len(linear.at.coordinates) // 2 - 1
+    while len(found[0]) == n < most and np.abs(found[0]).max() <= radius:
+        n = min(2 * n, most)
+        try:
+            found = sparse_modes(linear, n)
+        except (InputError, RunError):
+            break
+    return found
 
 
 def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
