@@ -59,3 +59,16 @@ def test_workflows_call_what_there_is() -> None:
     called = re.findall(r"uses: \./(\S+)", text)
     assert called
     assert all((ROOT / path).exists() for path in called)
+
+
+def test_the_changelog_has_the_version_and_says_everything_once() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
+    version = project()["version"]
+    versions = [line.split()[1] for line in lines if line.startswith("## ")]
+    assert versions[0] == version and len(set(versions)) == len(versions)
+    start = lines.index(next(line for line in lines if line.startswith("## ")))
+    sections = [line for line in lines[start + 1 :] if re.match("## |### ", line)]
+    assert sections[:4] == ["### Added", "### Changed", "### Fixed", "### Removed"]
+    told = [line for line in lines if line.startswith("- ")]
+    assert sorted({line for line in told if told.count(line) > 1}) == []
+    assert len(lines) < 260, "one line for what a user notices"
