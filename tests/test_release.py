@@ -65,7 +65,8 @@ def test_the_changelog_has_the_version_and_says_everything_once() -> None:
     lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
     version = project()["version"]
     versions = [line.split()[1] for line in lines if line.startswith("## ")]
-    assert versions[0] == version and len(set(versions)) == len(versions)
+    assert versions[0] == version
+    assert len(set(versions)) == len(versions)
     start = lines.index(next(line for line in lines if line.startswith("## ")))
     sections = [line for line in lines[start + 1 :] if re.match("## |### ", line)]
     assert sections[:4] == ["### Added", "### Changed", "### Fixed", "### Removed"]
