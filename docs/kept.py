@@ -1,6 +1,6 @@
 """Pages of the gallery that are kept from earlier builds, by what they were made of.
 
-A page is made of the modules that its run has loaded, the core, this folder's scripts and the versions of what draws
+A page is made of the modules that its run has loaded, the core, the scripts that make it and the versions of what draws
 and computes. It is kept in ``~/.cache/visviva/gallery`` (or below ``XDG_CACHE_HOME``) under the hash of all that;
 nothing is lost with that folder but time.
 """
@@ -22,6 +22,7 @@ import visviva
 HERE = Path(__file__).resolve().parent
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "visviva" / "gallery"
 PACKAGE = Path(visviva.__file__).parent
+SCRIPTS = ("make_gallery.py", "kept.py")
 PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "pyvista", "vtk")
 MOST = 4  # of each page, so that branches do not displace each other's
 MODULES = "modules.json"
@@ -40,7 +41,7 @@ def loaded() -> list[str]:
 def key(modules: Iterable[str]) -> str:
     """The hash of what a page is made of."""
     core = (p for part in ("visviva", "bind") for p in (HERE.parent / "cpp" / part).rglob("*.?pp"))
-    sources = [*sorted(core), HERE.parent / "CMakeLists.txt", *sorted(HERE.glob("*.py"))]
+    sources = [*sorted(core), HERE.parent / "CMakeLists.txt", *(HERE / name for name in SCRIPTS)]
     found = hashlib.sha256(f"{sys.version} {[installed(name) for name in PACKAGES]}".encode())
     for file in [*sources, PACKAGE / "__init__.pyi", *(PACKAGE / name for name in modules)]:
         found.update(f"{file.name} ".encode() + (file.read_bytes() if file.exists() else b"is gone"))

@@ -27,7 +27,8 @@ from visviva.study.run import run
 HERE = Path(__file__).resolve().parent
 GALLERY = HERE / "gallery"
 LONGEST = 10.0  # s, of the motions shown
-PICTURES = ("picture", "energy")
+PICTURES = ("picture", "energy", "probes")
+"""Of a run; the last is there where something is measured."""
 PAGE_SIZE = 4_000_000
 """Bytes of the interactive page of an example, so that the documentation stays small."""
 GROUPS = {
@@ -39,10 +40,10 @@ GROUPS = {
     "Solids, beams and shells": (
         "torus", "cantilever", "flexible_crane", "flexible_slider_crank", "spaghetti", "pinched_cylinder", "snap_roof",
     ),
-    "Contact": ("tori", "tori_thermal", "brake"),
-    "Flow and what swims in it": (
-        "cylinder", "cavity", "convection", "valve", "valve_3d", "leaf_valve", "hinged_valve",
-    ),
+    "Contact": ("tori", "damped_block"),
+    "Heat": ("brake", "tori_thermal", "rubber_heat", "thermal_pendulum", "flying_l", "convection"),
+    "Flow and what swims in it": ("cylinder", "cavity", "valve", "valve_3d", "leaf_valve", "hinged_valve"),
+    "Mixtures": ("spinodal", "coarsening", "solder", "drop_on_wall", "sphere_pattern"),
     "Cracks": ("notch", "surfing", "thermal_crack"),
 }  # fmt: skip
 """Examples by subject; those in none stand under "More"."""
@@ -61,13 +62,18 @@ Run it with ``visviva run {name}{settings}``.
 
 .. image:: {name}_energy.png
    :width: 90%
-
+{probes}
 .. code-block:: text
 
 {audit}
 
 .. literalinclude:: ../../src/visviva/examples/{name}.py
    :language: python
+"""
+
+PROBES = """
+.. image:: {name}_probes.png
+   :width: 90%
 """
 
 INDEX = """\
@@ -97,9 +103,9 @@ GROUP = """\
 
 CARD = """\
    .. grid-item-card:: {title}
-      :link: {name}
+      :link: {folder}{name}
       :link-type: doc
-      :img-top: {name}_picture.png
+      :img-top: {folder}{name}_picture.png
 
       {line}
 """
@@ -127,10 +133,10 @@ def groups(names: Sequence[str]) -> str:
     return "\n".join(texts)
 
 
-def card(name: str) -> str:
-    """An example as a card."""
+def card(name: str, folder: str = "") -> str:
+    """An example as a card, with the way to the folder of the gallery."""
     line = first_line(example(name)).replace("`", "")
-    return CARD.format(title=name.replace("_", " "), name=name, line=line)
+    return CARD.format(title=name.replace("_", " "), name=name, line=line, folder=folder)
 
 
 def make_alone(name: str) -> None:
@@ -148,9 +154,8 @@ def make_and_keep(name: str) -> None:
     page = GALLERY / f"{name}.rst"
     GALLERY.mkdir(exist_ok=True)
     write(page, make_page(name))
-    keep(
-        name, [page, *(GALLERY / f"{name}_{what}.png" for what in PICTURES), GALLERY / f"{name}_motion.html"]
-    )
+    pictures = [png for what in PICTURES if (png := GALLERY / f"{name}_{what}.png").exists()]
+    keep(name, [page, *pictures, GALLERY / f"{name}_motion.html"])
 
 
 def make_page(name: str) -> str:
@@ -162,7 +167,8 @@ def make_page(name: str) -> str:
     with tempfile.TemporaryDirectory() as scratch:
         files = Path(scratch) / name
         result = run(study, files, progress=False)
-        for what in PICTURES:
+        shown = [what for what in PICTURES if (files / f"{what}.png").exists()]
+        for what in shown:
             shutil.copy(files / f"{what}.png", GALLERY / f"{name}_{what}.png")
         write_page(files, GALLERY / f"{name}_motion.html", largest=PAGE_SIZE)
     title = study.title or name
@@ -172,6 +178,7 @@ def make_page(name: str) -> str:
         description=literal(module.__doc__ or first_line(module)),
         name=name,
         settings="".join(f" --set {key}={value}" for key, value in parameters.items()),
+        probes=PROBES.format(name=name) if "probes" in shown else "",
         audit=indented(audit(result).split("\n")),
     )
 
