@@ -112,7 +112,7 @@ class Solid(MeshBody):
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
             )
-        if self.tangent == "start" and self.material.energy is not None:
+        if self.tangent == "start" and self.body_material.energy is not None:
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
             )
@@ -120,7 +120,7 @@ class Solid(MeshBody):
             self.label,
             self.formulation,
             self.grid,
-            self.material,
+            self.body_material,
             stress_free_across=self.plane == "stress",
             heated=self._is_heated,
         )
@@ -150,12 +150,17 @@ class Solid(MeshBody):
 
     # --- geometry, mass and stiffness ----------------------------------------------------------------------
     @property
+    def body_material(self) -> Material:
+        """The material of its cells; heated ones may take it from elsewhere."""
+        return self.material
+
+    @property
     def axisymmetric(self) -> bool:
         return self.plane == "axisymmetric"
 
     @property
     def modulus(self) -> float:
-        lam, mu = self.material.lame
+        lam, mu = self.body_material.lame
         return 3 * mu if not np.isfinite(lam) else mu * (3 * lam + 2 * mu) / (lam + mu)
 
     def _masses_of_nodes(self) -> Array:
@@ -200,21 +205,22 @@ class Solid(MeshBody):
             )
         elif self.formulation == "mixed":
             self._pressure_numbers, own = forms.pressure_numbers(self.grid)
-            bulk = self.material.split().bulk
+            bulk = self.body_material.split().bulk
             free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
-            if bulk > forms.STIFFEST * self.material.lame[1]:
+            if bulk > forms.STIFFEST * self.body_material.lame[1]:
                 own[:] = -1
             role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
             self._inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
         thin = (
-            any(around.is_thin for around in model.announced(self, Wetting)) and self.material.energy is None
+            any(around.is_thin for around in model.announced(self, Wetting))
+            and self.body_material.energy is None
         )
         self._starts_stress = (self.tangent or ("start" if thin else "exact")) == "start"
         self._energy = own_energy(
             self.label,
-            self.material,
+            self.body_material,
             self.formulation,
             in_plane=self.dimension == 2 and not self.axisymmetric,
             across_free=self.plane == "stress",
@@ -233,8 +239,8 @@ class Solid(MeshBody):
         """Elements with their nodes (m, k), numbered from `first`, and their term."""
         points, d = self.grid.points, self.dimension
         g = geometry(points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
-        index, parameters = self.node_unknowns(nodes), self.material.parameters(len(nodes))
-        kind = self.material.kind
+        index, parameters = self.node_unknowns(nodes), self.body_material.parameters(len(nodes))
+        kind = self.body_material.kind
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
         if self.formulation == "enhanced":
             modes = self._inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
@@ -242,12 +248,12 @@ class Solid(MeshBody):
             g = forms.enhanced(points, nodes, cell, g)
             mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
         elif self.formulation == "mixed":
-            split = self.material.split()
+            split = self.body_material.split()
             kind, parameters = split.kind, np.tile(split.constants, (len(nodes), 1))
             index = np.hstack([index, self._inner.start + self._pressure_numbers[cell]])
         index = np.ascontiguousarray(index, dtype=np.int32)
         arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
-        term = _core.SolidTerm(int(kind), self.material.small, index, *arrays)
+        term = _core.SolidTerm(int(kind), self.body_material.small, index, *arrays)
         term.name = self.label
         thermal = self._thermal(cell, nodes, solid_rule(points, nodes, cell)) if self._is_heated else None
         self._complete(term, cell, nodes, thermal)
@@ -263,7 +269,7 @@ class Solid(MeshBody):
         if not self._is_damped:
             return None
         constants = rayleigh(
-            self.material,
+            self.body_material,
             self.formulation,
             self.mass_damping,
             self.stiffness_damping,
@@ -282,7 +288,7 @@ class Solid(MeshBody):
             hoop = None if middle.hoop is None else middle.hoop[:, 0]
             term.set_centre(middle.gradients[:, 0], hoop)
         elif self.formulation == "mixed":
-            split = self.material.split()
+            split = self.body_material.split()
             rule = solid_rule(self.grid.points, nodes, cell)
             shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
             compliance = forms.pressure_compliance(
@@ -290,7 +296,7 @@ class Solid(MeshBody):
                 cell,
                 nodes,
                 bulk=split.bulk,
-                shear=self.material.lame[1],
+                shear=self.body_material.lame[1],
                 thickness=self.thickness,
                 axisymmetric=self.axisymmetric,
             )
@@ -324,7 +330,7 @@ class Solid(MeshBody):
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
-        return evaluated(self._elements, x, self.material, self.formulation, self._energy)
+        return evaluated(self._elements, x, self.body_material, self.formulation, self._energy)
 
     def widths(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
@@ -348,7 +354,7 @@ class Solid(MeshBody):
         if not parts:
             raise InputError(f"{self.label} has no cells {cell!r}{nearest(str(cell), self.grid.cells)}")
         F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
-        return Fields(F, S, W, self.material.small)
+        return Fields(F, S, W, self.body_material.small)
 
     def nodal(self, name: str, x: Array) -> Array:
         """A field smoothed to the nodes, (n,) or (n, components), at the unknowns `x`.

@@ -91,7 +91,7 @@ class ViscoelasticSolid(Branched, Solid):
                 f"{self.label}: has no temperature by which the times of its branches could shift; take "
                 "vv.ThermoviscoelasticSolid"
             )
-        self._constants = [branch.parameters(self.label, self.material) for branch in self.branches]
+        self._constants = [branch.parameters(self.label, self.body_material) for branch in self.branches]
 
     def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
         made = super()._made(model, cell, nodes, first)

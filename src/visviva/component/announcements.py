@@ -62,6 +62,13 @@ class Conducting:
         return {id(body) for body in self.bodies} == {id(body) for body in others}
 
 
+@dataclass(frozen=True, eq=False)
+class Asking:
+    """Announcement about a joint that its `coordinate`, 'angle' or 'stroke', is to be one of the system."""
+
+    coordinate: str
+
+
 class Straining(Component):
     """Announcement of strains given to a beam, as by heat, made about the beam."""
 

@@ -161,9 +161,9 @@ class Contact(Component):
 
     def __post_init__(self) -> None:
         check_bars(self)
-        if self.formulation is None and (self.second is not None or is_bar(self.first)):
-            self.formulation = self._usual_formulation()
-        if self.second is None and (self.enforcement, self.formulation) != ("penalty", "node-to-segment"):
+        self.is_mortar = self._is_mortar()
+        by_points = self.formulation == "node-to-segment" or is_bar(self.first)
+        if self.second is None and not (self.enforcement == "penalty" and by_points):
             raise InputError(
                 f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
                 "formulation='node-to-segment'"
@@ -177,11 +177,13 @@ class Contact(Component):
             if body is not None:
                 model.announce(body, self)
 
-    def _usual_formulation(self) -> Literal["mortar", "node-to-segment"]:
-        """Exact for balls and points; other rigid shapes have edges, which vertices pass by."""
+    def _is_mortar(self) -> bool:
+        """Vertices are exact for balls and points; other rigid shapes have edges, which vertices pass by."""
+        if self.formulation is not None:
+            return self.formulation == "mortar"
         feelers = self.first.feelers()
         is_exact = feelers is not None and len(feelers[0]) == 1 and self.multipliers == "standard"
-        return "node-to-segment" if is_exact or is_bar(self.first) else "mortar"
+        return not (is_exact or is_bar(self.first))
 
     def declare(self, model: Model) -> None:
         model.index(self.first)
@@ -209,7 +211,7 @@ class Contact(Component):
 
     @property
     def _pair(self) -> Pair:
-        faces, mortar, dual = self.second_faces, self.formulation == "mortar", self.multipliers == "dual"
+        faces, mortar, dual = self.second_faces, self.is_mortar, self.multipliers == "dual"
         fine, rubs = self.enforcement == "penalty", self.friction > 0
         return Pair(self.label, self.first, self.second, faces, mortar, dual, rubs, self.reach, fine)
 

@@ -56,7 +56,7 @@ def check_multipliers(contact: Contact) -> None:
         )
     second = contact.second
     exact = second is not None and second.surface() is None and second.outline() is not None
-    if dual and (contact.formulation != "mortar" or exact):
+    if dual and (not contact.is_mortar or exact):
         raise InputError(
             f"{label}: multipliers='dual' are those of mortar contact between surfaces; here vertices have one each: "
             "leave it out, they can be condensed as they are"
@@ -66,7 +66,7 @@ def check_multipliers(contact: Contact) -> None:
             f"{label}: condensed=True needs nodes of a solid on the first surface, which {contact.first.label} has "
             "not; exchange first and second, or leave it out"
         )
-    if condensed and not dual and contact.formulation == "mortar" and not exact:
+    if condensed and not dual and contact.is_mortar and not exact:
         raise InputError(
             f"{label}: standard multipliers of mortar contact press on the nodes beside their own as well and cannot "
             "be condensed; give multipliers='dual'"

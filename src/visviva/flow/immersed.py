@@ -191,7 +191,7 @@ class Immersed(Carried):
                 f"{thin}, so that its nodes go ahead by {self.used_damping:g} of a step's change of velocity, an error "
                 "of that part of a step in time; damping=0 leaves that out"
             )
-        if self.solid.tangent is None and self.solid.material.energy is None:
+        if self.solid.tangent is None and self.solid.body_material.energy is None:
             found.append(
                 f"{thin}, so that its tangents take their stress from the start of a step (tangent='exact')"
             )

@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import refuse_unless
 from visviva.base.errors import InputError
+from visviva.component.announcements import Asking
 from visviva.component.component import settings
 from visviva.component.values import Number
 from visviva.joint.joint import Joint, Side
@@ -39,7 +40,10 @@ class RopeOverWinch(Joint):
         refuse_unless(
             self.radius > 0, self, "radius", "positive; to pay out the other way turn the winch's axis"
         )
-        self.winch.want("angle")
+        self.winch.refuse_without("angle")
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.winch, Asking("angle"))
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         L = self.radius * self.winch.coordinate("angle") + self.length
@@ -59,10 +63,16 @@ class _Coupling(Joint):
     def __post_init__(self) -> None:
         if self.a is self.b:
             raise InputError(f"{self.label} couples {self.a.label} with itself")
-        self.request()
+        for joint, coordinate in self.coupled():
+            joint.refuse_without(coordinate)
 
-    def request(self) -> None:
+    def coupled(self) -> tuple[tuple[Joint, str], tuple[Joint, str]]:
+        """Both joints with the coordinate of each."""
         raise NotImplementedError
+
+    def announce(self, model: Model) -> None:
+        for joint, coordinate in self.coupled():
+            model.announce(joint, Asking(coordinate))
 
     def relation(self) -> Form:
         raise NotImplementedError
@@ -83,12 +93,14 @@ class Gear(_Coupling):
 
     ratio: Number
 
-    def request(self) -> None:
+    def __post_init__(self) -> None:
+        super().__post_init__()
         refuse_unless(
             self.ratio != 0, self, "ratio", "different from zero; a Rigid joint or a Motor holds an angle"
         )
-        self.a.want("angle")
-        self.b.want("angle")
+
+    def coupled(self) -> tuple[tuple[Joint, str], tuple[Joint, str]]:
+        return (self.a, "angle"), (self.b, "angle")
 
     def relation(self) -> Form:
         total: Form = self.a.coordinate("angle") + self.ratio * self.b.coordinate("angle")
@@ -101,12 +113,14 @@ class RackAndPinion(_Coupling):
 
     radius: Number
 
-    def request(self) -> None:
+    def __post_init__(self) -> None:
+        super().__post_init__()
         refuse_unless(
             self.radius > 0, self, "radius", "positive; for the other sense turn the axis of a joint"
         )
-        self.a.want("angle")
-        self.b.want("stroke")
+
+    def coupled(self) -> tuple[tuple[Joint, str], tuple[Joint, str]]:
+        return (self.a, "angle"), (self.b, "stroke")
 
     def relation(self) -> Form:
         slip: Form = self.b.coordinate("stroke") - self.radius * self.a.coordinate("angle")

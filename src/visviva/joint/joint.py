@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.component.announcements import Asking
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable, Frame, Point, refuse_uncomposed
@@ -92,9 +93,9 @@ class Joint(Component):
     def __post_init__(self) -> None:
         if self._component(self.a) is self._component(self.b):
             raise InputError(f"{self.label} joins {self._component(self.a).label} with itself")
-        for wanted, possible in (("angle", self.has_angle), ("stroke", self.has_stroke)):
-            if getattr(self, wanted) and not possible:
-                raise InputError(f"{self.label}: a {type(self).__name__} joint has no {wanted}")
+        for wanted in ("angle", "stroke"):
+            if getattr(self, wanted):
+                self.refuse_without(wanted)
 
     @staticmethod
     def _component(side: Any) -> Attachable:
@@ -128,23 +129,32 @@ class Joint(Component):
 
     # --- part in the system --------------------------------------------------------------------------------
     def want(self, coordinate: str) -> None:
-        """Ask for a coordinate before the system is built (motors and springs on joints do)."""
+        """Ask for a coordinate before the system is built, as probes do; components announce that they ask for one."""
+        self.refuse_without(coordinate)
+        vars(self)[coordinate] = True
+
+    def refuse_without(self, coordinate: str) -> None:
+        """Refuse to be a joint that has no such coordinate."""
         if not getattr(self, f"has_{coordinate}"):
             raise InputError(f"{self.label}: a {type(self).__name__} joint has no {coordinate}")
-        vars(self)[coordinate] = True
+
+    def usual_coordinate(self, coordinate: str | None) -> str:
+        """The coordinate that is meant: the angle where the joint has one, unless said otherwise."""
+        return coordinate or ("angle" if self.has_angle else "stroke")
 
     def declare(self, model: Model) -> None:
         self.sides = Side(self._attach(self.a)), Side(self._attach(self.b))
         self._coordinates: dict[str, Field] = {}
+        asked = {asking.coordinate for asking in model.announced(self, Asking)}
         x, v = model.initial
-        if self.angle:
+        if self.angle or "angle" in asked:
             e0, e1 = angle_strains(*self.sides)
             s, c = e1.value(x), e0.value(x)
             rate = (c * e1.rate(x, v) - s * e0.rate(x, v)) / (s * s + c * c)
             self._coordinates["angle"] = model.field(
                 self, "angle", [np.arctan2(s, c)], [rate], scale=1.0, stage=1
             )
-        if self.stroke:
+        if self.stroke or "stroke" in asked:
             u = stroke_strain(*self.sides)
             self._coordinates["stroke"] = model.field(
                 self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length_of(self), stage=1
@@ -157,11 +167,11 @@ class Joint(Component):
         if n:
             model.constrain(self, self._multipliers, self._strains)
         k = n
-        if self.angle:
+        if "angle" in self._coordinates:
             ties = [*angle_strains(*self.sides), strain(self.coordinate("angle"))]
             model.constrain(self, self._multipliers, ties, first=k, law=Law(LawKind.ANGLE), n=1)
             k += 1
-        if self.stroke:
+        if "stroke" in self._coordinates:
             tie = stroke_strain(*self.sides) - self.coordinate("stroke")
             model.constrain(self, self._multipliers, [tie], first=k)
 

@@ -9,6 +9,8 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import refuse_unless
+from visviva.base.errors import InputError
+from visviva.component.announcements import Asking
 from visviva.component.component import settings
 from visviva.component.values import Number
 from visviva.joint.joint import Joint, Side, stroke_strain
@@ -87,9 +89,8 @@ class Screw(Cylindrical):
             self.pitch != 0, self, "pitch", "different from zero; a Revolute joint does not advance"
         )
 
-    def declare(self, model: Model) -> None:
-        self.angle = True
-        super().declare(model)
+    def announce(self, model: Model) -> None:
+        model.announce(self, Asking("angle"))
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         advance = stroke_strain(A, B) - self.pitch / (2 * np.pi) * self.coordinate("angle")
@@ -156,14 +157,14 @@ class Distance(Joint):
 
     def declare(self, model: Model) -> None:
         super().declare(model)
-        if self.length is None:
-            A, B = self.sides
-            self.length = float(np.sqrt(squared(B.p - A.p).value(model.initial[0])))
-            refuse_unless(self.length > 0, self, "length", TOGETHER)
+        A, B = self.sides
+        apart = float(np.sqrt(squared(B.p - A.p).value(model.initial[0])))
+        self._length = apart if self.length is None else self.length
+        if not self._length > 0:
+            raise InputError(f"{self.label}: length {self._length:g} is not {TOGETHER}")
 
     def constraints(self, A: Side, B: Side) -> Constraints:
-        assert self.length is not None
-        return [0.5 * squared(B.p - A.p) - 0.5 * self.length**2]
+        return [0.5 * squared(B.p - A.p) - 0.5 * self._length**2]
 
     def lines(self) -> list[tuple[Vector, Vector]]:
         return [(self.sides[0].p, self.sides[1].p)]

@@ -8,6 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
+from visviva.component.announcements import Asking
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
@@ -30,14 +31,15 @@ class OnJoint(Component):
     coordinate: Literal["angle", "stroke"] | None = None
 
     def __post_init__(self) -> None:
-        if self.coordinate is None:
-            self.coordinate = "angle" if self.joint.has_angle else "stroke"
-        self.joint.want(self.coordinate)
+        self.joint.refuse_without(self.joint.usual_coordinate(self.coordinate))
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.joint, Asking(self.joint.usual_coordinate(self.coordinate)))
 
     @property
     def form(self) -> Form:
         """The coordinate as a form."""
-        return self.joint.coordinate(self.coordinate)
+        return self.joint.coordinate(self.joint.usual_coordinate(self.coordinate))
 
     def not_negative(self, what: str) -> None:
         """Refuse a negative number."""

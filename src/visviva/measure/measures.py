@@ -222,7 +222,7 @@ class JointCoordinate(Measure):
     @property
     def name(self) -> str:
         """Chosen coordinate: the angle where the joint has one, unless said otherwise."""
-        return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
+        return self.joint.usual_coordinate(self.coordinate)
 
     def strains(self) -> list[Strain]:
         return [strain(self.joint.coordinate(self.name))]

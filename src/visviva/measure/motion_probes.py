@@ -80,7 +80,7 @@ class JointRate(Reading):
     @property
     def name(self) -> str:
         """Chosen coordinate."""
-        return self.coordinate or ("angle" if self.joint.has_angle else "stroke")
+        return self.joint.usual_coordinate(self.coordinate)
 
     @property
     def quantity(self) -> str:

@@ -85,7 +85,7 @@ class HeatContact(Component):
             return
         if not all(carriers):
             raise InputError(f"{self.label}: {labels} do not both carry heat, so that none can be conducted")
-        if self.contact.formulation != "mortar" and self.contact.friction == 0:
+        if not self.contact.is_mortar and self.contact.friction == 0:
             raise InputError(
                 f"{self.label}: {self.contact.label} by vertices conducts where it rubs alone; give it "
                 "formulation='mortar', or friction"

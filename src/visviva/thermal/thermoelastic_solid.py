@@ -118,10 +118,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     def __post_init__(self) -> None:
         try:
-            self.body_material = self.heat.material(self.material)
+            self.heat.material(self.material)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
-        self.material = self.body_material
         super().__post_init__()
         given = self.heat.reference if self.temperature is None else self.temperature
         found = given(self.points) if callable(given) else given
@@ -132,6 +131,10 @@ class ThermoelasticSolid(Solid, HeatCarrier):
                 "kelvin"
             )
         self._refuse_others()
+
+    @property
+    def body_material(self) -> Material:
+        return self.heat.material(self.material)
 
     def _refuse_others(self) -> None:
         if self.grid.dimension != 3:
