@@ -43,6 +43,9 @@ class RotatingFrame(Component):
     as gravity across the axis, turn in this frame and have to be given so. What spins steadily rests here: `Static`
     finds how far it is stretched and bent, `modes` its vibrations, forward and backward.
 
+    Plane and axisymmetric solids have no positions in space and are refused: mesh them in space, a cell thick, with
+    `SymmetryPlane` on the sides that stay plane.
+
     Examples
     --------
     A mass m on a spring k at radius r from the axis: it stretches to ``k r / (k - m Omega^2)``.
@@ -80,7 +83,8 @@ class RotatingFrame(Component):
             blocks = list(component.mass_blocks(model))
             if not blocks and component.total_mass > 0:
                 raise InputError(
-                    f"{self.label}: {component.label} has no positions in space that could spin with it"
+                    f"{self.label}: {component.label} has no positions in space that could spin with it; "
+                    "mesh what is plane or axisymmetric in space, with vv.SymmetryPlane on its sides"
                 )
             vectors = component.vectors(model)
             places = set() if vectors is None else {*np.asarray(vectors[0])[np.asarray(vectors[1])].tolist()}

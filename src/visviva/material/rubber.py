@@ -23,6 +23,29 @@ class MooneyRivlin(Material):
     c10, c01, bulk : float
         Constants; the shear modulus of small strains is ``2 (c10 + c01)``, their bulk modulus is `bulk` with
         `isochoric`, else ``bulk + 4/3 c10 + 16/3 c01``.
+
+    Notes
+    -----
+    `bulk` is finite. For rubber that keeps its volume take `isochoric`, some 10^4 times the shear modulus for `bulk`,
+    and ``Solid(formulation="mixed")``, which does not lock; the error is in proportion to shear modulus by `bulk`. Or
+    give the function to `UserMaterial` with ``bulk=np.inf``.
+
+    Examples
+    --------
+    A cube stretched to twice its length, beside ``2 (c10 + c01 / l) (l - 1 / l^2)`` of what is incompressible:
+
+    >>> import visviva as vv
+    >>> rubber = vv.MooneyRivlin(c10=1.0, c01=0.25, bulk=2.5e4, isochoric=True)
+    >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="hex27")
+    >>> cube = vv.Solid(mesh=mesh, material=rubber, formulation="mixed")
+    >>> sides = ("x0", (1, 0, 0)), ("y0", (0, 1, 0)), ("z0", (0, 0, 1))
+    >>> held = [vv.SymmetryPlane(solid=cube, nodes=side, normal=normal) for side, normal in sides]
+    >>> pull = vv.Prescribed(solid=cube, nodes="x1", motion=("t", None, None))
+    >>> system = vv.System([cube, *held, pull])
+    >>> _ = vv.quasi_static(system, until=1.0, step=0.25)
+    >>> force = vv.SupportForce(solid=cube, nodes="x1")(system)[0]
+    >>> f"{force / (2 * (1.0 + 0.25 / 2) * (2 - 1 / 4)) - 1:.1e}"
+    '-8.1e-05'
     """
 
     c10: Number

@@ -157,12 +157,16 @@ class Term:
         return term
 
     def _residual(self, *args: Any) -> None:
-        args[6][:] = checked(self.label, "residual", self.residual(seen(args)), args[6].shape)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # of states that are tried
+            found = self.residual(seen(args))
+        args[6][:] = checked(self.label, "residual", found, args[6].shape)
 
     def _tangent(self, *args: Any) -> None:
         if args[0].has_length:  # that of an instant is not kept
             self.history_at_tangent = copies(self.label, self.history | self.trial)
-        args[7][:] = checked(self.label, "tangent", self.tangent(seen(args)), args[7].shape)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            found = self.tangent(seen(args))
+        args[7][:] = checked(self.label, "tangent", found, args[7].shape)
 
     def _ledger(self, *args: Any) -> None:
         s = seen(args)

@@ -30,6 +30,9 @@ class StateFile:
     Memory does not grow with the rows: `times`, `states`, `rates` and `records` read from the file. Once it is
     closed they open it for as long as they read, and refuse it if its rows are no longer those written here.
 
+    A row has the time, unknowns, rates and records. Of contacts nan stands for what is
+    not there: gaps where nothing is near and of the second surface, everything at nodes within a body.
+
     Parameters
     ----------
     path

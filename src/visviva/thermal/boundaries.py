@@ -287,5 +287,4 @@ class Radiation(ThroughFaces):
         ambient = self._values.at(time, X)
         self._refuse_below_zero(ambient, RunError)
         factor, T = self.emissivity * self.constant, T - self.zero
-        with np.errstate(over="ignore"):  # of temperatures that are tried only
-            return factor * ((ambient - self.zero) ** 4 - T**4), -4 * factor * T**3
+        return factor * ((ambient - self.zero) ** 4 - T**4), -4 * factor * T**3
