@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import visviva as vv
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.generate import MeshSource
-from visviva.mesh.quadrature import gauss, mass_rule, rule, simplex_rule, stiffness_rule
+from visviva.mesh.quadrature import corner_rule, gauss, mass_rule, rule, simplex_rule, stiffness_rule
 
 SOLIDS = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6"]
 PLANES = ["quad4", "quad8", "quad9", "tri3", "tri6"]
@@ -129,6 +129,18 @@ def test_rules_integrate_monomials(cell: Cell, degree: int) -> None:
             continue
         values = np.prod(points ** np.array(powers), axis=1)
         assert weights @ values == pytest.approx(integral(cell, powers), rel=1e-14, abs=3e-15)
+
+
+def test_corners_integrate_linear_functions(cell: Cell) -> None:
+    if cell.middles:
+        with pytest.raises(vv.InputError, match="has nodes between its corners"):
+            corner_rule(cell.name)
+        return
+    points, weights = corner_rule(cell.name)
+    np.testing.assert_array_equal(cell.N(points), np.eye(cell.n_nodes))
+    for powers in np.vstack([np.zeros(cell.dimension, int), np.eye(cell.dimension, dtype=int)]):
+        exact = integral(cell, tuple(int(p) for p in powers))
+        assert weights @ np.prod(points**powers, axis=1) == pytest.approx(exact, rel=1e-14, abs=1e-15)
 
 
 def test_rules_are_no_better_than_they_say() -> None:

@@ -87,3 +87,11 @@ def test_iterations_come_back_from_outside() -> None:
     assert np.all(np.diff(result.ledger["potential_stored"]) < 0)
     c = mixture.values(system.x)
     assert 0 < c.min() < 0.1 < 0.9 < c.max() < 1
+
+
+@pytest.mark.parametrize(("cell", "told"), [("quad4", False), ("quad9", True)])
+def test_deep_quenches_are_told_where_nodes_may_leave(cell: str, told: bool) -> None:
+    mesh = vv.RectangleMesh(size=(4, 4), counts=(8, 8), cell=cell)
+    remarks = body(mesh=mesh, free_energy=vv.FloryHuggins(chi=7.0), gradient_energy=6.0).remarks()
+    assert bool(remarks) == told
+    assert all("take a mesh of cells without nodes between their corners" in r for r in remarks)

@@ -174,3 +174,28 @@ def test_contact_angle(angle: float) -> None:
     off = (X[:, 0] - X[:, 1] / np.tan(theta)) * np.sin(theta)
     exact = 0.5 + 0.5 * np.tanh(0.5 * np.sqrt(2 * 100.0 / 0.5) * off)
     assert np.abs(body.values(system.x) - exact).max() < 0.02
+
+
+@pytest.mark.parametrize("degenerate", [False, True])
+def test_deep_quench(degenerate: bool) -> None:
+    """Phases of 0.001 and 0.999 (common tangent of ``chi = 7``): nodes stay inside, energy falls, no stall."""
+    rng = np.random.default_rng(1)
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(10, 10), counts=(20, 20)),
+        free_energy=vv.FloryHuggins(chi=7.0),
+        gradient_energy=6.0,
+        mobility=vv.DegenerateMobility(scale=1.0) if degenerate else 1.0,
+        concentration=lambda X: 0.5 + 0.02 * rng.standard_normal(len(X)),
+        periodic=[("x0", "x1"), ("y0", "y1")],
+    )
+    system = vv.System([body])
+    mass = body.integral(system.x)
+    rule = vv.Adaptive(tolerance=3e-3, max_step=20.0, easy=15)
+    result = vv.simulate(system, until=50.0, step=0.05, adaptive=rule)
+    c = body.values(system.x)
+    assert 0 < c.min() < 2e-3
+    assert 0 < 1 - c.max() < 2e-3
+    assert np.all(np.diff(result.ledger["potential_stored"]) < 1e-10)
+    assert body.integral(system.x) == pytest.approx(mass, rel=1e-12)
+    assert result.statistics.steps < 300
+    assert result.statistics.rejected < 40

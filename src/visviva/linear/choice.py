@@ -106,6 +106,8 @@ class Problem:
         Nothing else is: all constraints are pressures.
     is_conduction : bool
         All unknowns are temperatures, one to a node.
+    separates : bool
+        Contents and their chemical potentials are among the equations.
     n_condensed : int
         Pressures of contact that have left the equations; they leave them unsymmetric.
     """
@@ -124,6 +126,7 @@ class Problem:
     has_flow: bool = False
     is_flow: bool = False
     is_conduction: bool = False
+    separates: bool = False
     n_condensed: int = 0
 
     @property
@@ -173,6 +176,7 @@ class Problem:
         """The unsymmetric tangent of a plane mesh whose pattern tells the pivots: minimum degree orders it best."""
         return (
             self.has_diagonal
+            and not self.separates
             and self.kind == _core.MatrixKind.general
             and self.n_entries <= DENSE_ROWS * self.n
         )
@@ -181,11 +185,6 @@ class Problem:
     def is_small(self) -> bool:
         """Eigen's factors are as fast as PARDISO's."""
         return self.n <= (SMALL_WIDE if self.n_entries > WIDE_ROWS * self.n else SMALL)
-
-    @property
-    def is_plain(self) -> bool:
-        """In time steps there is nothing to choose: the sparse LU that is always there is as fast as anything."""
-        return self.is_small and (self.n_entries <= TINY or not self.is_solid)
 
     def __str__(self) -> str:
         kind = {"definite": "symmetric positive definite", "symmetric": "symmetric", "general": "unsymmetric"}

@@ -1,6 +1,6 @@
 """Quadrature on the reference cells: Gauss rules, symmetric rules on simplices, their products.
 
-All weights are positive and all points lie inside.
+All weights are positive and all points lie inside, but for those of `corner_rule`, which are the corners.
 """
 
 from __future__ import annotations
@@ -211,3 +211,23 @@ def mass_rule(cell: str) -> Rule:
     [4, 14, 8, 27, 4, 6]
     """
     return rule(cell, _DEGREES[cell_type(cell).name][1])
+
+
+def corner_rule(cell: str) -> Rule:
+    """The corners of a cell without other nodes: exact for linear functions, and what is stored there is lumped.
+
+    Raises
+    ------
+    InputError
+        If the cell has nodes between its corners.
+
+    Examples
+    --------
+    >>> corner_rule("tri3").weights.round(3).tolist()
+    [0.167, 0.167, 0.167]
+    """
+    kind = cell_type(cell)
+    if kind.middles:
+        raise InputError(f"{cell} has nodes between its corners; corners alone are no rule for it")
+    xi, w = mass_rule(cell)
+    return Rule(np.array(kind.family.corners, dtype=float), w @ kind.N(xi))

@@ -61,6 +61,8 @@ class Role(Enum):
         Without rates: where the energy is least, such as enhanced strains.
     MULTIPLIER
         Of constraints, such as the pressure of what is incompressible.
+    POTENTIAL
+        Chemical potential that a content follows in a step: without rates, and as many as there are contents.
     TEMPERATURE
         At which entropy is exchanged over a step: without rates, it follows from what stores energy.
     SOLID_PRESSURE, FLUID_PRESSURE, CONTACT_PRESSURE
@@ -73,6 +75,7 @@ class Role(Enum):
     VELOCITY = "velocity"
     STATE = "state"
     MULTIPLIER = "multiplier"
+    POTENTIAL = "potential"
     TEMPERATURE = "temperature"
     SOLID_PRESSURE = "solid pressure"
     FLUID_PRESSURE = "fluid pressure"
@@ -86,7 +89,7 @@ class Role(Enum):
     @property
     def bears(self) -> bool:
         """Whether it stands for forces: the energy is largest in it."""
-        return self not in ORDERS and self not in (Role.STATE, Role.TEMPERATURE)
+        return self not in ORDERS and self not in (Role.STATE, Role.POTENTIAL, Role.TEMPERATURE)
 
     @property
     def has_least_energy(self) -> bool:

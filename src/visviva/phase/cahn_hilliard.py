@@ -122,7 +122,7 @@ class CahnHilliard(PhaseBody):
         c = self.space.fitted(self.start_values)
         self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.scale)
         if self.form == "mixed":
-            self.potential = model.field(self, "potential", 0 * c, role=Role.MULTIPLIER, instantaneous=False)
+            self.potential = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
 
     def _mobility_constants(self) -> list[float]:
         return self._mobility.constants()

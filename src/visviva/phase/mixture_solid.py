@@ -64,6 +64,12 @@ class StressedCells:
         return np.asarray(np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :d, :d], self.gradients))
 
 
+class Chemistry(CahnHilliard):
+    """The mixture of a solid, integrated where the solid's strains are."""
+
+    lumps = False
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class MixtureSolid(Solid):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
@@ -120,7 +126,7 @@ class MixtureSolid(Solid):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_others()
-        self.chemistry = CahnHilliard(
+        self.chemistry = Chemistry(
             name=self.name or type(self).__name__,
             mesh=self.grid,
             free_energy=self.free_energy,
@@ -174,9 +180,7 @@ class MixtureSolid(Solid):
         super().declare(model)
         c = self.space.fitted(self.chemistry.start_values)
         self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale)
-        self.potential: Field | None = model.field(
-            self, "potential", 0 * c, role=Role.MULTIPLIER, instantaneous=False
-        )
+        self.potential: Field | None = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False

@@ -30,6 +30,10 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+NEAR_PURE = 0.01
+"""Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
+
+
 class PhaseBody(Meshed):
     """Base of bodies with a concentration or an order parameter.
 
@@ -53,6 +57,8 @@ class PhaseBody(Meshed):
     quantity: str
     potential: Field | None = None
     level_at_sides = False
+    lumps = True
+    """Whether logarithms are summed at the corners of cells, where they keep the field inside of their domain."""
 
     def _prepare(self, given: NumberOrFunction) -> None:
         """Mesh, space, start values, and what is refused of them."""
@@ -76,7 +82,13 @@ class PhaseBody(Meshed):
         if isinstance(self.mesh, SplineSource):
             return SplineSpace(self.mesh, pairs, self.thickness, self.level_at_sides)
         grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
-        return MeshSpace(grid, pairs, self.thickness, label=self.label)
+        return MeshSpace(
+            grid,
+            pairs,
+            self.thickness,
+            label=self.label,
+            at_corners=self.lumps and self.free_energy.has_domain,
+        )
 
     def _sampled(self, given: NumberOrFunction) -> Array:
         found = given(self.points) if callable(given) else given
@@ -121,6 +133,20 @@ class PhaseBody(Meshed):
                 "gradient_energy of "
                 f"{float(np.max(self._tensor)) * (2 * self.space.spacing / found.width) ** 2:.3g} at least"
             )
+
+    def remarks(self) -> list[str]:
+        """Between corners nothing keeps nodes in the domain of logarithms, only quadrature points."""
+        found, lumped = self.interface(), isinstance(self.space, MeshSpace) and self.space.is_lumped
+        if found is None or lumped or not self.free_energy.has_domain:
+            return []
+        low, high = self.free_energy.domain
+        if min(found.low - low, high - found.high) > NEAR_PURE:
+            return []
+        return [
+            f"{self.label}: its phases are of {found.low:.2g} and {found.high:.6g}, near the ends of logarithms, which "
+            "here act inside of elements only: nodes may go beyond, and steps stay short; take a mesh of cells without "
+            "nodes between their corners"
+        ]
 
     # --- its mesh ------------------------------------------------------------------------------------------
     def nodes(self, chosen: str | Faces | ArrayLike) -> Ints:

@@ -17,7 +17,7 @@ from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import jacobians, measure
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.periodic import numbering
-from visviva.mesh.quadrature import mass_rule
+from visviva.mesh.quadrature import corner_rule, mass_rule
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -124,6 +124,8 @@ class MeshSpace:
         Of a plane mesh.
     label : str
         Whose space it is, for messages.
+    at_corners : bool
+        Whether cells without other nodes have their corners for quadrature points.
 
     Examples
     --------
@@ -140,8 +142,11 @@ class MeshSpace:
         thickness: float = 1.0,
         axisymmetric: bool = False,
         label: str = "space",
+        at_corners: bool = False,
     ) -> None:
         self.grid, self.thickness, self.axisymmetric = grid, thickness, axisymmetric
+        self.at_corners = at_corners
+        self.is_lumped = at_corners and not any(CELLS[cell].middles for cell in grid.cells)
         self.number, self.size = numbering(grid, periodic, label)
         self._first = np.unique(self.number, return_index=True)[1]
 
@@ -164,7 +169,8 @@ class MeshSpace:
         return [self._table(cell, nodes) for cell, nodes in self.grid.cells.items()]
 
     def _table(self, cell: str, nodes: Ints) -> Table:
-        points, kind, (xi, w) = self.grid.points, CELLS[cell], mass_rule(cell)
+        points, kind = self.grid.points, CELLS[cell]
+        xi, w = corner_rule(cell) if self.at_corners and not kind.middles else mass_rule(cell)
         N, dN = kind.N(xi), kind.dN(xi)
         J = jacobians(points, nodes, dN)
         inverse = np.linalg.inv(J) if J.shape[2] == J.shape[3] else np.linalg.pinv(J)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.linear.choice import Automatic, Direct, Problem, rigid_motions
+from visviva.linear.choice import TINY, Automatic, Direct, Problem, rigid_motions
 from visviva.model.field import Role
 from visviva.system.build import blocks
 
@@ -24,6 +24,8 @@ LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
 """Roles of fields carried along by a flow, which make the tangent unsymmetric."""
+UNSYMMETRIC = (*CARRIED, Role.POTENTIAL)
+"""So do potentials: diffusion by them and their dependence on what diffuses are no transposes."""
 
 
 def uses_null_space(system: System) -> bool:
@@ -45,7 +47,7 @@ def problem_of(system: System) -> Problem:
     core, model = system.core, system.model
     fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
-    symmetric = not any(f.role in CARRIED for f in fields)
+    symmetric = not any(f.role in UNSYMMETRIC for f in fields)
     conduction = is_conduction(model)
     has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
@@ -65,6 +67,7 @@ def problem_of(system: System) -> Problem:
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
         has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
         is_conduction=conduction,
+        separates=any(f.role is Role.POTENTIAL for f in fields),
         has_flow=has_flow,
         is_flow=has_flow and all(f.order < 2 for f in fields),
     )
@@ -106,7 +109,7 @@ def hand_solvers(system: System) -> str:
     if options is not None and newton.null_space:
         raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
     problem, by_blocks = problem_of(system), uses_null_space(system)
-    if options is None and system.has_inertia and (by_blocks or problem.is_plain):
+    if options is None and system.has_inertia and (by_blocks or is_plain(problem)):
         core.use_solver(by_blocks, newton.regularization)
         project_in_core(system, by_blocks)
         return f"{core.n_equations} equations: {core.solver}"
@@ -115,6 +118,11 @@ def hand_solvers(system: System) -> str:
     core.use_linear(list(choice.in_order))
     project_in_core(system, False)
     return choice.explanation
+
+
+def is_plain(problem: Problem) -> bool:
+    """In time steps there is nothing to choose: the sparse LU that is always there is as fast as anything."""
+    return problem.is_small and (problem.n_entries <= TINY or not problem.is_solid)
 
 
 def project_in_core(system: System, by_blocks: bool) -> None:
