@@ -89,3 +89,26 @@ def test_what_grows_is_found_beside_what_rounding_nearly_hides(n: int) -> None:
     exact = [-1.5, -1.5, *(CANTILEVER * unit) ** 2][:n]
     assert not modes.stable
     assert modes.squared == pytest.approx(exact, rel=3e-3)
+
+
+def spinning(slenderness: float) -> vv.System:
+    """The wire, seen from a frame that turns about it a tenth as fast as it vibrates."""
+    beam = deepcopy(wire(slenderness, 1.0)["beam-1"])
+    rate = 0.1 * CANTILEVER[0] * bernoulli(slenderness, 1.0)
+    frame = vv.RotatingFrame(angular_velocity=rate * np.array([1.0, 2.0, 2.0]) / 3)
+    return vv.System([beam, vv.Clamped(solid=beam, nodes="start"), frame])
+
+
+@pytest.mark.parametrize("slenderness", [1e-6, 1e-8])
+def test_what_rounding_hides_is_refused_in_what_spins_too(slenderness: float) -> None:
+    with pytest.raises(vv.InputError, match="Beam 'beam-1' is lost in rounding"):
+        vv.modes(spinning(slenderness), 2)
+
+
+@pytest.mark.parametrize("slenderness", [1e-3, 1e-5])
+def test_what_spins_about_its_axis_vibrates_backward_and_forward(slenderness: float) -> None:
+    """Slower and faster by the spin; growth that is rounding is none."""
+    modes = vv.modes(spinning(slenderness), 2)
+    assert modes.stable
+    first = CANTILEVER[0] * bernoulli(slenderness, 1.0)
+    assert modes.angular / first == pytest.approx([0.9, 1.1], rel=3e-3)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.analysis.linearized import STIFF, Linearized, free_directions
+from visviva.analysis.linearized import STIFF, Linearized, free_directions, symmetric
+from visviva.analysis.resolution import noise, refuse_lost
 from visviva.base.errors import InputError, RunError
 from visviva.system.instant import COMPLIANCE, Instant
 from visviva.system.scaling import equilibration, typical
@@ -67,7 +68,11 @@ def complex_modes(linear: Linearized, C: sp.csr_array, n: int) -> tuple[Complex,
     order = np.lexsort((-roots.real, np.round(np.abs(roots), 12)))[:n]
     z = z[:, order].astype(np.complex128)
     weight: Array = np.sqrt(np.abs((z.conj() * (linear.at.M @ z)).sum(axis=0)))
-    return roots[order], np.asarray(z / np.where(weight > 0, weight, 1.0), dtype=np.complex128)
+    roots, z = roots[order], np.asarray(z / np.where(weight > 0, weight, 1.0), dtype=np.complex128)
+    doubt = noise(symmetric(linear.K), np.abs(z))  # of their squares
+    for part in (z.real, z.imag):
+        refuse_lost(linear, np.abs(roots) ** 2, part, doubt)
+    return cleaned(roots, doubt / np.where(roots == 0, 1.0, np.abs(roots))), z
 
 
 def all_roots(linear: Linearized, C: sp.csr_array) -> tuple[Complex, Complex]:
@@ -95,7 +100,7 @@ def all_roots(linear: Linearized, C: sp.csr_array) -> tuple[Complex, Complex]:
         )
         roots, z = sla.eig(ahead, behind)
         finite = np.isfinite(roots)
-        roots = rate * roots
+        roots = rate * np.where(finite, roots, 0.0)
     return roots[finite], s[:, None] * (N @ z[:n, finite])
 
 
@@ -122,11 +127,11 @@ def held_and_soft(linear: Linearized) -> tuple[Array, Array, Array]:
     return K - soft, rows[held], columns[:, held]
 
 
-def cleaned(roots: Complex) -> Complex:
-    """Roots whose growth or frequency is rounding have none."""
-    size = np.abs(roots)
-    real = np.where(np.abs(roots.real) > NEUTRAL * size, roots.real, 0.0)
-    imag = np.where(np.abs(roots.imag) > NEUTRAL * size, roots.imag, 0.0)
+def cleaned(roots: Complex, doubt: Array | float = 0.0) -> Complex:
+    """Roots whose growth or frequency is rounding, or in doubt, have none."""
+    least = np.maximum(NEUTRAL * np.abs(roots), doubt)
+    real = np.where(np.abs(roots.real) > least, roots.real, 0.0)
+    imag = np.where(np.abs(roots.imag) > least, roots.imag, 0.0)
     return np.asarray(real + 1j * imag)
 
 
