@@ -169,3 +169,57 @@ def test_a_rod_is_as_long_as_its_ends_are_apart_after_a_reset() -> None:
     vv.simulate(system, until=0.1, step=0.1, start="beginning")
     assert rod.length is None
     np.testing.assert_allclose(system.x[:3], [0, 3, 0], atol=1e-14)
+
+
+def slab(counts: tuple[int, int, int]) -> vv.BoxMesh:
+    return vv.BoxMesh(size=(1, 1, 1), counts=counts)
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_supports_and_probes_follow_the_mesh(when: str) -> None:
+    """The face z0 has other nodes then, and the place of the probe is in another cell, though they are made before."""
+
+    def made(mesh: vv.BoxMesh) -> tuple[vv.Solid, vv.Fixed, vv.Traction, vv.FieldAt]:
+        block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=100.0, poisson=0.3), density=1.0, name="block")
+        support = vv.Fixed(solid=block, nodes="z0")
+        return block, support, vv.Traction(solid=block, faces="z1", traction=(0, 0, 1)), stress_of(block)
+
+    def stress_of(block: vv.Solid) -> vv.FieldAt:
+        return vv.FieldAt(solid=block, field="von_mises", at=(0.3, 0.4, 0.1))
+
+    def told(block: vv.Solid, probe: vv.FieldAt, system: vv.System) -> tuple[np.ndarray, np.ndarray]:
+        vv.simulate(system, until=0.2, step=0.1)
+        return system.x.copy(), np.asarray(probe(system))
+
+    block, support, pull, probe = made(slab((2, 1, 1)))
+    if when == "before":
+        block.mesh = slab((3, 2, 2))
+        system = vv.System([support, pull, block])
+    else:
+        system = vv.System([support, pull, block])
+        block.mesh = slab((3, 2, 2))
+        system.reset()
+    x, stress = told(block, probe, system)
+    block, support, pull, probe = made(slab((3, 2, 2)))
+    x_new, stress_new = told(block, probe, vv.System([support, pull, block]))
+    np.testing.assert_array_equal(x, x_new)
+    np.testing.assert_array_equal(stress, stress_new)
+
+
+def test_the_stream_function_follows_the_mesh() -> None:
+    """Psi of a uniform flow is as high as the channel is wide."""
+    water = vv.Fluid(mesh=channel(1.0), density=1.0, viscosity=1.0, velocity=(3, 0, 0))
+    system = vv.System([vv.FluidTraction(fluid=water, faces="all", traction=(0, 0, 0)), water])
+    flow, psi = (
+        vv.FlowRate(fluid=water, faces="x1"),
+        vv.FlowField(fluid=water, field="stream_function", at=(1, 0.9, 0)),
+    )
+    assert (flow(system), psi(system)) == pytest.approx((3.0, 2.7))
+    water.mesh = channel(2.0)
+    system.reset()
+    assert np.ptp(water.smoothed(["stream_function"], system.x)["stream_function"]) == pytest.approx(6.0)
+    assert (flow(system), psi(system)) == pytest.approx((6.0, 2.7))
+
+
+def channel(width: float) -> vv.RectangleMesh:
+    return vv.RectangleMesh(size=(2, width), counts=(2, 2))

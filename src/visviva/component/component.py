@@ -75,12 +75,18 @@ def is_told(component: Component, f: Field[Any]) -> bool:
     )
 
 
+WAS_SET = "_was_set"
+"""Attribute of components of which an argument was set before they were in a system."""
+EDITION = "_edition"
+"""Attribute of components that is another object whenever arguments have taken effect anew."""
+
+
 class Composed(Validated):
     """Type of components, which know when they are made: from then on arguments that are set are validated."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         made = super().__call__(*args, **kwargs)
-        vars(made)[MADE] = True
+        vars(made).update({MADE: True, EDITION: object()})
         return made
 
 
@@ -124,7 +130,11 @@ class Component(metaclass=Composed):
         """The arguments; of a class of the user's own that is no dataclass all there is, as nothing else is known."""
         if "__dataclass_fields__" in vars(type(self)):
             return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
-        return {name: value for name, value in vars(self).items() if name not in (MADE, "_system")}
+        return {
+            name: value
+            for name, value in vars(self).items()
+            if name not in (MADE, WAS_SET, EDITION, "_system")
+        }
 
     def forget(self) -> None:
         """Forget the system that it was in, so that it can be put into one again."""
@@ -134,7 +144,7 @@ class Component(metaclass=Composed):
         if "__dataclass_fields__" in vars(type(self)) and hasattr(self, "__post_init__"):
             self.__post_init__()
         fixed(self)
-        vars(self)[MADE] = True
+        vars(self).update({MADE: True, EDITION: object()})
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set an attribute; arguments are validated, and in a system they wait for `System.reset`."""
@@ -146,7 +156,9 @@ class Component(metaclass=Composed):
         if "__dataclass_fields__" not in vars(type(self)):  # of the user's own, made in a way of its own
             super().__setattr__(name, value)
         elif system is None:
-            vars(self).update(vars(type(self)(**(self._as_made() | {name: value}))))
+            made = type(self)(**(self._as_made() | {name: value}))
+            vars(self).clear()
+            vars(self).update(vars(made) | {WAS_SET: True})
         else:
             vars(self)[name] = getattr(type(self)(**(self._as_made() | {name: value})), name)
         if system is not None:
@@ -336,6 +348,29 @@ def claim(system: Any, components: Sequence[Component]) -> None:
             )
         vars(c)["_system"] = weakref.ref(system)
         vars(c).pop(MADE, None)
+
+
+def begin_anew(components: Sequence[Component]) -> None:
+    """Make all forget what they worked out of their arguments, each after those that its arguments name."""
+    left = {id(c): c for c in components}
+
+    def forget(c: Component) -> None:
+        if left.pop(id(c), None) is None:
+            return
+        for value in c._as_made().values():
+            for other in mentioned(value):
+                forget(other)
+        c.forget()
+
+    for c in components:
+        forget(c)
+
+
+def begin_if_set(components: Sequence[Component]) -> None:
+    """Begin anew with components of no system, if an argument of one was set after others had looked at it."""
+    free = [c for c in components if isinstance(c, Component) and system_of(c) is None]
+    if any(WAS_SET in vars(c) for c in free):
+        begin_anew(free)
 
 
 def refuse_changed(system: Any) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import lru_cache, partial
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -109,11 +109,10 @@ def stream_function(fluid: Fluid, x: Array) -> Array:
     """
     if fluid.dimension != 2:
         raise InputError(f"{fluid.label}: only plane flows have a stream function")
-    psi = streams(fluid)(fluid.by_node(x)[:, :2])
+    psi = fluid.streams(fluid.by_node(x)[:, :2])
     return np.asarray(psi - psi[0])
 
 
-@lru_cache(maxsize=4)
 def streams(fluid: Fluid) -> StreamFunction:
     """Solver for the stream function of a fluid, over triangles between all of its nodes."""
     from visviva.output.skin import skin

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from visviva.component.component import RateConstraints
     from visviva.model.model import Model
     from visviva.model.state import State
+    from visviva.output.streamlines import StreamFunction
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -374,6 +375,13 @@ class Fluid(Meshed):
         from visviva.flow.flow_fields import flow_field
 
         return {name: flow_field(self, name)(x) for name in names}
+
+    @cached_property
+    def streams(self) -> StreamFunction:
+        """Solver for its stream function."""
+        from visviva.flow.flow_fields import streams
+
+        return streams(self)
 
     @cached_property
     def location(self) -> Location:

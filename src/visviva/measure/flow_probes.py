@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
+from visviva.component.remembered import remembered
 from visviva.component.values import FaceSet, Vector3
 from visviva.flow.boundary_faces import flow_faces, flux_weights
 from visviva.flow.flow_fields import courant, divergence, flow_field
@@ -94,7 +94,7 @@ class FlowRate(Reading):
     def __post_init__(self) -> None:
         _ = self._weights
 
-    @cached_property
+    @remembered("fluid")
     def _weights(self) -> Array:
         return flux_weights(self.fluid.grid, self.fluid.faces(self.faces))
 
@@ -134,7 +134,7 @@ class FlowField(Reading):
         flow_field(self.fluid, self.field)
         _ = self._place
 
-    @cached_property
+    @remembered("fluid")
     def _place(self) -> Place:
         return self.fluid.at(self.at)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from visviva.body.director_body import DirectorBody, refuse_thin
 from visviva.body.element import masses, nodal_masses
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import settings
+from visviva.component.remembered import remembered
 from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
 from visviva.load.support import SymmetryPlane
@@ -115,7 +115,7 @@ class FieldAt(Reading):
         width_of(self.solid, self.field)
         _ = self._place
 
-    @cached_property
+    @remembered("solid")
     def _place(self) -> tuple[Any, Array]:
         return locate(self.solid.grid, self.at[: self.solid.dimension], self.solid.label)
 
@@ -307,7 +307,7 @@ class SectionForce(Reading):
                 f"{self.solid.label} has all elements on one side of the section at {self.point}"
             )
 
-    @cached_property
+    @remembered("solid")
     def _behind(self) -> NDArray[np.bool_]:
         d = self.solid.dimension
         behind: NDArray[np.bool_] = np.asarray(
@@ -315,7 +315,7 @@ class SectionForce(Reading):
         )
         return behind
 
-    @cached_property
+    @remembered("solid")
     def _shared(self) -> NDArray[np.bool_]:
         """Nodes of elements on both sides."""
         count = np.zeros((2, self.solid.grid.n_nodes), dtype=bool)
@@ -327,7 +327,7 @@ class SectionForce(Reading):
         shared: NDArray[np.bool_] = np.logical_and(*count)
         return shared
 
-    @cached_property
+    @remembered("solid")
     def _share(self) -> Array:
         """Share (n, 1) of the elements in front in the volume at each node."""
         front, whole = (

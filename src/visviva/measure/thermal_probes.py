@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
+from visviva.component.remembered import remembered
 from visviva.component.values import Nodes, Vector3
 from visviva.measure.measures import Reading
 from visviva.mesh.locate import locate
@@ -47,7 +47,7 @@ class TemperatureAt(Reading):
     def __post_init__(self) -> None:
         _ = self._place
 
-    @cached_property
+    @remembered("body")
     def _place(self) -> tuple[Any, Array]:
         return locate(self.body.grid, self.at[: self.body.dimension], self.body.label)
 

@@ -17,6 +17,8 @@ from visviva.base.renamed import Renamed
 from visviva.base.unit_labels import Units
 from visviva.component.component import (
     Component,
+    begin_anew,
+    begin_if_set,
     characteristic_length,
     claim,
     name_components,
@@ -90,9 +92,9 @@ class System(metaclass=Named):
     ) -> None:
         refuse_other("System", "components", components, Iterable, "a list of components")
         refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
-        self.components = list(components)
-        self._newton = newton or Newton()
+        self.components, self._newton = list(components), newton or Newton()
         self.units = units
+        begin_if_set(self.components)
         self._compose()
 
     def _compose(self) -> None:
@@ -164,8 +166,7 @@ class System(metaclass=Named):
         kept = {name: vars(self)[name] for name in ("components", "_newton", "_units")}
         vars(self).clear()
         vars(self).update(kept)
-        for c in self.components:
-            c.forget()
+        begin_anew(self.components)
         self._compose()
 
     def copy(self) -> System:
