@@ -284,3 +284,9 @@ def test_sections_of_what_relaxes_have_no_force() -> None:
     system = vv.System([body])
     with pytest.raises(vv.InputError, match=r"ViscoelasticSolid 'block': the forces of its branches"):
         body.nodal_forces(system.x)
+
+
+def test_solids_in_space_have_no_thickness() -> None:
+    mesh, rubber = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), vv.NeoHooke(young=1.0, poisson=0.3)
+    with pytest.raises(vv.InputError, match="Solid 'block': thickness is for plane meshes; leave it out"):
+        vv.Solid(mesh=mesh, material=rubber, density=1.0, thickness=3.0, name="block")

@@ -112,6 +112,8 @@ class Solid(MeshBody):
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
             )
+        if self.grid.dimension == 3 and self.thickness != 1.0:
+            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
         if self.tangent == "start" and self.body_material.energy is not None:
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"
