@@ -134,11 +134,27 @@ def bent_tissue() -> Components:
     return [shell, edge, vv.EdgeMoment(shell=shell, edges="x1", moment=(0.003, -0.01, 0.0), times="sin(3*t)")]
 
 
-def blown_tissue() -> Components:
+def blown_tissue(middle: bool) -> Components:
     """Layers of tissue that hang at an edge and are blown at."""
     shell = vv.ExtensibleShell(mesh=vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 2)), section=tissue())
     edge = vv.Clamped(solid=shell, nodes="x0")
-    return [shell, edge, vv.Gravity(), vv.Pressure(solid=shell, faces="upper", pressure="0.5*sin(3*t)")]
+    blow = vv.Pressure(solid=shell, faces="upper", pressure="0.5*sin(3*t)", middle=middle)
+    return [shell, edge, vv.Gravity(), blow]
+
+
+def folded() -> Components:
+    """A folded sheet with pressures and tractions on its sides."""
+    section = vv.HomogeneousSection(thickness=0.05, young=2e3, poisson=0.3, density=10.0)
+    places = [(0, 0, 0), (0.6, 0, 0), (0.6, 0, 0.5), (0, 0.4, 0), (0.6, 0.4, 0), (0.6, 0.4, 0.5)]
+    mesh = vv.Mesh(places, {"quad4": [(0, 1, 4, 3), (1, 2, 5, 4)]})
+    shell = vv.Shell(mesh=mesh, section=section, kinks="rigid")
+    return [
+        shell,
+        vv.Clamped(solid=shell, nodes=[0, 3]),
+        vv.Pressure(solid=shell, faces="lower", pressure="0.5*sin(3*t)"),
+        vv.Pressure(solid=shell, faces="upper", pressure="0.3*cos(2*t)", follower=False),
+        vv.Traction(solid=shell, faces="upper", traction=lambda t, X: 0.2 * t * X),
+    ]
 
 
 def clamped_panel() -> Components:
@@ -225,7 +241,11 @@ BEAMS = [
     Entry("shell of tissue with a moment at its edge", bent_tissue, NOTHING, h=0.01, steps=60),
     Entry("shell under pressure", clamped_panel, NOTHING, h=0.01, steps=60),
     Entry("shell that stretches across", lambda: stretching(tissue()), ALL, steps=60),
-    Entry("shell of tissue under pressure", blown_tissue, NOTHING, h=0.01, steps=60),
+    Entry("shell of tissue under pressure", lambda: blown_tissue(True), NOTHING, h=0.01, steps=60),
+    Entry(
+        "shell of tissue under pressure at a side", lambda: blown_tissue(False), NOTHING, h=0.005, steps=60
+    ),
+    Entry("folded shell under loads on its sides", folded, NOTHING, h=0.01, steps=60),
     Entry("shell of rubber", lambda: ballooned(2e4), ALL, steps=60),
     Entry("beam with joints", jointed, ENERGY, h=0.005, steps=200),
 ]

@@ -62,7 +62,7 @@ def scordelis_lo(n: int, cell: str, **options: Any) -> float:
         mesh=part_of_cylinder(25.0, 25.0, np.radians(40), n, cell), section=sheet(0.25, 4.32e8), **options
     )
     diaphragm = vv.Fixed(solid=shell, nodes="x0", directions=(True, False, True))
-    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -90e-4))
+    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -90e-4), middle=True)
     system = linear(shell, diaphragm, *symmetric(shell, y="x1", x="y0"), weight)
     return -1e4 * float(shell.displacements(system.x)[corner(shell, "x1", "y1"), 2]) / 0.3024
 
@@ -262,7 +262,7 @@ def hypar(n: int, cell: str, thickness: float, **options: Any) -> float:
     shell = vv.Shell(mesh=mesh, section=sheet(thickness, 2e11, 0.3), **options)
     scale = {1e-2: 1e-3, 1e-3: 1e-4, 1e-4: 1e-6}[thickness]
     load = 8000.0 * thickness * scale
-    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -load))
+    weight = vv.Traction(solid=shell, faces="upper", traction=(0, 0, -load), middle=True)
     system = linear(shell, vv.Clamped(solid=shell, nodes="x0"), *symmetric(shell, y="y0"), weight)
     energy = 2 * weighed(shell, system, load) / scale**2
     return energy / {1e-2: 1.6790e-3, 1e-3: 1.1013e-2, 1e-4: 8.9867e-2}[thickness]

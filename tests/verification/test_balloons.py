@@ -43,7 +43,7 @@ def blown(n: int, material: vv.Material, until: float, by: str = "arc") -> Array
     planes = [
         vv.SymmetryPlane(solid=shell, nodes=f"{name}0", normal=np.eye(3)[k]) for k, name in enumerate("xyz")
     ]
-    inner = vv.Pressure(solid=shell, faces="upper", pressure=lambda load: -2 * t * load)
+    inner = vv.Pressure(solid=shell, faces="lower", pressure=lambda load: 2 * t * load)
     system = vv.System([shell, *planes, inner])
 
     def stretch(x: Array) -> float:

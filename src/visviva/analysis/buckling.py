@@ -135,7 +135,7 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
         tangent = balanced(system, tolerance)
         loads = load_rates(tangent)
         path = loads.prescribed - tangent.solve(loads.residual)
-        rate = stiffness_rate(tangent, path, loads.tangent)
+        rate = stiffness_rate(tangent, path, loads)
         factors, z = critical(tangent, rate, n)
     shapes = np.zeros((len(factors), len(system.x)))
     shapes[:, tangent.unknowns] = z.T
@@ -206,11 +206,15 @@ def balanced(system: System, tolerance: float) -> Tangent:
 
 @dataclass(frozen=True)
 class LoadRates:
-    """Rates by the load parameter of residuals (n,), of prescribed unknowns (n,) and of the tangent in place."""
+    """Rates by the load parameter of residuals (n,), of prescribed unknowns (n,) and of the tangent in place.
+
+    Those of the tangent are known up to a `rounding`, where its diagonal is scaled to 1.
+    """
 
     residual: Array
     prescribed: Array
     tangent: sp.csr_array
+    rounding: float
 
 
 def load_rates(tangent: Tangent) -> LoadRates:
@@ -245,7 +249,7 @@ def load_rates(tangent: Tangent) -> LoadRates:
     by_loads, scale = tangent.A.tocoo(), tangent.scale
     noise = ROUNDING / (d * scale[by_loads.row] * scale[by_loads.col])
     by_loads.data = np.where(np.abs(data[0]) > noise, data[0], 0.0)
-    return LoadRates(residual, prescribed, by_loads.tocsr())
+    return LoadRates(residual, prescribed, by_loads.tocsr(), ROUNDING / d)
 
 
 def slope(f: Callable[[float], Array], d: float) -> Array:
@@ -277,7 +281,7 @@ def onset(f: Callable[[float], Array], far: float) -> tuple[Array, float, bool]:
     return rate, d, misfit <= DISPUTED and bool(rate.any())
 
 
-def stiffness_rate(tangent: Tangent, rate: Array, by_loads: sp.csr_array) -> sp.csr_array:
+def stiffness_rate(tangent: Tangent, rate: Array, loads: LoadRates) -> sp.csr_array:
     """Derivative of the tangent along a rate of all unknowns, by the stresses, by the reactions and by the loads.
 
     The discrete gradient takes stresses from both ends of a step and directions from its end alone if that is where
@@ -305,19 +309,19 @@ def stiffness_rate(tangent: Tangent, rate: Array, by_loads: sp.csr_array) -> sp.
         by_stress: Any = difference(stressed, (TOUCHING if touches else AHEAD) / (size or 1.0))
     with returning(system):  # linear: far enough for them to count beside the stiffness
         by_reactions: Any = difference(reacted, MORE if touches else AHEAD * largest / (force or 1.0))
-    refuse_following(tangent, by_loads)
-    found: sp.csr_array = (by_loads + by_reactions - 2 * by_stress).tocsr()
+    refuse_following(tangent, loads)
+    found: sp.csr_array = (loads.tangent + by_reactions - 2 * by_stress).tocsr()
     return found
 
 
-def refuse_following(tangent: Tangent, by_loads: sp.csr_array) -> None:
+def refuse_following(tangent: Tangent, loads: LoadRates) -> None:
     """Refuse loads without potential, in the units of the stiffness: unknowns may see loads in their columns alone."""
     import scipy.sparse as sp
 
     S = sp.diags_array(tangent.scale)
-    found = abs(S @ (by_loads - by_loads.T) @ S).tocoo()
-    found.data /= abs(S @ by_loads @ S).max() or 1.0
-    refuse_unsymmetric("buckling", tangent.system, by_loads, tangent.unknowns, found)
+    found = abs(S @ (loads.tangent - loads.tangent.T) @ S).tocoo()
+    found.data = np.maximum(found.data - loads.rounding, 0.0) / (abs(S @ loads.tangent @ S).max() or 1.0)
+    refuse_unsymmetric("buckling", tangent.system, loads.tangent, tangent.unknowns, found)
 
 
 def energetic_step(time: float) -> _core.Step:

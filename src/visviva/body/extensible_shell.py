@@ -169,9 +169,6 @@ class ExtensibleShell(Shell):
         soft = all(m.split().bulk <= STIFFEST * m.lame[1] for m in materials)
         return self.formulation == "mixed" and soft
 
-    stretches_across = True
-    """Whether what acts on its sides changes its thickness."""
-
     def hold_lengths(self, model: Model, nodes: Ints) -> None:
         """Directors have no lengths to hold."""
 

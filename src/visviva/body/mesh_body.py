@@ -141,8 +141,8 @@ class MeshBody(Attachable, Meshed):
         """Quadrature points of the cells for forces on the volume, type by type."""
         return cell_points(self.grid, thickness=self.thickness, axisymmetric=self.axisymmetric)
 
-    def face_points(self, faces: Faces) -> Iterator[FacePoints]:
-        """Quadrature points of faces for forces on them, type by type."""
+    def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
+        """Quadrature points of faces for forces on them, type by type; of shells on their middle, or `on_sides`."""
         return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
 
     # --- masses and the start ------------------------------------------------------------------------------

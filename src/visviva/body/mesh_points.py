@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import jacobians, measure
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
+
+if TYPE_CHECKING:
+    from visviva.body.mesh_body import MeshBody
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,6 +44,18 @@ class Points:
     X: Array
     size: Array
 
+    def unknowns(self, solid: MeshBody) -> NDArray[np.int32]:
+        """First unknowns (m, v) of the vectors that places are made of."""
+        return solid.node_unknowns(self.nodes)
+
+    def of_vectors(self, shapes: Array) -> Array:
+        """Shape functions or derivatives (q, k) as weights (m, q, v) of the vectors that places are made of."""
+        return np.broadcast_to(shapes, (len(self.nodes), *shapes.shape))
+
+    def forces(self, densities: Array) -> Array:
+        """Forces (m, v, c) on these vectors by densities (m, q, c) per volume or area."""
+        return np.asarray(np.einsum("mq,mqv,mqc->mvc", self.size, self.of_vectors(self.N), densities))
+
     def spread(self, densities: Array, n_nodes: int) -> Array:
         """Consistent nodal values (n_nodes, c) of densities (m, q, c) per volume or area."""
         total = np.zeros((n_nodes, densities.shape[2]))
@@ -58,11 +74,27 @@ class FacePoints(Points):
     weights : array, (q,)
     normal : array, (m, q, 3)
         Outward unit normals.
+    heights : array, (m, k), optional
+        Of the sides of shells, along directors: places are ``phi + h d`` at nodes.
+    directors : callable, optional
+        First unknowns (m, k) of these, once the shell is part of a system.
     """
 
     dN: Array
     weights: Array
     normal: Array
+    heights: Array | None = None
+    directors: Callable[[], NDArray[np.int32]] | None = None
+
+    def unknowns(self, solid: MeshBody) -> NDArray[np.int32]:
+        own = super().unknowns(solid)
+        return own if self.directors is None else np.hstack([own, self.directors()])
+
+    def of_vectors(self, shapes: Array) -> Array:
+        every = super().of_vectors(shapes)
+        if self.heights is None:
+            return every
+        return np.concatenate([every, self.heights[:, None] * shapes], axis=2)
 
 
 def cell_points(grid: Mesh, *, thickness: float = 1.0, axisymmetric: bool = False) -> Iterator[Points]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -343,26 +344,38 @@ class Shell(DirectorBody):
     def _sides_of(self, faces: Faces) -> tuple[Faces, Faces, Faces]:
         """Upper and lower sides of faces that run the same way as their cells or the other one, and rims of edges."""
         n, upper, lower, edges = self.grid.n_nodes, {}, {}, {}
-        begins = np.cumsum([0, *(len(part.cells) for part in self.parts)])
-        of_kind = {part.kind: (part.cells, begin) for part, begin in zip(self.parts, begins, strict=False)}
         for kind, nodes in faces.cells.items():
             if CELLS[kind].dimension == 1:
                 edges[kind] = nodes
                 continue
-            cells, begin = of_kind[kind]
-            up = looks_up(nodes, cells[faces.owners[kind] - begin])
+            up = looks_up(nodes, self._cells_of(kind, faces.owners[kind]))
             upper[kind], lower[kind] = nodes[up], nodes[~up][:, reversed_order(kind)]
         return both_sides(upper, {}, n)[0], both_sides(lower, {}, n)[1], both_sides({}, edges, n)[2]
 
-    def face_points(self, faces: Faces) -> Iterator[FacePoints]:
-        """Quadrature points of sides, on the middle of the shell, and of edges, whose normals are in the shell."""
+    def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
+        """Points of sides, on the middle of the shell or `on_sides`, and of edges, whose normals are in it."""
         sides = {kind: nodes for kind, nodes in faces.cells.items() if CELLS[kind].dimension == 2}
         edges = {kind: nodes for kind, nodes in faces.cells.items() if CELLS[kind].dimension == 1}
-        if sides:
-            yield from super().face_points(Faces(sides, {kind: faces.owners[kind] for kind in sides}))
+        for kind, nodes in sides.items():
+            for p in super().face_points(Faces({kind: nodes}, {kind: faces.owners[kind]})):
+                yield self._on_side(p, kind, faces.owners[kind]) if on_sides else p
         for kind, nodes in edges.items():
             turns = self.turns_of_edges(nodes, faces.owners[kind])
             yield edge_points(kind, nodes, self.points, self.every_director[turns])
+
+    def _on_side(self, p: FacePoints, kind: str, owners: Ints) -> FacePoints:
+        """Points of sides half a thickness above or below the middle."""
+        up = looks_up(p.nodes, self._cells_of(kind, owners))
+        heights = np.where(up[:, None], self._heights[p.nodes, 1], self._heights[p.nodes, 0])
+        turns = self.turns_of_edges(p.nodes, owners)
+        found = raised(p, self.points[p.nodes], self.every_director[turns], heights)
+        return replace(found, directors=lambda: self.turn_unknowns(turns))
+
+    def _cells_of(self, kind: str, owners: Ints) -> Ints:
+        """Nodes (m, k) of cells of a type by their numbers among all."""
+        begins = np.cumsum([0, *(len(part.cells) for part in self.parts)])
+        (number,) = [k for k, part in enumerate(self.parts) if part.kind == kind]
+        return np.asarray(self.parts[number].cells[owners - begins[number]])
 
     @property
     def every_director(self) -> Array:
@@ -416,6 +429,17 @@ def edge_points(kind: str, nodes: Ints, points: Array, directors: Array) -> Face
     size = w * np.linalg.norm(tangent, axis=2)
     X = np.einsum("mkc,qk->mqc", points[nodes], N)
     return FacePoints(nodes=nodes, N=N, X=X, size=size, dN=dN, weights=w, normal=unit(outward))
+
+
+def raised(p: FacePoints, points: Array, directors: Array, heights: Array) -> FacePoints:
+    """Face points at heights (m, k) along the directors (m, k, 3) of the nodes at these points (m, k, 3)."""
+    places = points + heights[..., None] * directors
+    tangents = np.einsum("mkc,qkt->mqtc", places, p.dN)
+    outward = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    size = np.linalg.norm(outward, axis=2)
+    X = np.einsum("mkc,qk->mqc", places, p.N)
+    found: Any = {"X": X, "size": p.weights * size, "normal": outward / size[..., None]}
+    return replace(p, **found, heights=heights)
 
 
 def reversed_nodes(kind: str) -> Ints:

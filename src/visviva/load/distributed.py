@@ -59,21 +59,43 @@ class Distribution:
     def contribute(self, model: Model, owner: Component, points: Sequence[Points]) -> None:
         """Let the load act at these quadrature points."""
         model.index(self.solid)
-        nodes = np.unique(np.concatenate([p.nodes.ravel() for p in points]))
-        first, d = self.solid.node_unknowns(nodes), self.solid.dimension
+        gathered = Gathered(self.solid, points)
 
         def force(time: float) -> Array:
-            total = sum(p.spread(self.at(time, p.X), self.solid.grid.n_nodes) for p in points)
-            return np.asarray(total)[nodes, :d]
+            return gathered.forces([self.at(time, p.X) for p in points])
 
         if self._function is None:
-            model.nodal_loads(owner, self.what, first, force(0.0), self.times)
+            model.nodal_loads(owner, self.what, gathered.first, force(0.0), self.times)
             return
         law = Law(LawKind.RATE_CALLBACK, callback=forces_of_time(force))
         self.callback = law.callback  # the core does not keep it alive
-        index = first[:, None] + np.arange(d)
+        d = self.solid.dimension
+        index = gathered.first[:, None] + np.arange(d)
         term = strain_batch(components(d), law, index, 1.0, (0.0, 0.0))
-        model.strain_batch(owner, self.what, "work", term, len(nodes))
+        model.strain_batch(owner, self.what, "work", term, len(index))
+
+
+class Gathered:
+    """Sums of what acts at quadrature points over the vectors that their places are made of.
+
+    Attributes
+    ----------
+    first : array of int, (n,)
+        First unknowns of these vectors.
+    """
+
+    def __init__(self, solid: MeshBody, points: Sequence[Points]) -> None:
+        unknowns = [p.unknowns(solid) for p in points]
+        self.first, slots = np.unique(np.concatenate([u.ravel() for u in unknowns]), return_inverse=True)
+        self._slots = np.split(slots, np.cumsum([u.size for u in unknowns])[:-1])
+        self._points, self._dimension = points, solid.dimension
+
+    def forces(self, densities: Sequence[Array]) -> Array:
+        """Forces (n, d) by densities (m, q, 3) of the points of each type."""
+        total = np.zeros((len(self.first), 3))
+        for p, slots, density in zip(self._points, self._slots, densities, strict=True):
+            np.add.at(total, slots, p.forces(density).reshape(-1, 3))
+        return total[:, : self._dimension]
 
 
 def forces_of_time(force: Any) -> Any:

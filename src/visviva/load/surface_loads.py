@@ -15,7 +15,7 @@ from visviva.body.mesh_points import FacePoints
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import FaceSet, Number, VectorOrFunction
-from visviva.load.distributed import Distribution
+from visviva.load.distributed import Distribution, Gathered
 from visviva.mesh.cells import CELLS
 from visviva.model.batch import Layout, along, strain_batch
 from visviva.model.law import Law, LawKind
@@ -41,7 +41,24 @@ class OnFaces(Component):
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Traction(OnFaces):
+class OnSides(OnFaces):
+    """Base of what may act on the sides of shells or on their `middle`."""
+
+    middle: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        on_sides = any(CELLS[kind].dimension == 2 for kind in self._faces.cells)
+        if self.middle and not (self.solid.is_thin and on_sides):
+            raise InputError(f"{self.label}: middle=True is for the sides of shells; leave it out")
+
+    def points(self) -> list[FacePoints]:
+        """Quadrature points where it acts."""
+        return list(self.solid.face_points(self._faces, on_sides=not self.middle))
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class Traction(OnSides):
     """Dead load per reference area.
 
     Parameters
@@ -49,6 +66,8 @@ class Traction(OnFaces):
     solid : Solid
     faces : str or Faces
         Name of a set of faces, or 'all'.
+    middle : bool
+        Whether it acts on the middle of a shell, and per area there, instead of on the side that `faces` name.
     traction : array (3,) or callable
         Force per reference area; or ``f(t, X)`` of time and reference positions (n, 3) with values (n, 3).
     times : number, expression, table or callable
@@ -71,20 +90,14 @@ class Traction(OnFaces):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        on_sides = any(CELLS[kind].dimension == 2 for kind in self._faces.cells)
-        if on_sides and getattr(self.solid, "stretches_across", False):
-            raise InputError(
-                f"{self.label}: tractions on the sides of {self.solid.label}, whose thickness they would change, would "
-                "act on its middle; put a vv.Force on points above and below it, or take a vv.Solid"
-            )
         self._distribution = Distribution(self.label, "traction", self.solid, self.traction, self.times)
 
     def contribute(self, model: Model) -> None:
-        self._distribution.contribute(model, self, list(self.solid.face_points(self._faces)))
+        self._distribution.contribute(model, self, self.points())
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Pressure(OnFaces):
+class Pressure(OnSides):
     """Pressure on faces, positive where it pushes into the solid.
 
     Parameters
@@ -92,6 +105,8 @@ class Pressure(OnFaces):
     solid : Solid
     faces : str or Faces
         Name of a set of faces, or 'all'.
+    middle : bool
+        Whether it acts on the middle of a shell instead of on the side that `faces` name, as in shell theory.
     pressure : number, expression, table or callable
         As a function of time, see `TimeFunction`.
     follower : bool
@@ -116,15 +131,15 @@ class Pressure(OnFaces):
     follower: bool = True
 
     def contribute(self, model: Model) -> None:
+        points = self.points()
         if not self.follower:
-            nodes, force = self._faces.nodes, np.zeros((self.solid.grid.n_nodes, 3))
-            for p in self.solid.face_points(self._faces):
-                force += p.spread(-p.normal, len(force))
-            first = self.solid.node_unknowns(nodes)
-            model.nodal_loads(self, "pressure", first, force[nodes, : self.solid.dimension], self.pressure)
+            dead = Gathered(self.solid, points)
+            model.nodal_loads(
+                self, "pressure", dead.first, dead.forces([-p.normal for p in points]), self.pressure
+            )
             return
         signal = model.signal(self.pressure)
-        for p in self.solid.face_points(self._faces):
+        for p in points:
             index = element_unknowns(self.solid, p)
             layout, weights = self._normals(p)
             term = strain_batch(layout, Law(LawKind.FOLLOWER), index, weights, (0.0, 0.0), signal)
@@ -132,12 +147,12 @@ class Pressure(OnFaces):
 
     def _normals(self, p: FacePoints) -> tuple[Layout, Array]:
         """Places and forces per pressure at the quadrature points as strains (6) of the nodes of each face."""
-        m, k = p.nodes.shape
         if self.solid.dimension == 3:
-            layout = space_normals(k)
-            first = -p.weights[:, None] * p.dN[:, :, 0]
-            point = np.hstack([p.N, p.N, p.N, first, first, first, *[p.dN[:, :, 1]] * 3])
-            return layout, np.tile(point, (m, 1))
+            N, first, second = p.of_vectors(p.N), *(p.of_vectors(p.dN[:, :, c]) for c in range(2))
+            first = -p.weights[:, None] * first
+            point = np.concatenate([N, N, N, first, first, first, second, second, second], axis=2)
+            return space_normals(N.shape[2]), point.reshape(-1, point.shape[2])
+        m, k = p.nodes.shape
         slope, across = p.dN[:, :, 0], p.weights[:, None] * p.N
         if self.solid.axisymmetric:
             point = np.hstack([p.N, p.N, slope, slope, -2 * np.pi * across])
@@ -147,9 +162,9 @@ class Pressure(OnFaces):
 
 
 def element_unknowns(solid: MeshBody, p: FacePoints) -> NDArray[np.int32]:
-    """Unknowns (m q, d k) of the faces' nodes, once for each quadrature point."""
-    d, (m, k) = solid.dimension, p.nodes.shape
-    each = (solid.node_unknowns(p.nodes)[:, :, None] + np.arange(d)).reshape(m, d * k)
+    """Unknowns (m q, d v) of the vectors of each face, once for each quadrature point."""
+    d, vectors = solid.dimension, p.unknowns(solid)
+    each = (vectors[:, :, None] + np.arange(d)).reshape(len(vectors), -1)
     return np.repeat(each, len(p.weights), axis=0)
 
 

@@ -242,7 +242,7 @@ class ThermalBeam(Beam, HeatCarrier):
     def heat_port(self, nodes: Ints) -> HeatPort:
         return super().heat_port(nodes[self._place[nodes] >= 0])
 
-    def face_points(self, faces: Faces) -> Any:
+    def face_points(self, faces: Faces, *, on_sides: bool = False) -> Any:
         """There are none: a beam is a line.
 
         Raises
