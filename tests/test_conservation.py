@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva import _core
+from visviva.results.second_law import entropy_scale
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,12 @@ def test_energy_balance_momenta_and_constraints(entry: Entry) -> None:
     assert figures["constraints"] <= 1e-12
     wrong = {name: figures[name] for name in entry.conserves - {"energy"} if not figures[name] <= 1e-11}
     assert not wrong, f"momenta that should be conserved: {wrong}"
+    if result.ledger.entropy:
+        size = entropy_scale(result.ledger)
+        assert result.ledger.greatest("defect_entropy") <= 1e-12 * size, "entropy fell"
+        assert result.ledger.size("entropy_imbalance") <= 1e-10 * size, (
+            "the balance of entropy does not close"
+        )
     if "energy" in entry.conserves:
         total = result.ledger["total"]
         assert np.abs(total - total[0]).max() <= 1e-10 * result.ledger.energy_scale

@@ -93,8 +93,14 @@ static void bind_unknowns(nb::class_<System>& system) {
                  s.set_islands(vector_of<int>(island), vector_of<int>(account),
                                vector_of<int>(island_of_account));
              })
-        .def("set_drives", [](System& s, const Ints& multiplier, const Ints& account) {
-            s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
+        .def("set_drives",
+             [](System& s, const Ints& multiplier, const Ints& account) {
+                 s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
+             })
+        .def("set_entropy", [](System& s, const Ints& tested, const Ints& unknown, const Doubles& weight,
+                               const Ints& account) {
+            s.set_entropy({vector_of<int>(tested), vector_of<int>(unknown), vector_of<double>(weight),
+                           vector_of<int>(account)});
         });
 }
 
@@ -287,7 +293,8 @@ static void bind_assembly(nb::class_<System>& system) {
 // Vectors of the state and sums of the ledger, as views.
 static void bind_state(nb::class_<System>& system) {
     system VISVIVA_STATE(x) VISVIVA_STATE(dx) VISVIVA_STATE(v) VISVIVA_STATE(a) VISVIVA_STATE(w)
-        VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect) VISVIVA_SUM(release);
+        VISVIVA_SUM(energy) VISVIVA_SUM(work) VISVIVA_SUM(momentum) VISVIVA_SUM(defect) VISVIVA_SUM(release)
+            VISVIVA_SUM(entropy);
 }
 
 void bind_system(nb::module_& m) {

@@ -72,6 +72,7 @@ void bind_terms(nb::module_& m) {
     nb::class_<Term>(m, "Term")
         .def_rw("name", &Term::name)
         .def_rw("is_rigidity", &Term::is_rigidity)
+        .def_rw("entropy_account", &Term::entropy_account)
         .def("book", [](Term& t, const Ints& account, const Ints& component) {
             t.account = vector_of<int>(account);
             t.component = vector_of<int>(component);

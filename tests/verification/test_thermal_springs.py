@@ -165,7 +165,7 @@ def test_bodies_exchange_heat_with_stores_and_springs() -> None:
     assert system.check().tangent.error < 1e-6
     result = vv.simulate(system, until=2.0, step=0.1)
     assert result.ledger.imbalance() < 1e-12
-    assert abs(result.ledger.last("work_exchange")) > 1e-3
+    assert abs(result.ledger.last("heat_exchange")) > 1e-3
     assert motor.temperature_at(system.x) < 40
 
 

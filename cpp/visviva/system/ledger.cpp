@@ -10,10 +10,11 @@ void System::set_accounts(int n_accounts, int n_components) {
     sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
     sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
     sums.release.assign(n_, 0.0);
+    sums.entropy.assign(n_accounts, 0.0);
 }
 
 void System::clear_sums() {
-    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release})
+    for (auto* s : {&sums.energy, &sums.work, &sums.momentum, &sums.defect, &sums.release, &sums.entropy})
         std::fill(s->begin(), s->end(), 0.0);
     sums.impacts.clear();
 }
@@ -47,11 +48,31 @@ void System::book(const Context& c, const double* v1) {
     for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
 }
 
+// What the equations of entropy get of every term, and what of it is stored.
+std::vector<double> System::brought_entropy(const Context& c) {
+    std::vector<double> brought(sums.entropy.size(), 0.0), r(n_, 0.0);
+    if (!c.step.has_length() || c.step.transport[0][0] == 0) return brought;
+    for (const auto& [term, can] : terms_) {
+        if (term->entropy_account < 0) continue;
+        for (int u : entropy_.tested) r[u] = 0;
+        term->residual(c, r.data());
+        for (int u : entropy_.tested) brought[term->entropy_account] -= c.step.h * r[u];
+    }
+    for (std::size_t k = 0; k < entropy_.unknown.size(); ++k)
+        if (entropy_.account[k] >= 0)
+            brought[entropy_.account[k]] +=
+                c.step.h * entropy_.weight[k] * c.vectors.rate[entropy_.unknown[k]];
+    return brought;
+}
+
 // The same with the work of prescribed motion, which goes along dx or against it.
 void System::book_step(const Context& c, const double* v1, double direction) {
     // before the terms go on to the end; on the way back they find their branches there
     if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
+    std::vector<double> entropy;
+    if (!entropy_.tested.empty() && !c.backwards) entropy = brought_entropy(c);
     book(c, v1);
+    if (!entropy.empty()) sums.entropy = std::move(entropy);
     book_impacts(c, v1);
     for (std::size_t k = 0; k < prescribed_.size(); ++k) {
         const int u = prescribed_[k];

@@ -108,6 +108,14 @@ class System {
         prescribed_ = std::move(unknown), prescribed_account_ = std::move(account),
         supply_ = std::move(supply);
     }
+    // Entropy is the sum of unknowns with weights; equations that add up to its balance, and the accounts on
+    // which what is stored is booked with what the terms of the body let go (-1: none).
+    struct Entropy {
+        std::vector<int> tested, unknown;
+        std::vector<double> weight;
+        std::vector<int> account;
+    };
+    void set_entropy(Entropy entropy) { entropy_ = std::move(entropy); }
     // Multipliers of constraints that functions of time drive, and where the work of each is booked.
     void set_drives(std::vector<int> multiplier, std::vector<int> account) {
         drives_ = std::move(multiplier), drive_account_ = std::move(account);
@@ -254,6 +262,7 @@ class System {
     void book(const Context&, const double* v1);
     void book_step(const Context&, const double* v1, double direction);
     void book_path(const Context&);
+    std::vector<double> brought_entropy(const Context&);
     void book_impacts(const Context&, const double* v1);
     void record_mean(const Step&);
 
@@ -276,6 +285,7 @@ class System {
     std::vector<int> prescribed_, prescribed_account_, drives_, drive_account_;
     std::vector<double> drive_work_;  // of each drive, by the projection of the rates of this step
     std::vector<Supply> supply_;
+    Entropy entropy_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
     std::vector<std::pair<std::int64_t, std::int64_t>> zeros_;  // values that no term sets to zero

@@ -32,9 +32,10 @@ struct Impact {
 };
 
 // Sums of the ledger; `energy`, `work` per account, `momentum` [6] and `defect` [2] per component; in
-// statics `release` per unknown, the work of what held it out of equilibrium when the step began.
+// statics `release` per unknown, the work of what held it out of equilibrium when the step began; `entropy`
+// per account, brought in the step.
 struct LedgerSums {
-    std::vector<double> energy, work, momentum, defect, release;
+    std::vector<double> energy, work, momentum, defect, release, entropy;
     std::vector<Impact> impacts;
 };
 
@@ -152,6 +153,7 @@ class Term {
     bool is_lasting = true;      // may have a part in the rates at an instant: in mass or lasting constraints
     bool needs_rates = false;    // looks at the rates of its unknowns
     bool sees_clock = false;     // may depend on time otherwise than by signals
+    int entropy_account = -1;    // where entropy is booked that it brings to the equations that balance it
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is
 };

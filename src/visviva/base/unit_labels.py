@@ -36,7 +36,7 @@ DERIVED: dict[str, tuple[str, ...]] = {
 """Quantities by powers of those that are chosen."""
 
 BASE = ("force", "length", "mass", "time", "temperature")
-QUANTITIES = (*BASE, *DERIVED, "stress", "energy", "power", "energy_density", "heat_flux", "angle")
+QUANTITIES = (*BASE, *DERIVED, "stress", "energy", "power", "energy_density", "entropy", "heat_flux", "angle")
 POWER = {"2": "²", "3": "³"}
 
 
@@ -105,6 +105,8 @@ class Units:
             return self._nice(ENERGIES, ("force", "length"))
         if quantity == "power":
             return self._nice(POWERS, ("force", "length", "/time"))
+        if quantity == "entropy" and self["energy"] and self["temperature"]:
+            return f"{self['energy']}/{self['temperature']}"
         if quantity == "heat_flux" and self["power"]:
             return f"{self['power']}/{self['area']}"
         return f"{self['energy']}/{self['volume']}" if quantity == "energy_density" and self["energy"] else ""

@@ -96,6 +96,6 @@ def check(result: vv.Result) -> None:
     ledger = result.ledger
     start = ledger.first("kinetic")
     result.assert_conserved("energy", tolerance=1e-9)
-    rubbed, heat = ledger["work_friction"], ledger["work_friction heat"]
+    rubbed, heat = ledger["work_friction"], ledger["heat_friction"]
     assert np.abs(rubbed + heat).max() < 1e-9 * start, "friction and its heat differ"
     assert heat[-1] > 0.05 * start, f"friction took {heat[-1] / start:.3f} of the kinetic energy"

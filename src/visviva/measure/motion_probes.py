@@ -133,5 +133,5 @@ class Power(Reading):
         return float(np.asarray(system.core.work)[own].sum() / h) if h > 0 and own else 0.0
 
 
-BOOKED = ("work", "dissipation")
+BOOKED = ("work", "dissipation", "heat")
 """Categories of accounts that the ledger sums as works."""

@@ -41,6 +41,11 @@ class Owner(Protocol):
         """Its mass."""
         ...
 
+    @property
+    def carries_heat(self) -> bool:
+        """Whether it has temperatures."""
+        ...
+
     def mass_blocks(self, model: Any) -> Iterator[tuple[NDArray[np.int64], Array]]:
         """Its mass between vectors of three unknowns: where these begin (m, k), and the mass matrices (m, k, k)."""
         ...
@@ -174,6 +179,11 @@ class Field:
     @property
     def unknowns(self) -> range:
         return range(self.start, self.start + self.size)
+
+    @property
+    def supplied(self) -> str:
+        """Category of what held unknowns take in: heat, or work."""
+        return "heat" if self.role is Role.CONTENT and self.component.carries_heat else "work"
 
     @property
     def supply(self) -> int:

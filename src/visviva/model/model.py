@@ -13,6 +13,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.model.batch import along, book, strain_batch
 from visviva.model.driving import Driving
+from visviva.model.entropies import Entropies
 from visviva.model.field import Field, Owner, Prescription, Role
 from visviva.model.form import Form, Strain, strain
 from visviva.model.law import Law, LawKind
@@ -31,7 +32,7 @@ class Account:
 
     component: int
     kind: str
-    category: str  # kinetic, potential, work, dissipation, constraint
+    category: str  # kinetic, potential, work, dissipation, heat, constraint, or one of entropy
 
 
 @dataclass(eq=False)
@@ -64,6 +65,7 @@ class Model:
     accounts: list[Account] = field(default_factory=list)
     driving: Driving = field(default_factory=Driving)
     reductions: Reductions = field(default_factory=Reductions)
+    entropies: Entropies = field(default_factory=Entropies)
     growing: list[tuple[Field, Array]] = field(default_factory=list)  # never shrink; sizes of their unknowns
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
@@ -202,7 +204,9 @@ class Model:
         self.hold(moved, k, values(0.0))
         moved.rates[k] = rates(0.0, 0.0)
         self._remember(moved)
-        account = self.account(component, "supply" if moved.order == 1 else "prescribed motion", "work")
+        account = self.account(
+            component, "supply" if moved.order == 1 else "prescribed motion", moved.supplied
+        )
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.driving.prescribed.append(
             Prescription(component, unknowns, values, rates, account, moved.supply)

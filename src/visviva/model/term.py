@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import NotFinite, RunError
+from visviva.model.entropies import PRODUCED, SUPPLIED
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -68,6 +69,10 @@ class Term:
         Name of its column in the ledger.
     stores : str
         'potential' or 'kinetic': what its energy, if it has one, counts as.
+    brings : str
+        'work' or 'heat': what its work counts as.
+    produces : bool
+        Whether the entropy that it brings arises and is never lost; else it comes from outside or goes there.
     history : dict of arrays
         State of its own; changed in `accept` only, and kept in restart files.
     trial : dict of arrays
@@ -84,6 +89,8 @@ class Term:
     order: NDArray[np.int32]
     kind = "user"
     stores = "potential"
+    brings = "work"
+    produces = False
     label = "user term"
 
     def __init__(self) -> None:
@@ -142,7 +149,7 @@ class Term:
         n = len(self.unknowns)
         stores = self.energy is not None
         self._works = not stores or type(self).work is not Term.work
-        account = model.account(owner, self.kind, self.stores if stores else "work")
+        account = model.account(owner, self.kind, self.stores if stores else self.brings)
         index = np.ascontiguousarray(self.unknowns, dtype=np.int32)
         moving = n and self.stores == "kinetic" and self.energy is not None
         self._places = places(model, index[0]) if moving else []
@@ -151,8 +158,10 @@ class Term:
         self._calls = self._residual, self._tangent, self._ledger, self._accept
         term = _core.CallbackTerm(index, *self._calls)
         if self._works:
-            term.work_account = model.account(owner, self.kind, "work")
+            term.work_account = model.account(owner, self.kind, self.brings)
         term.name = owner.label
+        if model.entropies.touches(index):
+            term.entropy_account = model.account(owner, self.kind, PRODUCED if self.produces else SUPPLIED)
         term.book(np.full(n, account, dtype=np.int32), np.full(n, component, dtype=np.int32))
         return term
 

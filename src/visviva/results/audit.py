@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
+from visviva.results.second_law import changed, second_law
 
 if TYPE_CHECKING:
     from visviva.output.labels import Labels
@@ -73,6 +74,9 @@ def course(result: Result) -> list[str]:
     end = with_unit(f"{ledger.last('time'):.6g}", labels.unit("time"))
     clock = {"time": "t =", "state": "load parameter"}.get(labels.clock, labels.clock)
     moved = [f"initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
+    heats = ", ".join(f"{k} {energy(f'heat_{k}', ledger, labels)}" for k in ledger.heats)
+    supplied = [f"heat supplied to the system: {heats}"] if heats else []
+    entropy = [changed(ledger, labels.unit("entropy"))] if ledger.entropy else []
     return [
         f"audit of {s.steps} steps to {clock} {end} with {result.scheme}",
         f"unknown coordinates n = {system.n_coordinates}, constraints m = {system.n_constraints}",
@@ -82,6 +86,8 @@ def course(result: Result) -> list[str]:
         f"{seconds:.3g} s of computing ({1e6 * seconds / max(s.steps, 1):.3g} us per step){gauge_text(system)}",
         f"total energy {energy('total', ledger, labels, start=True)} -> {energy('total', ledger, labels)}",
         f"work done on the system: {works}",
+        *supplied,
+        *entropy,
     ]
 
 
@@ -111,11 +117,10 @@ def judgements(result: Result) -> list[Judgement]:
     """Verdicts on the energy, the momenta, equilibria and constraints of a run."""
     ledger, stability = result.ledger, result.stability
     scale = measured(ledger.energy_scale, labels_of(result.system.units, result.scheme), 4)
-    found = [
-        Judgement(
-            "energy balance", f"closes to {told(ledger.imbalance())} of {scale}", energy_verdict(result)
-        )
-    ]
+    first_law = "energy balance (first law)" if ledger.entropy or ledger.heats else "energy balance"
+    found = [Judgement(first_law, f"closes to {told(ledger.imbalance())} of {scale}", energy_verdict(result))]
+    if entropy := second_law(result):
+        found.append(Judgement("entropy balance (second law)", *entropy))
     found += momentum_judgements(result)
     if stability.equilibria:
         found.append(Judgement("equilibria", "", str(stability)))
@@ -180,9 +185,9 @@ def energy_verdict(result: Result) -> str:
         )
     if not scheme.has_inertia:
         return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
-    missed = SUMMED * sum(ledger.swing(f"work_{k}") for k in ledger.works) / ledger.energy_scale
+    missed = SUMMED * sum(map(ledger.swing, ledger.brought)) / ledger.energy_scale
     if CONSERVED < gained <= missed:
-        of = " and ".join(ledger.works)
+        of = " and ".join([*ledger.works, *ledger.heats])
         return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
     if not scheme.dissipates:
         return "not meant to be conserved by this scheme, see how it falls with the step"

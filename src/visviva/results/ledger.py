@@ -16,6 +16,7 @@ from visviva.model.field import Role
 from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
+from visviva.results.entropy import EntropyBooks, EntropyColumns
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning, undisturbed
 
@@ -33,6 +34,26 @@ RELEASE = "release"
 MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z")
 
 
+@dataclass(frozen=True)
+class Sizes:
+    """What errors of a system are measured by.
+
+    Attributes
+    ----------
+    mass, length : float
+        Of the whole system: what momenta and rates are compared with.
+    pull : float
+        Work of the forces at the start if everything moved along by its own size.
+    power : float
+        Their power on what flows if it did so with the speed that is large in it.
+    """
+
+    mass: float = 0.0
+    length: float = 1.0
+    pull: float = 0.0
+    power: float = 0.0
+
+
 @dataclass(repr=False)
 class Ledger:
     """Rows of books, one per accepted step, the first one the initial state.
@@ -40,16 +61,17 @@ class Ledger:
     Attributes
     ----------
     names : list of str
-        Columns: time, kinetic, potentials by kind, total, works by kind (summed over time), imbalance of the
-        balance ``total - total_0 - works``, momenta, constraint defects of position and velocity (the largest
+        Columns: time, kinetic, potentials by kind, total, works and heats by kind (summed over time), imbalance of the
+        balance ``total - total_0 - works - heats``, momenta, constraint defects of position and velocity (the largest
         violations relative to the constraints' gradients times the sizes of the unknowns, so that lengths,
-        their squares and products of directors compare; that of rates is per unit of time).
-    mass, length : float
-        Of the whole system: what momenta and rates are compared with.
-    pull : float
-        Work of the forces at the start if everything moved along by its own size.
-    power : float
-        Their power on what flows if it did so with the speed that is large in it.
+        their squares and products of directors compare; that of rates is per unit of time). Where components announce
+        entropy, it, what was produced and supplied of it by kind (summed over time), the imbalance of that balance,
+        and how much of it was lost within the step.
+    heats : list of str
+        Kinds of heat that comes from outside.
+    sizes : Sizes
+        Of the system.
+    entropy : EntropyColumns
     file : Table or None
         Holds the rows, maybe not of every step; without it they are kept in memory. Figures of the whole run need
         neither: they follow from the first and the last row and the least and greatest values of all.
@@ -59,10 +81,9 @@ class Ledger:
 
     potentials: list[str]
     works: list[str]
-    mass: float = 0.0
-    length: float = 1.0
-    pull: float = 0.0
-    power: float = 0.0
+    heats: list[str] = field(default_factory=list)
+    sizes: Sizes = field(default_factory=Sizes)
+    entropy: EntropyColumns = field(default_factory=EntropyColumns)
     moves: list[str] = field(default_factory=list)
     rows: list[Array] = field(default_factory=list)
     file: Table | None = None
@@ -123,10 +144,15 @@ class Ledger:
 
     @property
     def names(self) -> list[str]:
-        works = [f"work_{k}" for k in self.works]
         potentials = [f"potential_{k}" for k in self.potentials]
         defects = ["defect_position", "defect_velocity"]
-        return ["time", "kinetic", *potentials, "total", *works, "imbalance", *MOMENTA, *defects]
+        energies = [*potentials, "total", *self.brought, "imbalance"]
+        return ["time", "kinetic", *energies, *MOMENTA, *defects, *self.entropy.names]
+
+    @property
+    def brought(self) -> list[str]:
+        """Columns of works and heats, which change the total."""
+        return [*(f"work_{k}" for k in self.works), *(f"heat_{k}" for k in self.heats)]
 
     @property
     def table(self) -> Array:
@@ -176,14 +202,14 @@ class Ledger:
         """
         potentials = [f"potential_{k}" for k in self.potentials]
         swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
-        works = [self.size(f"work_{k}") for k in self.works]
+        works = [self.size(name) for name in self.brought]
         return float(
             max(
                 [
                     self.greatest("kinetic"),
                     *swings,
                     *works,
-                    STILL * (self.pull + self.power * self.duration),
+                    STILL * (self.sizes.pull + self.sizes.power * self.duration),
                     np.finfo(float).tiny,
                 ]
             )
@@ -197,8 +223,8 @@ class Ledger:
     @property
     def speed(self) -> float:
         """Greatest root mean square of the velocity of the mass; at least a millionth of the length per run."""
-        rms = float(np.sqrt(2 * self.greatest("kinetic") / self.mass)) if self.mass > 0 else 0.0
-        return max(rms, STILL * self.length / self.duration if self.duration > 0 else 0.0)
+        rms = float(np.sqrt(2 * self.greatest("kinetic") / self.sizes.mass)) if self.sizes.mass > 0 else 0.0
+        return max(rms, STILL * self.sizes.length / self.duration if self.duration > 0 else 0.0)
 
     def momentum_scale(self, kind: str) -> float:
         """Scale of changes of momentum ('momentum' or 'angular').
@@ -206,14 +232,14 @@ class Ledger:
         The greatest momentum that the masses can have with the largest kinetic energy T of the run, ``sqrt(2 m
         T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
         """
-        most = self.mass * self.speed * (self.length if kind == "angular" else 1.0)
+        most = self.sizes.mass * self.speed * (self.sizes.length if kind == "angular" else 1.0)
         parts = [self.size(f"{kind}_{c}") for c in "xyz"]
         return float(max(most, *parts, np.finfo(float).tiny))
 
     @property
     def rate_scale(self) -> float:
         """Rate at which the system moves by its length; once in the run at least."""
-        return max(self.speed / self.length, 1 / self.duration if self.duration > 0 else 1.0)
+        return max(self.speed / self.sizes.length, 1 / self.duration if self.duration > 0 else 1.0)
 
     def imbalance(self) -> float:
         """Largest closing error of the energy balance relative to the energy scale."""
@@ -233,7 +259,8 @@ class Bookkeeper:
     ----------
     ledger : Ledger
     done : array
-        Work done so far by kind.
+        Work and heat so far by kind.
+    entropy : EntropyBooks
     total0 : float or None
         Energy of the initial state, None before its row is booked.
     """
@@ -245,23 +272,27 @@ class Bookkeeper:
             return sorted({a.kind for a in accounts if a.category in categories})
 
         mass = sum(c.total_mass for c in system.components)
+        self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            self.ledger = Ledger(kinds("potential"), works, mass, system.model.length, *force_scale(system))
+            sizes = Sizes(mass, system.model.length, *force_scale(system))
+            columns = self.entropy.columns
+            self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
         if system.report is not None:
             self.ledger.moves = system.report.moves
         ledger, n = self.ledger, len(accounts)
         self._kinetic = np.array([a.category == "kinetic" for a in accounts], dtype=float)
         self._potential = np.zeros((len(ledger.potentials), n))
-        self._work = np.zeros((len(ledger.works), n))
+        self._brought = np.zeros((len(ledger.brought), n))
         for k, a in enumerate(accounts):
             if a.category == "potential":
                 self._potential[ledger.potentials.index(a.kind), k] = 1
-            if a.category in ("work", "dissipation"):
-                self._work[ledger.works.index(a.kind), k] = 1
-        self.done = np.zeros(len(ledger.works))
+            if a.category in ("work", "dissipation", "heat"):
+                name = f"heat_{a.kind}" if a.category == "heat" else f"work_{a.kind}"
+                self._brought[ledger.brought.index(name), k] = 1
+        self.done = np.zeros(len(ledger.brought))
         self.total0: float | None = None
 
     def book(self, time: float, core: Any) -> Array:
@@ -270,15 +301,18 @@ class Bookkeeper:
         kinetic = self._kinetic @ energy
         potential = self._potential @ energy
         total = kinetic + potential.sum()
-        self.done = self.done + self._work @ core.work
+        self.done = self.done + self._brought @ core.work
         if self._held is not None:
-            self.done[-1] += core.release[self._held].sum()
+            self.done[len(self.ledger.works) - 1] += core.release[self._held].sum()
         if self.total0 is None:
             self.total0 = total
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
         defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
-        row = np.concatenate([[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect])
+        entropy = self.entropy.row(core, self.ledger)
+        row = np.concatenate(
+            [[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect, entropy]
+        )
         self.ledger.add(row)
         return row
 

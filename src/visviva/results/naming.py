@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
     from visviva.system.system import System
 
-LABELLED = (*BASE, *DERIVED, "stress", "energy", "power", "angle")
+LABELLED = (*BASE, *DERIVED, "stress", "energy", "power", "entropy", "angle")
 
 
 def clock_of(scheme: Scheme) -> str:
@@ -88,4 +88,6 @@ def ledger_quantity(name: str) -> str:
         return "momentum"
     if name.startswith("angular_"):
         return "angular_momentum"
+    if name.startswith("entropy") or name == "defect_entropy":
+        return "entropy"
     return "" if name.startswith("defect_") else "energy"

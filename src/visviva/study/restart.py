@@ -45,7 +45,7 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     """
     system = result.system
     total0 = 0.0 if books.total0 is None else books.total0
-    ledger = {"done": books.done, "span": books.ledger.span}
+    ledger = {"done": books.done, "entropy": books.entropy.done, "span": books.ledger.span}
     records = [
         Record("notes", VERSION, values={"json": json.dumps(notes)}),
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
@@ -105,6 +105,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     for statistic in fields(result.statistics):
         setattr(result.statistics, statistic.name, statistics.values[statistic.name])
     books.done, books.total0 = ledger.arrays["done"], float(ledger.values["total0"])
+    books.entropy.done = ledger.arrays.get("entropy", books.entropy.done)
     books.ledger.span = ledger.arrays["span"]
 
 

@@ -35,6 +35,7 @@ def build_core(system: System) -> _core.System:
     core.set_nodes(nodes(model))
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
+    model.entropies.hand_over(core)
     hand_driving(core, model.driving)
     core.set_prescribed(*held)
     hand_reductions(core, system)
@@ -71,7 +72,7 @@ def supplied(model: Model) -> tuple[Ints, ...]:
     moving = {u for u, _, _ in rows}
     for f in model.fields:
         still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
-        rows += [(u, model.account(f.component, "supply", "work"), f.supply) for u in still]
+        rows += [(u, model.account(f.component, "supply", f.supplied), f.supply) for u in still]
     return tuple(np.ascontiguousarray(column) for column in np.array(rows, dtype=np.int32).reshape(-1, 3).T)
 
 

@@ -222,6 +222,7 @@ class ViscousHeat(Term):
     """Viscous dissipation of the flow as heat; the unknowns are those of `CarriedHeat`."""
 
     kind = "viscous heating"
+    brings = "heat"
 
     def __init__(self, heat: CarriedHeat) -> None:
         super().__init__()
@@ -288,6 +289,7 @@ class HeatOutflow(Term):
     """
 
     kind = "outflow"
+    brings = "heat"
 
     def __init__(
         self, unknowns: NDArray[np.int32], N: Array, across: Array, content: float, zero: float

@@ -172,6 +172,8 @@ class HeatCarrier(Component):
 class HeatInput(Term):
     """Heat that flows in at quadrature points of cells or faces by a law of time, place and temperature."""
 
+    brings = "heat"
+
     def __init__(self, kind: str, unknowns: NDArray[np.int32], points: Points, law: Law) -> None:
         super().__init__()
         self.kind, self.unknowns, self.order = kind, unknowns, np.ones(unknowns.shape[1], dtype=np.int32)
@@ -235,6 +237,7 @@ class EntropySupply(Term):
     """
 
     kind = "supply"
+    brings = "heat"
 
     def __init__(self, unknowns: NDArray[np.int32]) -> None:
         super().__init__()

@@ -79,6 +79,7 @@ class HeatExchange(Term):
     """
 
     kind = "exchange"
+    brings = "heat"
 
     def __init__(
         self,
@@ -96,6 +97,7 @@ class HeatExchange(Term):
         )
         self.order = np.concatenate([side.order for side in self.sides])
         self.N, self.size, self.conductance = N, size, conductance
+        self.produces = all(side.is_entropy for side in self.sides)
 
     def passes(self, s: Stencils) -> tuple[list[Array], list[float], Array]:
         """Temperatures (m, q) of both at the points, their derivatives, and the heat (m, q) from first to second."""
@@ -145,6 +147,7 @@ class HeatBond(Term):
     """
 
     kind = "exchange"
+    brings = "heat"
 
     def __init__(
         self,
@@ -157,6 +160,7 @@ class HeatBond(Term):
         first = Side.of(bodies[0], np.maximum(nodes[0], 0), 1)
         second = Side.of(bodies[1], np.maximum(nodes[1], 0), 1 + len(first.columns))
         self.sides, self.weights = (first, second), weights
+        self.produces = all(side.is_entropy for side in self.sides)
         parts = [multipliers[:, None]]
         for side, of in zip(self.sides, nodes, strict=True):
             there = np.tile(of >= 0, (1, 1 + side.is_entropy))

@@ -15,6 +15,7 @@ from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Curve, Number
 from visviva.contact.contact import Contact
+from visviva.model.entropies import PRODUCED, SUPPLIED
 from visviva.thermal.carrier import HeatCarrier
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class HeatContact(Component):
     -----
     What leaves the one enters the other: energy is exact, and the entropy produced, ``q (1 / T2 - 1 / T1)``, is never
     negative, with the mean temperatures of both sides at every vertex of the first. All that friction takes, by the
-    ledger's column of it, becomes heat, booked as "friction heat". See :doc:`/theory/heat`.
+    ledger's column of it, becomes heat, booked as heat of "friction". See :doc:`/theory/heat`.
 
     Examples
     --------
@@ -146,7 +147,10 @@ class HeatContact(Component):
         if self.conductance is not None:
             self._function = self._conduct  # which the core calls, and does not keep alive
             self.term.set_conductance(self._function)
-        self.term.book_heat(model.account(self, "friction heat", "work"))
+        self.term.book_heat(model.account(self, "friction", "heat"))
+        if any(entropy):
+            inner = all(e or not c for e, c in zip(entropy, carries, strict=True))
+            self.term.entropy_account = model.account(self, "contact", PRODUCED if inner else SUPPLIED)
         model.batch(self.term)
 
     # --- results -------------------------------------------------------------------------------------------

@@ -63,12 +63,14 @@ class Exchange(Term):
     """``conductance (T_b - T_a)`` that flows into a, out of b or of surroundings of a given temperature."""
 
     kind = "exchange"
+    brings = "heat"
 
     def __init__(self, a: HeatPort, b: HeatPort | None, conductance: float, ambient: Any) -> None:
         super().__init__()
         first = Side(a, 0)
         self.sides = [first] if b is None else [first, Side(b, len(first.unknowns))]
         self.conductance, self.ambient = conductance, ambient
+        self.produces = ambient is None and not any(side.balances_heat for side in self.sides)
         self.unknowns = np.concatenate([side.unknowns for side in self.sides])[None].astype(np.int32)
         self.order = np.array([o for side in self.sides for o in side.order], dtype=np.int32)
 

@@ -34,7 +34,8 @@ class HeldTemperature(Term):
         Which of the `values` is the node's.
     """
 
-    kind = "held"
+    kind = "supply"
+    brings = "heat"
 
     def __init__(
         self,

@@ -14,6 +14,7 @@ from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.flow.immersed import Immersed
+from visviva.model.entropies import SUPPLIED
 from visviva.thermal.carrier import HeatCarrier
 from visviva.thermal.fluid_heat import FluidHeat
 
@@ -105,4 +106,6 @@ class ImmersedHeat(Component):
             self.heat.dimension,
         )
         self.term.name = self.label
+        if solid.balances_entropy:
+            self.term.entropy_account = model.account(self, "fluid", SUPPLIED)
         model.batch(self.term)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,6 +65,11 @@ class Lump(Component):
         s = self.capacity * np.log(T / self.reference)
         self.entropy = model.field(self, "entropy", [s], role=Role.CONTENT, scale=self.capacity)
         self.algorithmic = model.field(self, "temperature", [T], role=Role.TEMPERATURE, scale=self.reference)
+
+    def store_entropy(self, model: Model, account: int = -1, terms: Sequence[Any] = ()) -> None:
+        """Note its entropy, and where what its terms produce is booked, see `Entropies.store`."""
+        own = np.array([self.entropy.start])
+        model.entropies.store(own, np.ones(1), own, account, terms)
 
     def heat_port(self) -> HeatPort:
         """Port through which its heat goes in and out."""
@@ -140,6 +146,7 @@ class HeatStore(Lump):
     def contribute(self, model: Model) -> None:
         parameters = [self.capacity, self.reference]
         add_points(model, self, PhysicsKind.HEAT_STORE, self.groups(), np.ones((1, 1)), parameters)
+        self.store_entropy(model)
 
     def temperature_at(self, x: Array) -> float:
         return float(self.reference * np.exp(x[self.entropy.start] / self.capacity))

@@ -17,6 +17,7 @@ from visviva.body.profiles import Profile
 from visviva.component.component import Component, settings
 from visviva.component.values import Function, Number, NumberOrFunction
 from visviva.mesh.cells import CELLS
+from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law
@@ -168,6 +169,14 @@ class ThermalBeam(Beam, HeatCarrier):
         return np.asarray(first + 3 * self._place[nodes])
 
     # --- what it contributes -------------------------------------------------------------------------------
+    def contribute(self, model: Model) -> None:
+        self._conducts: list[Any] = []
+        self._content = np.zeros(len(self._corners))
+        super().contribute(model)
+        self._means = self.entropy.start + 3 * np.arange(len(self._corners))
+        account = model.account(self, "conduction", PRODUCED)
+        model.entropies.store(self._means, self._content, self._means, account, self._conducts)
+
     def _add_strained(self, model: Model, cells: Ints) -> None:
         nodes = self.line.cells[cells]
         groups = self._strains.groups(cells, self.node_unknowns(nodes), self.director_unknowns(nodes))
@@ -185,7 +194,9 @@ class ThermalBeam(Beam, HeatCarrier):
         groups += [Group(self._unknowns(ends, f.start), scalar) for f in (self.entropy, self.algorithmic)]
         all_strains = np.concatenate([reference, np.zeros((*reference.shape[:2], 12))], axis=2)
         at_points = np.repeat(self._parameters(cells)[:, None], len(xi), axis=1)
-        add_points(model, self, PhysicsKind.HEATED_BEAM, groups, length, at_points, all_strains)
+        term = add_points(model, self, PhysicsKind.HEATED_BEAM, groups, length, at_points, all_strains)
+        self._conducts.append(term)
+        np.add.at(self._content, self._place[ends], np.einsum("mq,mqk->mk", length, scalar[..., 0]))
 
     def _parameters(self, cells: Ints) -> Array:
         """See ``visviva/point/heat_stores.hpp``: (m, p)."""
@@ -286,9 +297,7 @@ class ThermalBeam(Beam, HeatCarrier):
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
-        s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)[:, 0]
-        lengths = self._strains.length.sum(axis=1)
-        return float((lengths * s[self._place[self.line.cells[:, :2]]].mean(axis=1)).sum())
+        return float(self._content @ x[self._means])
 
     def widths(self) -> Mapping[str, int]:
         return {**super().widths(), "temperature": 1}

@@ -17,6 +17,7 @@ from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
+from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
@@ -119,6 +120,21 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def _modes(self, nodes: Ints, first: int) -> Ints:
         """Unknowns (m, 2 k) of the means of nodes, then of the halves of differences."""
         return np.hstack([first + 2 * nodes, first + 2 * nodes + 1])
+
+    def contribute(self, model: Model) -> None:
+        super().contribute(model)
+        means = np.asarray(self.entropy.unknowns)[::2]  # with halves of differences between them
+        account = model.account(self, "conduction", PRODUCED)
+        model.entropies.store(np.asarray(self.entropy.unknowns), self._content, means, account, self._terms)
+
+    @property
+    def _content(self) -> Array:
+        """Integrals (2 n,) of the shape functions of means and of halves of differences."""
+        stack, total = self._stacks[0], np.zeros(self.entropy.size)
+        nodes = self._surface.cells[stack.cells]
+        volume, N = stack.layers.volume.reshape(len(nodes), -1), self._scalar_weights(stack)[..., 0]
+        np.add.at(total, self._modes(nodes, 0), np.einsum("mq,mqn->mn", volume, N))
+        return total
 
     def _added(self, model: Model, stack: Stack) -> Any:
         cells, z = stack.cells, stack.through.heights
@@ -274,10 +290,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
-        stack = self._stacks[0]
-        nodes = self._surface.cells[stack.cells]
-        modes, N = x[self._modes(nodes, self.entropy.start)], self._scalar_weights(stack)[..., 0]
-        return float(np.einsum("mq,mqn,mn->", stack.layers.volume.reshape(len(nodes), -1), N, modes))
+        return float(self._content @ x[self.entropy.start : self.entropy.start + self.entropy.size])
 
     def widths(self) -> Mapping[str, int]:
         return {**super().widths(), "temperature": 1}

@@ -13,6 +13,7 @@ from visviva.component.component import settings
 from visviva.component.values import Function, Number, Vector3
 from visviva.component.where import point_of
 from visviva.model.callback import Function as Derivatives
+from visviva.model.entropies import PRODUCED
 from visviva.model.form import Vector
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.legendre import Internal
@@ -148,7 +149,10 @@ class ThermalSpring(Lump):
         model.refresh(self.entropy)
         groups = [*self._between_groups(model), *self.groups()]
         kind, energy = PhysicsKind.HEATED_SPRING, self._own_energy()
-        add_points(model, self, kind, groups, np.ones((1, 1)), self._parameters(), energy=energy)
+        term = add_points(model, self, kind, groups, np.ones((1, 1)), self._parameters(), energy=energy)
+        damped = self.damping > 0
+        account = model.account(self, "viscosity", PRODUCED) if damped else -1
+        self.store_entropy(model, account, [term])
 
     def _start_entropy(self, length: float) -> float:
         T = self.start_temperature

@@ -23,6 +23,7 @@ from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule
+from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import (
@@ -211,7 +212,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         )
         groups, constants = self._groups(cell, nodes, first, g, N), self.heat.parameters(self.body_material)
         kind, energy = PhysicsKind.THERMOELASTIC, self.heat.energy()
-        add_points(model, self, kind, groups, g.volume, constants, energy=energy)
+        self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
         self._evaluations.append(Evaluation(self, nodes, vectors, g.gradients, g.volume, N))
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
         g, N = self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
@@ -221,11 +222,22 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False
         self._evaluations: list[Evaluation] = []
+        self._conducts: list[Any] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
             self._elements.append(self._made(model, cell, nodes, first))
             first += len(nodes)
         self.volumes = [elements.volume for elements in self._elements]
+        unknowns, account = np.asarray(self.entropy.unknowns), model.account(self, "conduction", PRODUCED)
+        model.entropies.store(unknowns, self._content, unknowns, account, self._conducts)
+
+    @property
+    def _content(self) -> Array:
+        """Integrals (n,) of the shape functions: what the entropies of nodes weigh."""
+        total = np.zeros(self.grid.n_nodes)
+        for part in self._evaluations:
+            np.add.at(total, part.nodes, part.volume @ part.N)
+        return total
 
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
         return np.asarray(self.algorithmic.start + nodes, dtype=np.int32)
@@ -302,8 +314,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
-        s = x[self.entropy.start : self.entropy.start + self.entropy.size]
-        return float(sum((p.volume * (s[p.nodes] @ p.N.T)).sum() for p in self._evaluations))
+        return float(self._content @ x[self.entropy.start : self.entropy.start + self.entropy.size])
 
     def widths(self) -> Mapping[str, int]:
         return {**super().widths(), "temperature": 1}

@@ -16,6 +16,7 @@ from visviva.component.component import settings
 from visviva.material.branch import MaxwellBranch
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
+from visviva.model.entropies import PRODUCED
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.thermoelastic_solid import ThermoelasticSolid
 
@@ -82,5 +83,6 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
             Group(self.entropy.start + nodes, N),
         ]
         for constants in self._constants:
-            add_points(model, self, PhysicsKind.HEATED_BRANCH, groups, g.volume, constants)
+            branch = add_points(model, self, PhysicsKind.HEATED_BRANCH, groups, g.volume, constants)
+            branch.entropy_account = model.account(self, "viscosity", PRODUCED)
         return made
