@@ -48,7 +48,7 @@ void System::book(const Context& c, const double* v1) {
     for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
 }
 
-// What the equations of entropy get of every term, and what of it is stored.
+// Entropy by account: what equations that balance it get of every term, less what is stored.
 std::vector<double> System::brought_entropy(const Context& c) {
     std::vector<double> brought(sums.entropy.size(), 0.0), r(n_, 0.0);
     if (!c.step.has_length() || c.step.transport[0][0] == 0) return brought;

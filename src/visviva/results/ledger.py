@@ -36,7 +36,7 @@ MOMENTA = ("momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "
 
 @dataclass(frozen=True)
 class Sizes:
-    """What errors of a system are measured by.
+    """Sizes that errors of a system are measured by.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ LOOSE = 1e-6
 
 
 def entropy_scale(ledger: Ledger) -> float:
-    """What errors of entropy are relative to: the largest of its swing, what arose and what was supplied.
+    """Scale of errors of entropy: the largest of its swing, its production and its supply.
 
     Where hardly any passes a millionth of what there is, or of what doubled temperatures would add, which are exact to
     rounding only.
@@ -30,7 +30,7 @@ def entropy_scale(ledger: Ledger) -> float:
 
 
 def changed(ledger: Ledger, unit: str) -> str:
-    """What became of the entropy, in words."""
+    """Changes of the entropy, in words."""
     parts = ", ".join(
         f"{name.removeprefix('entropy_').replace('_', ' by ', 1)} {ledger.last(name):.6g}"
         for name in ledger.entropy.sums
@@ -62,7 +62,7 @@ def second_law(result: Result) -> tuple[str, str] | None:
 
 
 def verdict(error: float, *, one_step: bool) -> str:
-    """On the balance of entropy, where none was lost."""
+    """Verdict on the balance of entropy, where none was lost."""
     if error <= KEPT:
         return "fulfilled"
     if not one_step:
