@@ -108,7 +108,8 @@ void bind_choice(nb::module_& m) {
         .value("multigrid", Preconditioner::multigrid)
         .value("saddle", Preconditioner::saddle)
         .value("augmented", Preconditioner::augmented)
-        .value("commutator", Preconditioner::commutator);
+        .value("commutator", Preconditioner::commutator)
+        .value("mixture", Preconditioner::mixture);
     nb::class_<LinearChoice>(m, "LinearChoice")
         .def(nb::init<>())
         .def_rw("backend", &LinearChoice::backend)

@@ -12,7 +12,17 @@ enum class Backend { sparse_lu, cholesky, pardiso, krylov };
 // Known properties of the matrix. Definite: symmetric and positive definite.
 enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
-enum class Preconditioner { none, diagonal, block, incomplete, multigrid, saddle, augmented, commutator };
+enum class Preconditioner {
+    none,
+    diagonal,
+    block,
+    incomplete,
+    multigrid,
+    saddle,
+    augmented,
+    commutator,
+    mixture
+};
 
 // Aggregates from level to level for the pattern of a matrix and its near-null vectors ([block row * rows +
 // r][mode]).

@@ -53,6 +53,9 @@ LARGE = 15_000
 LARGE_FOR_EIGEN = 5000
 """The same, where the factors are Eigen's."""
 
+GRIDS = ("multigrid", "augmented", "mixture")
+"""Preconditioners that need multigrid."""
+
 FEW, LOOSE = 100, 1e-3
 """Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway.
 Beyond this, they cost more than their share of a factorisation that serves several of Newton's iterations."""
@@ -305,9 +308,9 @@ class Iterative(LinearOptions):
         "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
         pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "commutator":
         flows, block triangular with incomplete factors of the velocities and the least-squares commutator of the
-        pressures (SIMPLE where elements are stabilised); "incomplete": block ILU(0); "multigrid": smoothed aggregation
-        (``pip install visviva[amg]``), best for statics. "auto" takes
-        multigrid where it can, else blocks.
+        pressures (SIMPLE where elements are stabilised); "mixture": contents with their potentials, block
+        triangular with multigrid; "incomplete": block ILU(0); "multigrid": smoothed aggregation (``pip install
+        visviva[amg]``), best for statics. "auto" takes multigrid where it can, else blocks.
     tolerance : float
         Of the residual, relative to the right-hand side; a tenth of the contraction of a kept tangent, if that is more.
     max_iterations, restart : int
@@ -322,7 +325,16 @@ class Iterative(LinearOptions):
 
     method: Literal["auto", "cg", "gmres", "bicgstab"] = "auto"
     preconditioner: Literal[
-        "auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented", "commutator"
+        "auto",
+        "none",
+        "diagonal",
+        "block",
+        "incomplete",
+        "multigrid",
+        "saddle",
+        "augmented",
+        "commutator",
+        "mixture",
     ] = "auto"
     tolerance: float = 1e-6
     max_iterations: int = 500
@@ -338,7 +350,7 @@ class Iterative(LinearOptions):
         fits = problem.n_multipliers == 0 and problem.has_modes
         auto = "multigrid" if fits and has_multigrid() else "block"
         preconditioner = self.preconditioner if self.preconditioner != "auto" else auto
-        if preconditioner in ("multigrid", "augmented") and not has_multigrid():
+        if preconditioner in GRIDS and not has_multigrid():
             raise InputError("multigrid needs PyAMG: pip install visviva[amg]")
         methods = ["cg", "gmres"] if method == "cg" and self.method == "auto" else [method]
         words = {"cg": "conjugate gradients", "gmres": "GMRES", "bicgstab": "BiCGStab"}
@@ -353,7 +365,7 @@ class Iterative(LinearOptions):
         c.preconditioner = getattr(_core.Preconditioner, preconditioner)
         c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
         c.library = mkl_library()
-        if preconditioner in ("multigrid", "augmented"):
+        if preconditioner in GRIDS:
             from visviva.linear.multigrid import aggregates
 
             c.set_aggregator(aggregates)
@@ -365,12 +377,13 @@ class Automatic(LinearOptions):
     """Choose by size, kind of the matrix and what is installed.
 
     Large three-dimensional positive definite problems, heat too, are solved by conjugate gradients with multigrid and,
-    should that fail, by factors, large flows in space by GMRES with the commutator of the pressures; everything else by
-    factors. Time steps of large solids in contact whose iterative solver fails are cut in halves, three times, before
-    factors are made. In time steps, conjugate gradients with the diagonal
-    alone come first: where steps are short they need a few iterations only. They do so too under discrete gradients,
-    the tangents of which are not quite symmetric: what is not is small beside the mass then, and the residual is
-    looked at. Where multigrid takes over, GMRES takes the place of conjugate gradients.
+    should that fail, by factors, large flows in space by GMRES with the commutator of the pressures, large mixtures in
+    space by GMRES with multigrid for the complement of the potentials; everything else by factors. Time steps of large
+    solids in contact whose iterative solver fails are cut in halves, three times, before factors are made. In time
+    steps, conjugate gradients with the diagonal alone come first: where steps are short they need a few iterations
+    only. They do so too under discrete gradients, the tangents of which are not quite symmetric: what is not is small
+    beside the mass then, and the residual is looked at. Where multigrid takes over, GMRES takes the place of conjugate
+    gradients.
 
     Parameters
     ----------
@@ -404,6 +417,11 @@ class Automatic(LinearOptions):
                     max_iterations=300,
                     restart=100,
                 )
+            )
+        separates = problem.separates and problem.n_entries > DENSE_ROWS * problem.n
+        if separates and problem.n >= large and has_multigrid():
+            first.append(
+                Iterative(method="gmres", preconditioner="mixture", tolerance=LOOSE, max_iterations=FEW)
             )
         if problem.is_pressed and has_multigrid():
             first.append(

@@ -103,6 +103,8 @@ std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice& choice
             return make_augmented(choice);
         case Preconditioner::commutator:
             return make_commutator(choice);
+        case Preconditioner::mixture:
+            return make_mixture(choice);
         case Preconditioner::multigrid:
             break;
     }

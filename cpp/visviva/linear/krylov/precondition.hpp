@@ -27,6 +27,7 @@ std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice&);
 std::unique_ptr<Preconditioning> make_saddle();
 std::unique_ptr<Preconditioning> make_augmented(const LinearChoice&);
 std::unique_ptr<Preconditioning> make_commutator(const LinearChoice&);
+std::unique_ptr<Preconditioning> make_mixture(const LinearChoice&);
 std::unique_ptr<Preconditioning> make_multigrid(const LinearChoice&);
 
 // Inverses of the diagonal blocks, of the diagonal alone if so wished; what is zero there stays as it is.
