@@ -107,8 +107,8 @@ def test_a_run_goes_on_with_other_labels(tmp_path: Path) -> None:
 
 def test_load_steps_are_no_seconds(tmp_path: Path) -> None:
     run(study("N-mm-t", vv.Static()), tmp_path / "s", pictures=False)
-    assert (tmp_path / "s" / "probes.csv").read_text().startswith("time,tip_x [mm],")
-    assert (tmp_path / "s" / "ledger.csv").read_text().startswith("time,kinetic [mJ],")
+    assert (tmp_path / "s" / "probes.csv").read_text().startswith("load_parameter,tip_x [mm],")
+    assert (tmp_path / "s" / "ledger.csv").read_text().startswith("load_parameter,kinetic [mJ],")
     labels = RunDirectory.open(tmp_path / "s").read_labels()
     assert (labels.axis("time"), labels.moment(0.5, 1.0)) == ("load parameter", "load parameter 0.50")
     assert (clock_of(vv.ArcLength()), clock_of(vv.Midpoint())) == ("state", "time")

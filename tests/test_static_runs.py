@@ -38,6 +38,10 @@ def test_a_study_of_statics_is_quasi_static(tmp_path: Path) -> None:
     result = run(study, tmp_path / "run")
     vv.quasi_static(other.system, until=1.0, step=0.125)
     assert study.system.x.tobytes() == other.system.x.tobytes()
+    for file in ("probes.csv", "ledger.csv"):
+        assert (tmp_path / "run" / file).read_text().startswith("load_parameter,")
+    assert result.to_dataframe(end=study.probes["tip"]).index.name == "load_parameter"
+    assert vv.read(tmp_path / "run").to_dataframe().index.name == "load_parameter"
     table = read_table(tmp_path / "run" / "probes.csv")
     assert table["time"] == pytest.approx(np.linspace(0, 1, 9), abs=1e-12)
     assert table["held_z"] == pytest.approx(3.0 * 0.25 * table["time"], abs=1e-8)

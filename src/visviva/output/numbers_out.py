@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def dataframe(columns: Mapping[str, Array]) -> Any:
-    """A table of pandas whose index is the column ``time``.
+    """A table of pandas whose index is the first column, the times.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def dataframe(columns: Mapping[str, Array]) -> Any:
         raise InputError(
             "a DataFrame needs: pip install 'visviva[tables]' (pandas); to_csv does not"
         ) from error
-    return pandas.DataFrame(dict(columns)).set_index("time")
+    return pandas.DataFrame(dict(columns)).set_index(next(iter(columns)))
 
 
 def write_table(path: str | Path, columns: Mapping[str, tuple[Array, str]]) -> Path:

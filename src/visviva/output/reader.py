@@ -13,7 +13,7 @@ from visviva.base.errors import InputError
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.numbers_out import dataframe
-from visviva.output.tables import read_table
+from visviva.output.tables import LOAD, read_table
 from visviva.output.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -84,7 +84,9 @@ class StoredRun:
         """The probes, or the ``ledger``, as a table of pandas with the times as index."""
         if what not in ("probes", "ledger"):
             raise InputError(f"StoredRun.to_dataframe: there are 'probes' and the 'ledger', not {what!r}")
-        return dataframe(getattr(self, what))
+        columns = getattr(self, what)
+        called = "time" if self.labels.clock == "time" else LOAD
+        return dataframe({called if name == "time" else name: of for name, of in columns.items()})
 
     # --- the motion, by the names that readers of PyVista use -----------------------------------------------
     @cached_property

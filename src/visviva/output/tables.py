@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.output.labels import with_unit, without_unit
 from visviva.output.safe_files import replacing, reporting, write_at
+
+LOAD = "load_parameter"
+"""The clock of statics, in files."""
 
 
 class Table:
@@ -28,7 +31,8 @@ class Table:
     path
         File to create; an existing one is replaced.
     columns
-        Names of the columns; the first is ``time``. A mapping gives each its unit, which stands behind it in the file.
+        Names of the columns; the first is ``time``, or ``load_parameter``, which is read as ``time`` again. A mapping
+        gives each its unit, which stands behind it in the file.
 
     Attributes
     ----------
@@ -57,7 +61,7 @@ class Table:
 
     def __init__(self, path: str | Path, columns: Sequence[str] | Mapping[str, str]) -> None:
         self.path = Path(path).absolute()  # results read it later, maybe from another working directory
-        self.columns = tuple(columns)
+        self.columns = _clocked(columns)
         _check_columns(self.columns)
         header = _header(columns).encode()
         with reporting(self.path), replacing(self.path) as temporary:
@@ -74,7 +78,7 @@ class Table:
             If the file is no table, holds other columns, or other rows.
         """
         table = cls.__new__(cls)
-        table.path, table.columns = Path(path).absolute(), tuple(columns)
+        table.path, table.columns = Path(path).absolute(), _clocked(columns)
         text = _complete_lines(table.path)
         if _names(text) != list(table.columns):
             raise InputError(f"{path}: holds other columns than {list(columns)}; resume with the same probes")
@@ -195,8 +199,15 @@ def _complete_lines(path: Path) -> bytes:
 
 
 def _names(text: bytes) -> list[str]:
-    """Names of the columns, without their units."""
-    return [without_unit(name) for name in text.split(b"\n", 1)[0].decode(errors="replace").split(",")]
+    """Names of the columns, without their units; the first is ``time``, whatever that is."""
+    header = text.split(b"\n", 1)[0].decode(errors="replace")
+    return list(_clocked([without_unit(name) for name in header.split(",")]))
+
+
+def _clocked(columns: Iterable[str]) -> tuple[str, ...]:
+    """Names of columns in which the first is ``time``, whatever that is."""
+    names = tuple(columns)
+    return ("time", *names[1:]) if names and names[0] == LOAD else names
 
 
 def _header(columns: Sequence[str] | Mapping[str, str]) -> str:

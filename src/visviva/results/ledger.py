@@ -90,7 +90,7 @@ class Ledger:
     span: Array = field(default_factory=lambda: np.empty((4, 0)))
     """First row, last row, least values, greatest values."""
     units: dict[str, str] = field(default_factory=dict)
-    """Of the columns, as far as they are known."""
+    """Of the columns, as far as they are known; the first is named as in files."""
 
     def add(self, row: Array) -> None:
         """Take in the row of a step."""
@@ -164,12 +164,16 @@ class Ledger:
 
     def to_dataframe(self) -> Any:
         """Its rows as a table of pandas, with the times as index."""
-        return dataframe(dict(zip(self.names, self.table.T, strict=True)))
+        return dataframe(self._named())
 
     def to_csv(self, path: str | Path) -> Path:
         """Write its rows, with units where they are known."""
-        columns = zip(self.names, self.table.T, strict=True)
-        return write_table(path, {name: (values, self.units.get(name, "")) for name, values in columns})
+        named = {name: (values, self.units.get(name, "")) for name, values in self._named().items()}
+        return write_table(path, named)
+
+    def _named(self) -> dict[str, Array]:
+        """Columns by their names in files."""
+        return dict(zip([next(iter(self.units), "time"), *self.names[1:]], self.table.T, strict=True))
 
     def __repr__(self) -> str:
         if not self.span.size:

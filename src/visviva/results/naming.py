@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -11,11 +11,13 @@ from visviva.base.unit_labels import BASE, DERIVED, Units
 from visviva.load.gravity import Gravity
 from visviva.measure.names import FIELDS, quantity_of, spoken
 from visviva.output.labels import Labels
+from visviva.output.tables import LOAD
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
     from visviva.system.system import System
 
+T = TypeVar("T")
 LABELLED = (*BASE, *DERIVED, "stress", "energy", "power", "entropy", "angle")
 
 
@@ -24,6 +26,12 @@ def clock_of(scheme: Scheme) -> str:
     if not scheme.has_growing_time:
         return "state"
     return "time" if scheme.has_inertia else "load parameter"
+
+
+def with_clock(columns: Mapping[str, T], scheme: Scheme) -> dict[str, T]:
+    """Columns for files, where ``time`` is called by what it is."""
+    called = "time" if scheme.has_inertia else LOAD
+    return {called if name == "time" else name: value for name, value in columns.items()}
 
 
 def labels_of(
@@ -75,9 +83,10 @@ def up_of(system: System) -> tuple[float, float, float] | None:
 
 def ledger_units(names: Iterable[str], units: Units, scheme: Scheme) -> dict[str, str]:
     """Columns of a ledger with their units."""
-    return {
+    found = {
         name: units[ledger_quantity(name)] if name != "time" or scheme.has_inertia else "" for name in names
     }
+    return with_clock(found, scheme)
 
 
 def ledger_quantity(name: str) -> str:

@@ -21,6 +21,7 @@ from visviva.output.states import StateFile
 from visviva.results.audit import audit
 from visviva.results.ledger import MOMENTA, Ledger
 from visviva.results.looking_back import looked_back, tabulated, units_of_columns
+from visviva.results.naming import with_clock
 from visviva.results.recorded import Recorded, refuse_no_probe
 from visviva.results.showing import (
     Picture,
@@ -192,13 +193,14 @@ class Result:
         >>> result.to_dataframe(place=vv.Position(of=ball)).columns.tolist()
         ['place_x', 'place_y', 'place_z']
         """
-        return dataframe(self.columns(*probes, **named))
+        return dataframe(with_clock(self.columns(*probes, **named), self.scheme))
 
     def to_csv(self, path: str | Path, *probes: Any, **named: Any) -> Path:
         """Histories as a table with names per component, and units where they are known; see `to_dataframe`."""
         columns = self.columns(*probes, **named)
         units = self.column_units(*probes, **named)
-        return write_table(path, {name: (values, units.get(name, "")) for name, values in columns.items()})
+        together = {name: (values, units.get(name, "")) for name, values in columns.items()}
+        return write_table(path, with_clock(together, self.scheme))
 
     def columns(self, *probes: Any, **named: Any) -> dict[str, Array]:
         """Columns (n,) by name, ``time`` first: of everything recorded, or of these probes."""

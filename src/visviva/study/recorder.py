@@ -22,7 +22,7 @@ from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
 from visviva.results.audit import figures
 from visviva.results.ledger import Bookkeeper
-from visviva.results.naming import labels_of, ledger_units, up_of
+from visviva.results.naming import labels_of, ledger_units, up_of, with_clock
 from visviva.results.result import Result
 from visviva.study import restart
 from visviva.study.origin import Origin
@@ -113,10 +113,9 @@ class Recorder:
         with files.beginning(), recorder.closed_on_failure():
             origin.write(files)
             labels = recorder.write_labels(columns)
-            recorder.ledger = Table(
-                files.ledger, ledger_units(books.ledger.names, study.system.units, study.scheme)
-            )
-            recorder.probes = Table(files.probes, columns)
+            units = ledger_units(books.ledger.names, study.system.units, study.scheme)
+            recorder.ledger = Table(files.ledger, units)
+            recorder.probes = Table(files.probes, with_clock(columns, study.scheme))
             if recorder.drawing.surfaces:
                 n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
                 recorder.trajectory = TrajectoryWriter(
