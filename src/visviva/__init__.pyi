@@ -13,6 +13,7 @@ from .base.timefunction import TimeFunction
 from .body.beam import Beam
 from .body.coupling import DistributedCoupling, RigidCoupling
 from .body.extensible_shell import ExtensibleShell
+from .body.plane_beam import PlaneBeam
 from .body.point_mass import Ground, PointMass
 from .body.polygon_section import PolygonSection
 from .body.profiles import BoxSection, ISection, RectangleSection, TubeSection
@@ -286,6 +287,7 @@ __all__ = [
     "PhaseVolume",
     "Planar",
     "Plane",
+    "PlaneBeam",
     "Ply",
     "PointMass",
     "PointOnLine",

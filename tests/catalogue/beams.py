@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
-from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Components, Entry
+from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, Components, Entry
 from visviva.mesh.faces import Faces
 
 SQUARE = vv.GivenSection(stiffness=(200, 180, 300, 5, 4, 3), mass=1.0, moments=(0.03, 0.02, 0.0))
@@ -180,6 +180,36 @@ def loaded() -> Components:
     ]
 
 
+BENT = vv.Mesh([(0, 0, 0), (0.8, 0.3, 0), (1.5, 0, 0), (1.5, -1, 0)], {"line2": [(0, 1), (1, 2), (2, 3)]})
+FLAT_BLADE = vv.GivenSection(
+    stiffness=np.diag([30.0, 300.0, 500.0, 4.0, 6.0, 2.0])
+    + np.diag([0.0, 20.0, -5.0, 0.0, 0.0], 1)
+    + np.diag([0.0, 20.0, -5.0, 0.0, 0.0], -1),
+    mass=1.5,
+    centre=(0.0, 0.05),
+    moments=(0.02, 0.03, 0.0),
+)
+"""Strains in the plane couple with each other alone."""
+
+
+def flat(mesh: Any = BENT, **options: Any) -> Components:
+    """A beam of a plane system in free flight."""
+    motion: Any = {"velocity": (0.3, -0.2, 0), "angular_velocity": (0, 0, 1.5)}
+    return [vv.PlaneBeam(mesh=mesh, section=FLAT_BLADE, kinks="rigid", **motion, **options)]
+
+
+def flat_pendulum() -> Components:
+    """A beam of a plane system on a hinge, with another at each corner, and loads that follow."""
+    beam, ground = vv.PlaneBeam(mesh=BENT, section=FLAT_BLADE, kinks="hinged"), vv.Ground()
+    return [
+        ground,
+        beam,
+        vv.Revolute(a=ground, b=beam, at=(0, 0, 0), axis=(0, 0, 1)),
+        vv.LineLoad(beam=beam, force=(0, 0.2, 0.1), moment=(0.1, 0, 0), follower=True),
+        vv.Gravity(acceleration=(0, -9.81, 0)),
+    ]
+
+
 def jointed() -> Components:
     """A rigid body on a hinge in the middle of a cell of a beam that hangs on a ball joint."""
     beam = vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (2, 0, 0)], count=3), section=BLADE)
@@ -247,5 +277,11 @@ BEAMS = [
     ),
     Entry("folded shell under loads on its sides", folded, NOTHING, h=0.01, steps=60),
     Entry("shell of rubber", lambda: ballooned(2e4), ALL, steps=60),
+    Entry(
+        "plane beam", lambda: flat(vv.LineMesh(points=[(0, 0, 0), (2, 1, 0)], count=3)), IN_PLANE, steps=100
+    ),
+    Entry("plane beam with a corner", flat, IN_PLANE, steps=100),
+    Entry("plane beam, rigid in shear", lambda: flat(rigid=("shear",)), IN_PLANE, steps=100),
+    Entry("plane beam on hinges", flat_pendulum, NOTHING, h=0.01, steps=100),
     Entry("beam with joints", jointed, ENERGY, h=0.005, steps=200),
 ]

@@ -49,8 +49,10 @@ void inertia_ledger(const InertiaView& v, const double* x, const double* rate, c
                 va[c] = gather(rate, v.index + (a * v.dim + c) * v.stride + base);
                 energy += 0.5 * f[c] * va[c];
             }
-            if (v.dim != 3) continue;
-            for (int c = 0; c < 3; ++c) xa[c] = gather(x, v.index + (a * 3 + c) * v.stride + base);
+            if (v.dim == 1) continue;
+            f[2] = v.dim == 3 ? f[2] : broadcast(0.0);
+            xa[2] = broadcast(0.0);
+            for (int c = 0; c < v.dim; ++c) xa[c] = gather(x, v.index + (a * v.dim + c) * v.stride + base);
             for (int c = 0; c < 3; ++c) {
                 if (v.is_position[a]) momentum[c] += f[c];
                 momentum[3 + c] += xa[(c + 1) % 3] * f[(c + 2) % 3] - xa[(c + 2) % 3] * f[(c + 1) % 3];

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,13 +106,22 @@ class Beam(DirectorBody):
     def __post_init__(self) -> None:
         self.grid = with_shapes_of_beams(self.built_mesh())
         self._hinges = np.zeros((0, 2), dtype=np.int64)
-        if self.kinks == "hinged":
+        if self.kinks in self._parted:
             self.grid, self._hinges = parted_at_kinks(self.label, self.grid)
-        self.line: BeamLine = beam_line(self.label, self.grid, self.first, kinks=self.kinks == "rigid")
+        turned = self.kinks == "rigid" and not len(self._hinges)
+        self.line: BeamLine = beam_line(self.label, self.grid, self._across, kinks=turned)
         self.refuse_section_count()
         self._strains = BeamStrains(self.line)
         self.volumes = [self._strains.length]
         self._held_strains = sorted({k for name in self.rigid for k in RIGID[name]})
+
+    _parted: ClassVar[tuple[str, ...]] = ("hinged",)
+    """Kinks at which cells have nodes of their own."""
+
+    @property
+    def _across(self) -> Any:
+        """What d1 is near to."""
+        return self.first
 
     @property
     def cells(self) -> tuple[Ints, ...]:
@@ -214,10 +223,9 @@ class Beam(DirectorBody):
         (m, q), chosen = self._strains.length.shape, self._held_strains
         n = q * len(chosen)
         self._forces = model.multipliers(self, "section forces", m * n, part=n)
-        first, directors = self.node_unknowns(self.line.cells), self.director_unknowns(self.line.cells)
         for c in range(m):
-            found = [self._strains.forms(c, k, first[c], directors[c], chosen) for k in range(q)]
-            model.constrain(self, self._forces, [e for at in found for e in at], first=n * c)
+            found = [self.strain_forms(c, k) for k in range(q)]
+            model.constrain(self, self._forces, [at[i] for at in found for i in chosen], first=n * c)
 
     def _hinge(self, model: Model) -> None:
         """Nodes that are one place stay so."""

@@ -153,22 +153,24 @@ class DirectorBody(MeshBody):
     @property
     def reference_vectors(self) -> Array:
         """Positions and directors of all nodes, one after the other, then those of `more`."""
-        nodes = np.concatenate([self.points[:, None], self.triads], axis=1).reshape(-1, 3)
-        return np.concatenate([nodes, self.more[1]])
+        d = self.dimension
+        nodes = np.concatenate([self.points[:, None, :d], self.triads], axis=1).reshape(-1, d)
+        return np.concatenate([nodes, self.more[1][:, :d]])
 
     def mass_moment(self, x: Array) -> Array:
-        vectors = x[self.vector_unknowns()[:, None] + np.arange(3)]
+        vectors = x[self.vector_unknowns()[:, None] + np.arange(self.dimension)]
         return np.asarray(self._first_moments @ vectors)
 
     def _centre(self) -> Array:
         if not self.mass > 0:
             return super()._centre()
-        return np.asarray(self._first_moments @ self.reference_vectors) / self.mass
+        centre = self._first_moments @ self.reference_vectors / self.mass
+        return np.pad(centre, (0, 3 - self.dimension))
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         heavy = np.flatnonzero(self._first_moments)
         if len(heavy):
-            force = self._first_moments[heavy, None] * np.asarray(acceleration)
+            force = self._first_moments[heavy, None] * np.asarray(acceleration)[: self.dimension]
             model.dead_forces(self, "gravity", self.vector_unknowns()[heavy], force)
 
     def add_inertia(self, model: Model) -> None:
@@ -179,24 +181,26 @@ class DirectorBody(MeshBody):
                 m, k, r = mass.shape[:3]
                 vectors = unknowns[self.cell_vectors(number)].reshape(m, k * r)
                 positions = tuple(np.tile(np.arange(r) == 0, k).tolist())
-                model.inertias(self, vectors, mass.reshape(m, k * r, k * r), positions)
+                model.inertias(self, vectors, mass.reshape(m, k * r, k * r), positions, self.dimension)
 
     # --- its unknowns --------------------------------------------------------------------------------------
     @cached_property
     def _width(self) -> int:
         """Unknowns of a node."""
-        return 3 + 3 * int(self.triads.shape[1])
+        return self.dimension * (1 + int(self.triads.shape[1]))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         return np.asarray(self.motion.start + self._width * np.asarray(nodes), dtype=np.int32)
 
     def director_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknowns (..., r) of the directors of each node."""
-        return np.asarray(self.node_unknowns(nodes)[..., None] + np.arange(3, self._width, 3), dtype=np.int32)
+        d = self.dimension
+        return np.asarray(self.node_unknowns(nodes)[..., None] + np.arange(d, self._width, d), dtype=np.int32)
 
     def vector_unknowns(self) -> NDArray[np.int32]:
         """First unknowns of all vectors, see `cell_vectors`."""
-        nodes = self.motion.start + 3 * np.arange(self._width // 3 * self.grid.n_nodes)
+        d = self.dimension
+        nodes = self.motion.start + d * np.arange(self._width // d * self.grid.n_nodes)
         count = len(self.more[0])
         more = self._more.start + 3 * np.arange(count) if count else np.zeros(0, dtype=np.int64)
         return np.concatenate([nodes, more]).astype(np.int32)
@@ -219,7 +223,7 @@ class DirectorBody(MeshBody):
     def hold_lengths(self, model: Model, nodes: Ints) -> None:
         """Hold multipliers of constraints between directors that follow from others, their held components given."""
         width, n = self._width, self.n_held
-        held = self.motion.fixed.reshape(-1, width)[:, 3:]
+        held = self.motion.fixed.reshape(-1, width)[:, self.dimension :]
         for node in nodes.tolist():
             rows = constraint_rows(self.triads[node])[:n] * ~held[node]
             numbers = n * node + np.arange(n)
@@ -242,10 +246,10 @@ class DirectorBody(MeshBody):
         return found
 
     def declare(self, model: Model) -> None:
-        q = np.concatenate([self.points[:, None], self.triads], axis=1)
-        v = np.concatenate(
-            [self.initial_velocities()[:, None], np.cross(self.angular_velocity, self.triads)], axis=1
-        )
+        d = self.dimension
+        q = np.concatenate([self.points[:, None, :d], self.triads], axis=1)
+        turning = np.cross(self.angular_velocity, np.pad(self.triads, ((0, 0), (0, 0), (0, 3 - d))))
+        v = np.concatenate([self.initial_velocities()[:, None], turning[..., :d]], axis=1)
         clamped = self.clamped(model)
         fixed, scale = np.zeros(q.shape, dtype=bool), np.ones_like(q)
         fixed[clamped], v[clamped], scale[:, 0] = True, 0.0, model.length
@@ -265,23 +269,27 @@ class DirectorBody(MeshBody):
 
     def vectors(self, model: Model) -> Vectors:
         first = self.vector_unknowns().astype(np.int64)
-        r = self._width // 3
+        d = self.dimension
+        r = self._width // d
         number = np.arange(len(first))
-        return first, (number % r == 0) & (number < r * self.grid.n_nodes), 3
+        return first, (number % r == 0) & (number < r * self.grid.n_nodes), d
 
     # --- what it shows -------------------------------------------------------------------------------------
     def triads_at(self, x: Array) -> Array:
         """Directors (n, r, 3) of the nodes at the unknowns `x` of the system; or rates or forces of them."""
         first = self.node_unknowns(np.arange(self.grid.n_nodes))
-        return np.asarray(x[first[:, None] + np.arange(3, self._width)]).reshape(self.triads.shape)
+        own = np.arange(self.dimension, self._width)
+        return np.asarray(x[first[:, None] + own]).reshape(self.triads.shape)
 
     def turning(self, force: Array, x: Array) -> Array:
         """Torques (n, 3) on the nodes by forces on their directors, of forces on all unknowns of the system."""
-        torque = np.asarray(np.cross(self.triads_at(x), self.triads_at(force)).sum(axis=1))
+        flat = ((0, 0), (0, 0), (0, 3 - self.dimension))
+        at, pull = (np.pad(self.triads_at(values), flat) for values in (x, force))
+        torque = np.asarray(np.cross(at, pull).sum(axis=1))
         nodes = self.more[0]
         if len(nodes):
-            at = self.vector_unknowns()[-len(nodes) :, None] + np.arange(3)
-            np.add.at(torque, nodes, np.cross(x[at], force[at]))
+            more = self.vector_unknowns()[-len(nodes) :, None] + np.arange(3)
+            np.add.at(torque, nodes, np.cross(x[more], force[more]))
         return torque
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
@@ -297,14 +305,14 @@ class DirectorBody(MeshBody):
 
 
 def constraint_rows(directors: Array) -> Array:
-    """Gradients (c, 3 r) of the constraints of r directors (r, 3): of lengths, then of products by pairs."""
-    r = len(directors)
+    """Gradients (c, d r) of the constraints of r directors (r, d): of lengths, then of products by pairs."""
+    r, d = directors.shape
     pairs = [(i, i) for i in range(r)] + [(i, j) for i in range(r) for j in range(i + 1, r)]
-    rows = np.zeros((len(pairs), r, 3))
+    rows = np.zeros((len(pairs), r, d))
     for k, (i, j) in enumerate(pairs):
         rows[k, i] = directors[j]
         rows[k, j] = directors[i]
-    return rows.reshape(len(pairs), 3 * r)
+    return rows.reshape(len(pairs), d * r)
 
 
 def independent(rows: Array) -> list[int]:

@@ -35,7 +35,7 @@ class Meshed(Component):
     @property
     def points(self) -> Array:
         """Positions (n, 3) of the nodes, of a solid in the reference configuration."""
-        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.dimension)))
+        return np.pad(self.grid.points, ((0, 0), (0, 3 - self.grid.points.shape[1])))
 
     @property
     def extent(self) -> float:

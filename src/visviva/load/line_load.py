@@ -72,7 +72,8 @@ class LineLoad(Component):
             raise InputError(f"{self.label}: a force that is a function is dead; drop follower, or give (3,)")
         if not self._has_force and not np.any(self.moment):
             raise InputError(f"{self.label}: neither force nor moment is given")
-        self._dead = Distribution(self.label, "line load", self.beam, self.force, self.times)
+        if not self.follower:
+            self._dead = Distribution(self.label, "line load", self.beam, self.force, self.times)
 
     def contribute(self, model: Model) -> None:
         points = list(self.beam.cell_points())

@@ -280,16 +280,21 @@ class Model:
         self.masses.append((key, index, values, account, self.index(component)))
 
     def inertias(
-        self, component: Owner, vectors: NDArray[np.integer], mass: Array, positions: Sequence[bool]
+        self,
+        component: Owner,
+        vectors: NDArray[np.integer],
+        mass: Array,
+        positions: Sequence[bool],
+        d: int = 3,
     ) -> None:
-        """Constant symmetric mass (m, k, k) of m elements between k vectors of three unknowns each.
+        """Constant symmetric mass (m, k, k) of m elements between k vectors of d unknowns each.
 
         `vectors` (m, k) gives their first unknowns.
         """
         a, b = np.nonzero(np.any(mass != 0, axis=0))
-        key = (2, mass.shape[1], 3, tuple(zip(a.tolist(), b.tolist(), strict=True)), tuple(positions))
+        key = (2, mass.shape[1], d, tuple(zip(a.tolist(), b.tolist(), strict=True)), tuple(positions))
         account, number = self.account(component, "kinetic", "kinetic"), self.index(component)
-        unknowns = (vectors[:, :, None] + np.arange(3)).reshape(len(vectors), -1)
+        unknowns = (vectors[:, :, None] + np.arange(d)).reshape(len(vectors), -1)
         for index, values in zip(unknowns.tolist(), mass[:, a, b].tolist(), strict=True):
             self.masses.append((key, index, values, account, number))
 
