@@ -72,7 +72,7 @@ contact stand beside them in statics, and its tolerance: hardly an iteration mor
 
 
 FLOW_REGULARIZATION = 1e-8  # of pressures, in a matrix with entries of unit size
-LARGE_FLOW, CLOSE_FLOW = 15_000, 1e-3
+LARGE_FLOW, CLOSE_FLOW = 6000, 1e-3
 """From this many equations of a flow in space GMRES is faster than factors; its tolerance: Newton goes on anyway."""
 
 
@@ -304,11 +304,13 @@ class Iterative(LinearOptions):
     ----------
     method : {"auto", "cg", "gmres", "bicgstab"}
         "auto": conjugate gradients for symmetric positive definite tangents, else GMRES.
-    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented"}
+    preconditioner : {"auto", "none", "diagonal", "block", "incomplete", "multigrid", "saddle", "augmented", \
+"commutator"}
         "block": the diagonal blocks of the nodes, best for small time steps; "saddle": the same, with constraints and
         pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "commutator":
         flows, block triangular with incomplete factors of the velocities and the least-squares commutator of the
-        pressures (SIMPLE where elements are stabilised); "mixture": contents with their potentials, block
+        pressures (SIMPLE where elements are stabilised), which from a few thousand pressures on is solved by a cycle of
+        multigrid, if PyAMG is there, else by factors; "mixture": contents with their potentials, block
         triangular with multigrid; "incomplete": block ILU(0); "multigrid": smoothed aggregation (``pip install
         visviva[amg]``), best for statics. "auto" takes multigrid where it can, else blocks.
     tolerance : float
@@ -365,7 +367,7 @@ class Iterative(LinearOptions):
         c.preconditioner = getattr(_core.Preconditioner, preconditioner)
         c.tolerance, c.max_iterations, c.restart = self.tolerance, self.max_iterations, self.restart
         c.library = mkl_library()
-        if preconditioner in GRIDS:
+        if preconditioner in GRIDS or (preconditioner == "commutator" and has_multigrid()):
             from visviva.linear.multigrid import aggregates
 
             c.set_aggregator(aggregates)

@@ -1,13 +1,13 @@
-// One V-cycle of algebraic multigrid on aggregates that somebody else made. Smoothing is a Chebyshev
-// polynomial in the matrix with its diagonal blocks inverted: rows are independent, so results do not depend
-// on who computes them. The cycle runs in single precision, which is all a preconditioner needs and half the
-// memory traffic.
+// Smoothing is a Chebyshev polynomial in the matrix with its diagonal blocks inverted: rows are independent,
+// so results do not depend on who computes them. The cycle runs in single precision, which is all a
+// preconditioner needs and half the memory traffic.
+#include "visviva/linear/krylov/multigrid.hpp"
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "visviva/linear/krylov/aggregation.hpp"
-#include "visviva/linear/krylov/precondition.hpp"
 #include "visviva/linear/scaled.hpp"
 #include "visviva/linear/sparse_dispatch.hpp"
 
@@ -134,22 +134,15 @@ struct Level {
     Vector b, x, correction;
 };
 
-class Multigrid : public Preconditioning {
+class Aggregated : public Grids {
   public:
-    explicit Multigrid(const LinearChoice& choice) : aggregator_(choice.aggregator) {}
+    explicit Aggregated(const Aggregator& aggregator) : aggregator_(aggregator) {}
 
-    bool build(const NodeMatrix& matrix) override {
-        if (!levels_.empty() && !outdated_) return kept_ = true;
-        kept_ = outdated_ = false, usual_ = -1;
+    bool build(const BlockRows<double>& finest, const double* modes, int n_modes) override {
+        outdated_ = false, usual_ = -1;
         levels_.clear();
         if (!aggregator_) return message = "multigrid needs PyAMG: pip install pyamg", false;
-        const auto& alone = matrix.algebraic();
-        const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
-        return mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
-    }
-
-    bool build(const BlockRows<double>& finest, const NodeMatrix& matrix) {
-        if (!has_aggregates_) aggregates_ = aggregator_(finest, matrix.modes().data(), matrix.n_modes());
+        if (!has_aggregates_) aggregates_ = aggregator_(finest, modes, n_modes);
         has_aggregates_ = true;
         scale_ = 0;
         for (double v : finest.value) scale_ = std::max(scale_, std::abs(v));
@@ -175,14 +168,12 @@ class Multigrid : public Preconditioning {
         for (std::size_t i = 0; i < n; ++i) z[i] = scale_ * largest * x[i];
     }
 
-    // Grids of an earlier matrix serve until they take half as many iterations again.
     void learn(int iterations) override {
         if (usual_ < 0) usual_ = iterations;
         outdated_ = iterations > usual_ + usual_ / 2 + 3;
     }
-    bool kept() const override { return kept_; }
+    bool serve() const override { return !levels_.empty() && !outdated_; }
     void forget() override { levels_.clear(), outdated_ = true; }
-    const char* name() const override { return "algebraic multigrid"; }
     double memory() const override {
         double bytes = 8.0 * static_cast<double>(dense_.size());
         for (const Level& l : levels_)
@@ -256,10 +247,44 @@ class Multigrid : public Preconditioning {
     Eigen::VectorXd coarse_scale_;
     Vector coarse_b_, coarse_x_;
     int usual_ = -1;
-    bool kept_ = false, outdated_ = false;
+    bool outdated_ = false;
+};
+
+class Multigrid : public Preconditioning {
+  public:
+    explicit Multigrid(const LinearChoice& choice) : grids_(make_grids(choice.aggregator)) {}
+
+    bool build(const NodeMatrix& matrix) override {
+        if (grids_->serve()) return kept_ = true;
+        kept_ = false;
+        const auto& alone = matrix.algebraic();
+        const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
+        const bool built =
+            mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
+        if (!built) message = grids_->message;
+        return built;
+    }
+    void apply(const double* r, double* z) override { grids_->apply(r, z); }
+    void learn(int iterations) override { grids_->learn(iterations); }
+    bool kept() const override { return kept_; }
+    void forget() override { grids_->forget(); }
+    const char* name() const override { return "algebraic multigrid"; }
+    double memory() const override { return grids_->memory(); }
+
+  private:
+    bool build(const BlockRows<double>& a, const NodeMatrix& matrix) {
+        return grids_->build(a, matrix.modes().data(), matrix.n_modes());
+    }
+
+    std::unique_ptr<Grids> grids_;
+    bool kept_ = false;
 };
 
 }  // namespace
+
+std::unique_ptr<Grids> make_grids(const Aggregator& aggregator) {
+    return std::make_unique<Aggregated>(aggregator);
+}
 
 std::unique_ptr<Preconditioning> make_multigrid(const LinearChoice& choice) {
     return std::make_unique<Multigrid>(choice);
