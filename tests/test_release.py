@@ -73,3 +73,15 @@ def test_the_changelog_has_the_version_and_says_everything_once() -> None:
     told = [line for line in lines if line.startswith("- ")]
     assert sorted({line for line in told if told.count(line) > 1}) == []
     assert len(lines) < 260, "one line for what a user notices"
+
+
+def test_links_of_the_readme_lead_somewhere_from_the_package_index() -> None:
+    text = (ROOT / "README.md").read_text()
+    hook = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["metadata"]["hooks"]
+    relative = r"\]\((?!https?:|#)(\S+?)\)"
+    assert all((ROOT / link).exists() for link in re.findall(relative, text))
+    for rule in hook["fancy-pypi-readme"]["substitutions"]:
+        text = re.sub(rule["pattern"], rule["replacement"], text)
+    assert re.findall(relative, text) == []
+    assert "raw/v$HFPR_VERSION/docs/pictures/crane.png" in text
+    assert "blob/v$HFPR_VERSION/docs/index.rst" in text
