@@ -127,22 +127,22 @@ def adaptive_steps(
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
         try:
             attempt = system.attempt(scheme.step(system.time, taken))
+            rates = system.v.copy()
+            there = overlaps(system)
+            deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
+            error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), deeper, 1e-6)
+            if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
+                system.core.discard()
+                system.stepper.rejected += 1
+                h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
+                continue
+            system.accept(attempt, scheme)
         except StepFailure:
             system.stepper.rejected += 1
             if taken <= low:
                 raise
             h = max(0.5 * taken, low)
             continue
-        rates = system.v.copy()
-        there = overlaps(system)
-        deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
-        error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), deeper, 1e-6)
-        if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
-            system.core.discard()
-            system.stepper.rejected += 1
-            h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
-            continue
-        system.accept(attempt, scheme)
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         depths = there
         h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)

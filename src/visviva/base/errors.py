@@ -2,7 +2,8 @@
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 MAX_WORD, MAX_MESSAGE, MAX_NAME = 400, 1000, 200
 
@@ -36,6 +37,34 @@ class RunError(VisvivaError, RuntimeError):
 
 class NotFinite(RunError):
     """Something has no finite value at a state that is tried: a shorter step may not come there."""
+
+
+NO_VALUE = ArithmeticError, ValueError
+"""What functions of Python raise where they have no value, as ``math.sqrt(-1)`` does."""
+
+
+@contextmanager
+def named(what: str) -> Iterator[None]:
+    """Inside a user's function is called: what it raises becomes an error that names it.
+
+    Raises
+    ------
+    NotFinite, RunError
+
+    Examples
+    --------
+    >>> with named("Spring 'rope': its energy"):
+    ...     1 / 0
+    Traceback (most recent call last):
+    visviva.base.errors.NotFinite: Spring 'rope': its energy raised ZeroDivisionError: division by zero
+    """
+    try:
+        yield
+    except VisvivaError:
+        raise
+    except Exception as error:
+        kind = NotFinite if isinstance(error, NO_VALUE) else RunError
+        raise kind(f"{what} raised {type(error).__name__}: {error}") from error
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError, RunError, VisvivaError
+from visviva.base.errors import InputError, RunError, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
@@ -143,11 +143,7 @@ def guarded(label: str, what: str, function: Callable[..., Any]) -> Callable[...
     """The user's function; what it raises is raised as an error that names the component."""
 
     def call(*arguments: Any) -> Any:
-        try:
+        with named(f"{label}: its {what}"):
             return function(*arguments)
-        except VisvivaError:
-            raise
-        except Exception as error:
-            raise RunError(f"{label}: its {what} raised {type(error).__name__}: {error}") from error
 
     return call

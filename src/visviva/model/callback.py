@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite, RunError, VisvivaError
+from visviva.base.errors import NotFinite, RunError, named
 
 Array = NDArray[np.float64]
 LawCallback = Callable[..., None]
@@ -56,12 +56,8 @@ class Function:
     def raw(self, e: Any) -> NDArray[Any]:
         """The function's values (m, n), shape checked."""
         n = e.shape[1]
-        try:
+        with named(f"{self.label}: it"):
             f = np.asarray(self.function(e))
-        except VisvivaError:
-            raise
-        except Exception as error:
-            raise RunError(f"{self.label}: it raised {type(error).__name__}: {error}") from error
         if f.shape not in ((self.m, n), (n,) if self.m == 1 else (self.m, n)):
             expected = f"({n},)" if self.m == 1 else f"({self.m}, {n})"
             raise RunError(

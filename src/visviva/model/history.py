@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import RunError, VisvivaError
+from visviva.base.errors import NotFinite, RunError, named
 from visviva.model.callback import Function, LawCallback
 
 Array = NDArray[np.float64]
@@ -45,17 +45,13 @@ class Evolving(Function):
         """Internal variables (n_h, n) at the end of a step, checked; where no time passes they stay."""
         if not h > 0:
             return h0.copy()
-        try:
+        with named(f"{self.label}: its update"):
             found = np.asarray(self.update(e0.copy(), e1.copy(), h0.copy(), h), dtype=float)
-        except VisvivaError:
-            raise
-        except Exception as error:
-            raise RunError(f"{self.label}: its update raised {type(error).__name__}: {error}") from error
         if found.shape != h0.shape:
             raise RunError(f"{self.label}: its update returned shape {found.shape}, expected {h0.shape}")
         if not np.all(np.isfinite(found)):
             k = int(np.argmin(np.isfinite(found).all(axis=0)))
-            raise RunError(
+            raise NotFinite(
                 f"{self.label}: its update returned {found[:, k].tolist()} at the strains {e1[:, k].tolist()}"
             )
         return found

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.base.errors import NotFinite, RunError
+from visviva.base.errors import NO_VALUE, NotFinite, RunError, VisvivaError
 from visviva.model.entropies import PRODUCED, SUPPLIED
 
 if TYPE_CHECKING:
@@ -166,24 +166,31 @@ class Term:
         return term
 
     def _residual(self, *args: Any) -> None:
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # of states that are tried
-            found = self.residual(seen(args))
-        args[6][:] = checked(self.label, "residual", found, args[6].shape)
+        self._hand(args[6], "residual", self.residual, seen(args))
 
     def _tangent(self, *args: Any) -> None:
         if args[0].has_length:  # that of an instant is not kept
             self.history_at_tangent = copies(self.label, self.history | self.trial)
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            found = self.tangent(seen(args))
-        args[7][:] = checked(self.label, "tangent", found, args[7].shape)
+        self._hand(args[7], "tangent", self.tangent, seen(args))
 
     def _ledger(self, *args: Any) -> None:
         s = seen(args)
         if self.energy is not None:
-            args[8][:] = checked(self.label, "energy", self.energy(s), args[8].shape)
+            self._hand(args[8], "energy", self.energy, s)
         if self._works:
-            args[9][:] = checked(self.label, "work", self.work(s), args[9].shape)
-        args[10][:] = checked(self.label, "momentum", self.momentum(s), args[10].shape)
+            self._hand(args[9], "work", self.work, s)
+        self._hand(args[10], "momentum", self.momentum, s)
+
+    def _hand(self, room: Array, what: str, function: Callable[[Stencils], Array], s: Stencils) -> None:
+        """Values for the core; of states that are tried there may be none, and no warnings are due."""
+        try:
+            with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+                found = function(s)
+        except VisvivaError:
+            raise
+        except NO_VALUE as error:
+            raise NotFinite(f"{self.label}: its {what} raised {type(error).__name__}: {error}") from error
+        room[:] = checked(self.label, what, found, room.shape)
 
     def _accept(self, *args: Any) -> None:
         self.history_before = copies(self.label, self.history)

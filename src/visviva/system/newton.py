@@ -86,10 +86,11 @@ class StepFailure(RunError):
         self.time, self.h, self.reason = time, h, report.reason
         self.trouble = trouble_of(system)
         history = ", ".join(f"{i:.1e}" for i in self.increments[-6:])
-        worst = f"worst is {self.unknown} of {self.component}; " if report.worst_unknown >= 0 else ""
+        worst = f"; worst is {self.unknown} of {self.component}" if report.worst_unknown >= 0 else ""
+        relative = f"; relative increments ... {history}" if history else ""
         super().__init__(
-            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}; {worst}relative "
-            f"increments ... {history}. {self.trouble}Try a smaller step, or look at this "
+            f"the step from t = {time:.9g} with h = {h:.3g} failed: {report.reason}{worst}{relative}. "
+            f"{self.trouble}Try a smaller step, or look at this "
             f"component's data near t = {time:.4g}"
         )
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -56,10 +57,10 @@ def solved(system: System, step: Any) -> Attempt:
 
 
 def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
-    """Make the increment of an attempt the new state."""
+    """Make the increment of an attempt the new state; where an energy has no value there the step has failed."""
     project = system.projects(scheme)
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
-    with Trial(system):
+    with Trial(system), _failing(system, attempt.step):
         system.core.accept(attempt.step, attempt.signals, True)
     _arrive(system, attempt.step, attempt.signals, scheme)
     if project:
@@ -72,15 +73,22 @@ def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array 
     tangents = system.asked_tangents if newton.tangents is None else newton.tangents
     with Trial(system):
         system.prescribe(step)
-        try:
+        with _failing(system, step):
             report = solve(
                 step, signals, newton.tolerance, newton.max_iterations, _keep_factor(system), tangents
             )
-        except NotFinite as error:
-            raise StepFailure(system, system.time, step.h, GivenUp(str(error))) from error
         if not report.converged:
             raise StepFailure(system, system.time, step.h, report)
     return report
+
+
+@contextmanager
+def _failing(system: System, step: Any) -> Iterator[None]:
+    """Inside, what has no finite value is a failure of the step."""
+    try:
+        yield
+    except NotFinite as error:
+        raise StepFailure(system, system.time, step.h, GivenUp(str(error))) from error
 
 
 def _keep_factor(system: System) -> float:
