@@ -174,7 +174,7 @@ def test_heat_excuses_no_momentum() -> None:
         vv.HeatFlux(body=wall, faces="x0", flux=5.0),
         vv.Convection(body=wall, faces="x1", coefficient=1.0, ambient=250.0),
         vv.PrescribedTemperature(body=other, nodes="x1", value=300.0),
-        vv.HeatLink(first=wall, first_faces="y0", second=other, second_faces="y1", conductance=1.0),
+        vv.HeatExchange(a=wall, faces_a="y0", b=other, faces_b="y1", conductance=1.0),
     ]
     assert outside(vv.System([wall, other, *heat])) == []
 

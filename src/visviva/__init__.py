@@ -8,6 +8,9 @@ _found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 __version__ = "0.2.0"
 
+RENAMED = {"HeatLink": "HeatExchange"}
+"""Public names that were others."""
+
 
 def __getattr__(name: str) -> Any:
     """A public name, or an error that tells the nearest one."""
@@ -15,6 +18,8 @@ def __getattr__(name: str) -> Any:
         return _found(name)
     from visviva.base.errors import nearest
 
+    if name in RENAMED:
+        raise AttributeError(f"visviva.{name} is visviva.{RENAMED[name]} now")
     close = nearest(name, __all__)
     told = close if "did you mean" in close else "; help(visviva) lists what there is"
     raise AttributeError(f"visviva has no {name!r}{told}")

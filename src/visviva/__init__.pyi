@@ -141,7 +141,6 @@ from .thermal.fluid_heat import FluidHeat
 from .thermal.heat import Heat, UserHeat
 from .thermal.heat_contact import HeatContact
 from .thermal.heat_exchange import HeatExchange
-from .thermal.heat_link import HeatLink
 from .thermal.heat_tie import HeatTie
 from .thermal.immersed_heat import ImmersedHeat
 from .thermal.lumps import HeatStore
@@ -239,7 +238,6 @@ __all__ = [
     "HeatExchange",
     "HeatFlow",
     "HeatFlux",
-    "HeatLink",
     "HeatSource",
     "HeatStore",
     "HeatTie",

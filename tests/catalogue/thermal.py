@@ -206,8 +206,8 @@ def linked() -> Components:
         temperature=22.0,
         angular_velocity=(0.1, 0.4, 0.2),
     )
-    bolt = vv.HeatLink(first=first, first_at=(1, 0.3, 0.4), second=body, second_faces="x0", conductance=0.3)
-    strap = vv.HeatLink(first=first, first_faces="y1", second=other, second_faces="y0", conductance=0.2)
+    bolt = vv.HeatExchange(a=first, at_a=(1, 0.3, 0.4), b=body, faces_b="x0", conductance=0.3)
+    strap = vv.HeatExchange(a=first, faces_a="y1", b=other, faces_b="y0", conductance=0.2)
     return [first, body, other, flux, bolt, strap]
 
 

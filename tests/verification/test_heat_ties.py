@@ -217,9 +217,7 @@ def test_a_bolt_conducts_as_its_place_and_faces_say() -> None:
         vv.ThermalBody(mesh=block("hex8", k), conductivity=1e6, temperature=10.0 * k, capacity=2.0 + k)
         for k in (True, False)
     )
-    bolt = vv.HeatLink(
-        first=first, first_at=(0.9, 0.4, 0.4), second=second, second_faces="x0", conductance=0.7
-    )
+    bolt = vv.HeatExchange(a=first, at_a=(0.9, 0.4, 0.4), b=second, faces_b="x0", conductance=0.7)
     system = vv.System([first, second, bolt])
     vv.simulate(system, until=1.0, step=0.01)
     left, right = (body.temperatures(system.x) for body in (first, second))
@@ -229,7 +227,7 @@ def test_a_bolt_conducts_as_its_place_and_faces_say() -> None:
 
 def test_a_turning_link_keeps_energy_and_makes_entropy() -> None:
     core, ring, _ = rings(0.3)
-    strap = vv.HeatLink(first=core, first_faces="top", second=ring, second_faces="bottom", conductance=0.4)
+    strap = vv.HeatExchange(a=core, faces_a="top", b=ring, faces_b="bottom", conductance=0.4)
     system = vv.System([core, ring, strap], vv.Newton(tolerance=1e-13))
     entropy: list[float] = []
     result = vv.simulate(
@@ -243,19 +241,20 @@ def test_a_turning_link_keeps_energy_and_makes_entropy() -> None:
 def test_refusals_of_links() -> None:
     first, second = blocks("quad4", "quad4")
     given: dict[str, Any] = {
-        "first": first, "second": second, "first_at": (0.5, 0.5, 0), "second_faces": "x0", "conductance": 1.0
+        "a": first, "b": second, "at_a": (0.5, 0.5, 0), "faces_b": "x0", "conductance": 1.0
     }  # fmt: skip
     cases: list[tuple[dict[str, Any], str]] = [
-        ({"conductance": -1.0}, "conductance = -1 is not positive"),
-        ({"second": first}, "first and second are the same"),
-        ({"first_at": None}, "give one of first_at and first_faces"),
-        ({"second_at": (1, 1, 0)}, "give one of second_at and second_faces"),
-        ({"first_at": (9, 9, 0)}, "lies in none of its elements"),
-        ({"second_faces": "x7"}, "x7"),
+        ({"conductance": -1.0}, "conductance = -1 is negative"),
+        ({"b": first}, "exchanges heat of .* with itself"),
+        ({"at_a": None}, "say where on .* by one of nodes_a, at_a and faces_a"),
+        ({"at_b": (1, 1, 0)}, "say where on .* by one of nodes_b, at_b and faces_b"),
+        ({"at_a": (9, 9, 0)}, "lies in none of its elements"),
+        ({"faces_b": "x7"}, "x7"),
+        ({"b": vv.HeatStore(capacity=1.0)}, "faces_b is for bodies with nodes"),
     ]
     for options, words in cases:
         with pytest.raises(vv.InputError, match=words):
-            vv.HeatLink(**{**given, **options})
+            vv.HeatExchange(**{**given, **options})
 
 
 def test_a_tie_that_conducts_is_not_said_to_insulate() -> None:

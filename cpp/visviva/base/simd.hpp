@@ -35,6 +35,12 @@ VISVIVA_INLINE void clear(V* a, int n) {
     for (int k = 0; k < n; ++k) a[k] = V{};
 }
 VISVIVA_INLINE V select(VI mask, V a, V b) { return mask ? a : b; }
+/// Whether a mask is set in all lanes.
+VISVIVA_INLINE bool all(VI mask) {
+    long long found = -1;
+    for (int l = 0; l < W; ++l) found &= mask[l];
+    return found != 0;
+}
 VISVIVA_INLINE V vabs(V a) { return a < 0.0 ? -a : a; }
 VISVIVA_INLINE V vmax(V a, V b) { return a > b ? a : b; }
 VISVIVA_INLINE V vsqrt(V a) {

@@ -41,9 +41,7 @@ VISVIVA_INLINE V increase(const Energy& energy, const V* from, const V* to, V be
 /// change: what is left out is of third order, what rounding leaves of f d and its gradient is not.
 template <bool tangent, class Energy, class Path, int n = Energy::n>
 VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* from, const V* to, const V* d,
-                            const Potential<n>& m, V* df) {
-    Potential<n> p0, p1;
-    energy.template evaluate<false>(from, p0), energy.template evaluate<false>(to, p1);
+                            const Potential<n>& m, const Potential<n>& p0, const Potential<n>& p1, V* df) {
     V first{}, second{}, simpson{}, size{}, place{}, work{}, stress{};
     for (int k = 0; k < n; ++k) {
         if (!path.moves(k)) continue;
@@ -53,8 +51,9 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
         size += w * d[k] * d[k], place += w * (from[k] * from[k] + to[k] * to[k]);
         work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
     }
-    const V b = select(second <= Energy::smooth * first, simpson / 6.0,
-                       increase(energy, from, to, p0.W, p1.W) - work);
+    const VI smooth = second <= Energy::smooth * first;
+    V b = simpson / 6.0;
+    if (!all(smooth)) b = select(smooth, b, increase(energy, from, to, p0.W, p1.W) - work);
     const VI idle =
         (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;
@@ -68,11 +67,34 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
     return f;
 }
 
+/// Energies at the strains that paths go from and to, all blocks one after the other in both orders: each end
+/// of one path is the start of the next.
+template <class Energy, int n = Energy::n>
+struct Corners {
+    static constexpr int last = Energy::n_blocks;
+    Potential<n> p[2][last + 1];  // [forward][blocks that have moved]; start and end are those of [1]
+    Corners(const Energy& energy, const V* e0, const V* e1) {
+        for (int moved = 0; moved <= last; ++moved)
+            for (int forward = moved % last == 0; forward < 2; ++forward) {
+                V e[n];
+                for (int k = 0; k < n; ++k) {
+                    const int at = forward == 1 ? Energy::block(k) : last - 1 - Energy::block(k);
+                    e[k] = at < moved ? e1[k] : e0[k];
+                }
+                energy.template evaluate<false>(e, p[forward][moved]);
+            }
+    }
+    const Potential<n>& operator()(const Part<Energy>& path, bool end) const {
+        const int moved = (path.forward ? path.block : last - 1 - path.block) + (end ? 1 : 0);
+        return p[path.forward || moved % last == 0][moved];
+    }
+};
+
 /// Adds a share of s along a path, with s . (e1 - e0) = W(e1) - W(e0) for what moves, and of T = ds/de1, both
 /// per component of the metric.
-template <bool tangent, class Energy, class Path, int n = Energy::n>
-VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, double share, const V* e0, const V* e1,
-                              V* s, V* T) {
+template <bool tangent, class Energy, class Path, class Ends, int n = Energy::n>
+VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, const Ends& at, double share,
+                              const V* e0, const V* e1, V* s, V* T) {
     V from[n], to[n], middle[n], d[n], f{}, df[n] = {};
     for (int k = 0; k < n; ++k) {
         from[k] = path.ends(k) ? e1[k] : e0[k];
@@ -81,7 +103,8 @@ VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, double sha
     }
     Potential<n> m;
     energy.template evaluate<tangent>(middle, m);
-    if (!energy.is_quadratic()) f = correction<tangent>(energy, path, from, to, d, m, df);
+    if (!energy.is_quadratic())
+        f = correction<tangent>(energy, path, from, to, d, m, at(path, false), at(path, true), df);
     for (int k = 0; k < n; ++k) {
         if (!path.moves(k)) continue;
         s[k] += share * (m.s[k] + f * d[k]);
@@ -100,11 +123,16 @@ VISVIVA_INLINE void discrete_gradient(const Energy& energy, const V* e0, const V
     for (int k = 0; k < n; ++k) s[k] = V{};
     for (int k = 0; tangent && k < n * n; ++k) T[k] = V{};
     if constexpr (Energy::n_blocks == 1) {
-        add_along<tangent>(energy, Whole(), 1.0, e0, e1, s, T);
+        Potential<n> ends[2];
+        if (!energy.is_quadratic())
+            energy.template evaluate<false>(e0, ends[0]), energy.template evaluate<false>(e1, ends[1]);
+        auto at = [&](const Whole&, bool end) -> const Potential<n>& { return ends[end]; };
+        add_along<tangent>(energy, Whole(), at, 1.0, e0, e1, s, T);
     } else {
+        const Corners<Energy> at(energy, e0, e1);
         for (int forward = 0; forward < 2; ++forward)
             for (int block = 0; block < Energy::n_blocks; ++block)
-                add_along<tangent>(energy, Part<Energy>{block, forward == 1}, 0.5, e0, e1, s, T);
+                add_along<tangent>(energy, Part<Energy>{block, forward == 1}, at, 0.5, e0, e1, s, T);
     }
 }
 

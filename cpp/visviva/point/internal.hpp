@@ -15,12 +15,6 @@ void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const
     }
 }
 
-VISVIVA_INLINE bool all(VI mask) {
-    for (int l = 0; l < W; ++l)
-        if (!mask[l]) return false;
-    return true;
-}
-
 /// Solves A x = b in place for m right sides b [n][m], without pivots: A is near the identity.
 template <int n>
 void solve_at_point(V* A, V* b, int m) {

@@ -1,5 +1,8 @@
 // Elements of any physics that is written at a point, W at a time: strain map x energy x pairing x step.
 #pragma once
+#include <type_traits>
+#include <utility>
+
 #include "visviva/material/discrete_gradient.hpp"
 #include "visviva/point/internal.hpp"
 #include "visviva/point/pairings.hpp"
@@ -83,20 +86,35 @@ struct PointElement {
         return order == 2 ? step.motion[0][0] : order == 1 ? step.transport[0][0] : 0.0;
     }
 
+    /// Calls f for every group, its number known to the compiler: short loops over components and columns
+    /// stay in registers.
+    template <class F>
+    static VISVIVA_INLINE void for_groups(F&& f) {
+        [&]<int... g>(std::integer_sequence<int, g...>) {
+            (f(std::integral_constant<int, g>{}), ...);
+        }(std::make_integer_sequence<int, Map::n_groups>{});
+    }
+    /// First local unknown of a group.
+    static constexpr int start(int g) {
+        int j = 0;
+        for (int k = 0; k < g; ++k) j += Map::groups[k].components * Map::groups[k].columns;
+        return j;
+    }
+
     /// Local unknowns of element vectors, less their values in the reference.
     VISVIVA_INLINE void local(int q, const V* u, V* y) const {
-        int j = 0;
-        for (int g = 0; g < Map::n_groups; ++g) {
-            const int n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
-            for (int i = 0; i < n_c * n_k; ++i) y[j + i] = V{};
+        for_groups([&](auto group) {
+            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+            V sum[n_c * n_k] = {};
             for (int a = 0; a < v.group[g].n_nodes; ++a) {
                 const double* w = weights(g, q, a);
-                for (int c = 0; c < n_c; ++c)
-                    for (int k = 0; k < n_k; ++k)
-                        y[j + c * n_k + k] += u[first[g] + a * n_c + c] * vload(w + k * P8);
+                for (int k = 0; k < n_k; ++k) {
+                    const V weight = vload(w + k * P8);
+                    for (int c = 0; c < n_c; ++c) sum[c * n_k + k] += u[first[g] + a * n_c + c] * weight;
+                }
             }
-            j += n_c * n_k;
-        }
+            for (int i = 0; i < n_c * n_k; ++i) y[start(g) + i] = sum[i];
+        });
     }
 
     struct Point {
@@ -270,48 +288,53 @@ struct PointElement {
 
     void add_forces(int q, const V* F, V* r) const {
         const V w = volume(q);
-        for (int g = 0, j = 0; g < Map::n_groups; ++g) {
-            const int n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+        for_groups([&](auto group) {
+            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+            V f[n_c * n_k];
+            for (int i = 0; i < n_c * n_k; ++i) f[i] = w * F[start(g) + i];
             for (int a = 0; a < v.group[g].n_nodes; ++a)
-                for (int k = 0; k < n_k; ++k) {
-                    const V weight = w * vload(weights(g, q, a) + k * P8);
-                    for (int c = 0; c < n_c; ++c) r[first[g] + a * n_c + c] += weight * F[j + c * n_k + k];
+                for (int c = 0; c < n_c; ++c) {
+                    V sum = r[first[g] + a * n_c + c];
+                    for (int k = 0; k < n_k; ++k) sum += vload(weights(g, q, a) + k * P8) * f[c * n_k + k];
+                    r[first[g] + a * n_c + c] = sum;
                 }
-            j += n_c * n_k;
-        }
+        });
     }
 
     void add_moduli(int q, const V* K, V* to) const {
         const V w = volume(q);
-        const int n = v.n_unknowns;
-        for (int g = 0, j = 0; g < Map::n_groups; ++g) {
-            const int n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
-            for (int a = 0; a < v.group[g].n_nodes; ++a)
-                for (int c = 0; c < n_c; ++c) {
-                    V row[n_y];
-                    for (int l = 0; l < n_y; ++l) row[l] = V{};
-                    for (int k = 0; k < n_k; ++k) {
-                        const V weight = w * vload(weights(g, q, a) + k * P8);
-                        for (int l = 0; l < n_y; ++l) row[l] += weight * K[(j + c * n_k + k) * n_y + l];
-                    }
-                    add_row(q, row, to + (first[g] + a * n_c + c) * n);
+        for_groups([&](auto group) {
+            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+            for (int a = 0; a < v.group[g].n_nodes; ++a) {
+                V row[n_c * n_y] = {};
+                for (int k = 0; k < n_k; ++k) {
+                    const V weight = w * vload(weights(g, q, a) + k * P8);
+                    for (int c = 0; c < n_c; ++c)
+                        for (int l = 0; l < n_y; ++l)
+                            row[c * n_y + l] += weight * K[(start(g) + c * n_k + k) * n_y + l];
                 }
-            j += n_c * n_k;
-        }
-    }
-    VISVIVA_INLINE void add_row(int q, const V* row, V* to) const {
-        for (int g = 0, j = 0; g < Map::n_groups; ++g) {
-            const int n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
-            for (int b = 0; b < v.group[g].n_nodes; ++b) {
-                const double* weight = weights(g, q, b);
-                for (int c = 0; c < n_c; ++c) {
-                    V sum{};
-                    for (int k = 0; k < n_k; ++k) sum += row[j + c * n_k + k] * vload(weight + k * P8);
-                    to[first[g] + b * n_c + c] += sum;
-                }
+                add_rows<n_c>(q, row, to + (first[g] + a * n_c) * v.n_unknowns);
             }
-            j += n_c * n_k;
-        }
+        });
+    }
+    // The rows of n nodal unknowns by local unknowns [n][n_y], by those of the element.
+    template <int n>
+    VISVIVA_INLINE void add_rows(int q, const V* row, V* to) const {
+        for_groups([&](auto group) {
+            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+            for (int b = 0; b < v.group[g].n_nodes; ++b) {
+                V weight[n_k];
+                for (int k = 0; k < n_k; ++k) weight[k] = vload(weights(g, q, b) + k * P8);
+                for (int i = 0; i < n; ++i)
+                    for (int c = 0; c < n_c; ++c) {
+                        V& entry = to[i * v.n_unknowns + first[g] + b * n_c + c];
+                        V sum = entry;
+                        for (int k = 0; k < n_k; ++k)
+                            sum += row[i * n_y + start(g) + c * n_k + k] * weight[k];
+                        entry = sum;
+                    }
+            }
+        });
     }
 
     /// Adds to the element's residual r, and to its tangent K unless that is null.

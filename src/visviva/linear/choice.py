@@ -13,6 +13,7 @@ import sys
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
@@ -76,6 +77,20 @@ LARGE_FLOW, CLOSE_FLOW = 6000, 1e-3
 """From this many equations of a flow in space GMRES is faster than factors; its tolerance: Newton goes on anyway."""
 
 
+class Temperatures(Enum):
+    """Temperatures among the equations.
+
+    Attributes
+    ----------
+    NONE, ALONE, COUPLED
+        ALONE: one to a node, and nothing else; COUPLED: with entropies and what deforms.
+    """
+
+    NONE = "none"
+    ALONE = "alone"
+    COUPLED = "coupled"
+
+
 @dataclass(frozen=True)
 class Problem:
     """Facts about a system on which the choice depends.
@@ -107,8 +122,8 @@ class Problem:
         Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
     is_flow : bool
         Nothing else is: all constraints are pressures.
-    is_conduction : bool
-        All unknowns are temperatures, one to a node.
+    temperatures : Temperatures
+        Whether there are some, and what else.
     separates : bool
         Contents and their chemical potentials are among the equations.
     n_condensed : int
@@ -128,7 +143,7 @@ class Problem:
     has_diagonal: bool = False
     has_flow: bool = False
     is_flow: bool = False
-    is_conduction: bool = False
+    temperatures: Temperatures = Temperatures.NONE
     separates: bool = False
     n_condensed: int = 0
 
@@ -148,7 +163,7 @@ class Problem:
     @property
     def is_solid(self) -> bool:
         """A positive definite tangent with the pattern of a three-dimensional mesh."""
-        if self.is_conduction:
+        if self.temperatures is Temperatures.ALONE:
             return self.is_definite and self.n_entries > DENSE_ROWS_OF_HEAT * self.n
         return self.is_definite and self.has_modes and self.n_entries > DENSE_ROWS * self.n
 
@@ -195,6 +210,13 @@ class Problem:
         text += kind[self.kind.name] + (" but for terms of the step's length" if self.nearly else "")
         text += f", {self.n_multipliers} constraints" if self.n_multipliers else ""
         return text + (f", {self.n_condensed} pressures condensed" if self.n_condensed else "")
+
+
+def is_heated_solid(problem: Problem) -> bool:
+    """Whether positions, entropies and temperatures on a three-dimensional mesh are unknown, without constraints."""
+    others = problem.n_multipliers + problem.n_pressures + problem.n_condensed
+    wide = problem.n_entries > DENSE_ROWS * problem.n
+    return problem.temperatures is Temperatures.COUPLED and wide and not others
 
 
 @dataclass(frozen=True)
@@ -384,8 +406,8 @@ class Automatic(LinearOptions):
     solids in contact whose iterative solver fails are cut in halves, three times, before factors are made. In time
     steps, conjugate gradients with the diagonal alone come first: where steps are short they need a few iterations
     only. They do so too under discrete gradients, the tangents of which are not quite symmetric: what is not is small
-    beside the mass then, and the residual is looked at. Where multigrid takes over, GMRES takes the place of conjugate
-    gradients.
+    beside the mass then, and the residual is looked at. Solids with temperatures take BiCGStab in their place. Where
+    multigrid takes over, GMRES takes the place of conjugate gradients.
 
     Parameters
     ----------
@@ -429,18 +451,23 @@ class Automatic(LinearOptions):
             first.append(
                 Iterative(method="gmres", preconditioner="augmented", tolerance=CLOSE, max_iterations=100)
             )
-        if problem.is_solid and problem.has_inertia and not problem.is_conduction:
+        if problem.is_solid and problem.has_inertia and problem.temperatures is Temperatures.NONE:
             first.append(
                 Iterative(method="cg", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
             )
+        if is_heated_solid(problem) and problem.has_inertia:
+            first.append(
+                Iterative(method="bicgstab", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
+            )
         if problem.is_solid and problem.n >= large and has_multigrid():
             limit = 100  # beyond it factors are cheaper
+            is_linear = problem.temperatures is Temperatures.ALONE
             method: Literal["cg", "gmres"] = "gmres" if problem.nearly else "cg"
             first.append(
                 Iterative(
                     method=method,
                     preconditioner="multigrid",
-                    tolerance=min(self.tolerance, LINEAR) if problem.is_conduction else self.tolerance,
+                    tolerance=min(self.tolerance, LINEAR) if is_linear else self.tolerance,
                     max_iterations=limit,
                 )
             )

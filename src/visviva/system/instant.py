@@ -39,6 +39,8 @@ COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
 LIGHT = 1e-6
 """Mass of what has none, beside the scaled others: refinement takes off its effect."""
+FEW = 3000
+"""Equations up to which consistent masses are factored."""
 REDUNDANT = 1e-9
 """A combination of scaled constraints whose gradient is shorter than this is redundant."""
 
@@ -324,13 +326,21 @@ class Instant:
         return self.refined(self.metric, f, g, lambda rest: self.soft(rest[:n], rest[n:]))
 
     def solve_consistent(self, f: Array, g: Array) -> tuple[Array, Array]:
-        """The same with the consistent masses of meshes, by GMRES on the lumped ones."""
+        """The same with the consistent masses of meshes, by GMRES on the lumped ones where factors would fill much."""
         if self.metric is self.M:
             return self.solve(f, g)
 
+        import scipy.sparse as sp
         import scipy.sparse.linalg as spl
 
         n, size = len(f), len(f) + len(g)
+        if size <= FEW:
+            S = sp.diags_array(self._s)
+            K = S @ sp.block_array([[self.M, self.G.T], [self.G, None]], format="csr") @ S
+            weightless = abs(self.M).sum(axis=1) == 0
+            little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(len(g), -COMPLIANCE)])
+            solve = spl.splu((K + little).tocsc(), options={"Equil": False}).solve
+            return self.refined(self.M, f, g, lambda rest: self._s * solve(self._s * rest))
         times = lambda z: np.concatenate([self.M @ z[:n] + self.G.T @ z[n:], self.G @ z[:n]])  # noqa: E731
         A = spl.LinearOperator((size, size), matvec=times, dtype=float)
         P = spl.LinearOperator((size, size), matvec=lambda r: self.soft(r[:n], r[n:]), dtype=float)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.linear.choice import TINY, Automatic, Direct, Problem, rigid_motions
+from visviva.linear.choice import TINY, Automatic, Direct, Problem, Temperatures, rigid_motions
 from visviva.model.field import Role
 from visviva.system.build import blocks
 
@@ -24,8 +24,8 @@ LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
 """Roles of fields carried along by a flow, which make the tangent unsymmetric."""
-UNSYMMETRIC = (*CARRIED, Role.POTENTIAL)
-"""So do potentials: diffusion by them and their dependence on what diffuses are no transposes."""
+UNSYMMETRIC = (*CARRIED, Role.POTENTIAL, Role.TEMPERATURE)
+"""So do potentials and temperatures: what flows by them and their dependence on what is stored are no transposes."""
 
 
 def uses_null_space(system: System) -> bool:
@@ -48,7 +48,7 @@ def problem_of(system: System) -> Problem:
     fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
     symmetric = not any(f.role in UNSYMMETRIC for f in fields)
-    conduction = is_conduction(model)
+    conduction = temperatures(model) is Temperatures.ALONE
     has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
     return Problem(
@@ -66,18 +66,22 @@ def problem_of(system: System) -> Problem:
         has_inertia=system.has_inertia,
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
         has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
-        is_conduction=conduction,
+        temperatures=temperatures(model),
         separates=any(f.role is Role.POTENTIAL for f in fields),
         has_flow=has_flow,
         is_flow=has_flow and all(f.order < 2 for f in fields),
     )
 
 
-def is_conduction(model: Model) -> bool:
-    """Whether all unknowns are temperatures of bodies that conduct by constant properties."""
-    return bool(model.fields) and all(
+def temperatures(model: Model) -> Temperatures:
+    """Temperatures among the unknowns: alone, by constant properties, or those of solids that deform."""
+    if model.fields and all(
         f.role is Role.CONTENT and getattr(f.component, "conducts_evenly", False) for f in model.fields
-    )
+    ):
+        return Temperatures.ALONE
+    roles = {f.role for f in model.fields}
+    coupled = Role.TEMPERATURE in roles and not roles.intersection(CARRIED)
+    return Temperatures.COUPLED if coupled else Temperatures.NONE
 
 
 def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:

@@ -161,12 +161,10 @@ class HeatCarrier(Component):
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         """Let heat flow in at quadrature points, booked as `kind`."""
 
-    def heat_port(self, nodes: Ints) -> HeatPort:
-        """Port whose heat is shared evenly by nodes (k,)."""
+    def heat_port(self, nodes: Ints, weights: Array) -> HeatPort:
+        """Port for heat that nodes (k,) share by weights (k,), which add up to one."""
         contents, temperatures = self.balance_unknowns(nodes), self.temperature_unknowns(nodes)
-        return HeatPort(
-            contents.astype(np.int64), temperatures.astype(np.int64), np.full(len(nodes), 1 / len(nodes))
-        )
+        return HeatPort(contents.astype(np.int64), temperatures.astype(np.int64), weights)
 
 
 class HeatInput(Term):

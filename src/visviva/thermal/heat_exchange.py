@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass as plain_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +11,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
+from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
-from visviva.component.values import Nodes, Number
+from visviva.component.values import FaceSet, Nodes, Number, Vector3
+from visviva.mesh.locate import locate
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier, HeatPort
 from visviva.thermal.lumps import Lump
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 class Side:
@@ -102,9 +106,69 @@ class Exchange(Term):
         return s.step.h * self._flow(s)[0] if self.ambient is not None else np.zeros(len(s.x1))
 
 
+@plain_dataclass(frozen=True, eq=False)
+class End:
+    """One side of an exchange: what has the heat, and where on it."""
+
+    which: str
+    of: Any
+    nodes: Any
+    at: Any
+    faces: Any
+
+    def refuse_misfits(self, label: str) -> None:
+        """Refuse what holds no heat, and places on it that there are not.
+
+        Raises
+        ------
+        InputError
+        """
+        given = [what for what in ("nodes", "at", "faces") if getattr(self, what) is not None]
+        if not isinstance(self.of, HeatCarrier | Lump):
+            raise InputError(
+                f"{label}: {self.which} = {self.of!r} holds no heat; give a HeatStore, ThermalSpring or body"
+            )
+        if isinstance(self.of, Lump) and given:
+            raise InputError(f"{label}: {given[0]}_{self.which} is for bodies with nodes")
+        if isinstance(self.of, HeatCarrier) and len(given) != 1:
+            one = " and ".join(f"{what}_{self.which}" for what in ("nodes", "at", "faces"))
+            raise InputError(
+                f"{label}: say where on {self.of.label} heat is exchanged, by one of {one.replace(' and ', ', ', 1)}"
+            )
+        try:
+            self.port_nodes()
+        except InputError as error:
+            raise InputError(f"{label}: {error}") from None
+
+    def port_nodes(self) -> tuple[Ints, Array]:
+        """Nodes and weights, which add up to one, of its temperature; none where there are no nodes."""
+        body = self.of
+        if self.nodes is not None:
+            nodes = body.nodes(self.nodes)
+            return nodes, np.full(len(nodes), 1 / len(nodes))
+        if self.at is not None:
+            found, weights = locate(body.grid, self.at[: body.dimension], body.label)
+            return np.asarray(found), np.asarray(weights)
+        if self.faces is None:
+            return np.zeros(0, dtype=np.int64), np.zeros(0)
+        total = np.zeros(body.grid.n_nodes)
+        for p in body.face_points(body.faces(self.faces)):
+            np.add.at(total, p.nodes, p.size @ p.N)
+        nodes = np.flatnonzero(total)
+        return nodes, total[nodes] / total.sum()
+
+    def port(self) -> HeatPort:
+        """Where its heat goes in and out."""
+        return (
+            self.of.heat_port(*self.port_nodes()) if isinstance(self.of, HeatCarrier) else self.of.heat_port()
+        )
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class HeatExchange(Component):
     """Heat that flows between two things by ``conductance (T_b - T_a)``, or between one and its surroundings.
+
+    It is what a joint, a bolt or a coupling conducts, too: of a body it takes nodes, a place, or faces.
 
     Parameters
     ----------
@@ -114,6 +178,10 @@ class HeatExchange(Component):
         Heat per time and difference of temperatures.
     nodes_a, nodes_b : str or int array, optional
         Of bodies: the nodes whose mean temperature counts, and among which the heat is spread evenly.
+    at_a, at_b : (3,), optional
+        Of bodies, in place of nodes: where it begins and ends, in the reference configuration.
+    faces_a, faces_b : str or Faces, optional
+        In place of either: faces whose mean temperature by area counts, over which the heat is spread.
     ambient : number, expression or table of time, optional
         Absolute temperature of the surroundings.
 
@@ -131,6 +199,16 @@ class HeatExchange(Component):
     >>> _ = vv.simulate(system, until=800.0, step=10.0)
     >>> round(cup.temperature_at(system.x), 1)
     317.6
+
+    A bolt between two bodies:
+
+    >>> left = vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), conductivity=1.0, temperature=10.0)
+    >>> right = vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(5, 0, 0)), conductivity=1.0)
+    >>> bolt = vv.HeatExchange(a=left, at_a=(1, 0.5, 0.5), b=right, faces_b="x0", conductance=3.0)
+    >>> system = vv.System([left, right, bolt])
+    >>> result = vv.simulate(system, until=10.0, step=0.1)
+    >>> right.temperatures(system.x).mean().round(3)
+    np.float64(5.0)
     """
 
     outside_axes = NOWHERE
@@ -140,6 +218,10 @@ class HeatExchange(Component):
     conductance: Number
     nodes_a: Nodes | None = None
     nodes_b: Nodes | None = None
+    at_a: Vector3 | None = None
+    at_b: Vector3 | None = None
+    faces_a: FaceSet | None = None
+    faces_b: FaceSet | None = None
     ambient: OfTime | None = None
 
     def __post_init__(self) -> None:
@@ -149,29 +231,21 @@ class HeatExchange(Component):
             raise InputError(f"{self.label}: give either b or the ambient temperature")
         if self.a is self.b:
             raise InputError(f"{self.label}: exchanges heat of {self.a.label} with itself")
-        for what in ("a", "b"):
-            self._refuse(what, getattr(self, what), getattr(self, f"nodes_{what}"))
+        for end in self._ends():
+            end.refuse_misfits(self.label)
 
-    def _refuse(self, what: str, given: Any, nodes: Any) -> None:
-        if isinstance(given, HeatCarrier):
-            if nodes is None:
-                raise InputError(
-                    f"{self.label}: say at which nodes_{what} of {given.label} heat is exchanged"
-                )
-            given.nodes(nodes)
-        elif not isinstance(given, Lump) and not (what == "b" and given is None):
-            raise InputError(
-                f"{self.label}: {what} = {given!r} holds no heat; give a HeatStore, ThermalSpring or body"
-            )
-        elif nodes is not None:
-            raise InputError(f"{self.label}: nodes_{what} is for bodies with nodes")
+    def _ends(self) -> list[End]:
+        ends = [End("a", self.a, self.nodes_a, self.at_a, self.faces_a)]
+        if self.b is not None:
+            ends.append(End("b", self.b, self.nodes_b, self.at_b, self.faces_b))
+        return ends
+
+    def announce(self, model: Model) -> None:
+        if isinstance(self.a, HeatCarrier) and isinstance(self.b, HeatCarrier):
+            model.announce(self.a, Conducting((self.a, self.b)))
 
     def contribute(self, model: Model) -> None:
-        ports = []
-        for given, nodes in ((self.a, self.nodes_a), (self.b, self.nodes_b)):
-            if given is not None:
-                model.index(given)
-                carrier = isinstance(given, HeatCarrier)
-                ports.append(given.heat_port(given.nodes(nodes)) if carrier else given.heat_port())
-        a, b = ports if len(ports) == 2 else (ports[0], None)
+        for end in self._ends():
+            model.index(end.of)
+        a, b, *_ = [*(end.port() for end in self._ends()), None]
         model.term(self, Exchange(a, b, self.conductance, self.ambient))
