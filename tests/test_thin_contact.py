@@ -83,6 +83,79 @@ def test_sheets_that_lie_on_each_other_share_the_load(formulation: str, enforcem
     assert tips == pytest.approx([-load / 2 * LENGTH**4 / (8 * bending)] * 2, rel=2e-2)
 
 
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_an_angle_stands_as_its_two_plates_do(enforcement: Any) -> None:
+    """A folded sheet on a block, its lower plate under a pressure: what it stands on takes all of it, evenly."""
+    points = [(x, y, 0.01) for x in (0.2, 0.4, 0.6, 0.8) for y in (0.25, 0.5, 0.75)]
+    points += [(0.8, y, 0.01 + z) for z in (0.15, 0.3) for y in (0.25, 0.5, 0.75)]
+    cells = [[3 * i + j, 3 * i + 3 + j, 3 * i + 4 + j, 3 * i + 1 + j] for i in range(5) for j in range(2)]
+    angle = vv.Shell(
+        mesh=vv.Mesh(points, {"quad4": cells}),
+        section=vv.HomogeneousSection(thickness=0.02, young=E),
+        kinks="rigid",
+    )
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(6, 6, 6), origin=(0, 0, -1))
+    bed = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=E, poisson=0.0))
+    contact = vv.Contact(
+        first=angle,
+        first_faces="lower",
+        second=bed,
+        second_faces="z1",
+        initial="press",
+        enforcement=enforcement,
+    )
+    flat = np.abs(angle.faces("upper").centres(angle.points)[:, 2] - 0.01) < 1e-9
+    p, upper = 10.0, angle.faces("upper").where(flat)
+    push = vv.Pressure(solid=angle, faces=upper, pressure=f"{p}*t", follower=False)
+    held = [
+        vv.Fixed(solid=bed, nodes="z0"),
+        vv.Fixed(solid=angle, nodes="all", directions=(True, True, False)),
+    ]
+    system = vv.System([bed, angle, contact, push, *held])
+    vv.quasi_static(system, until=1.0, step=0.5)
+    total = vv.ContactForce(contact=contact)(system)
+    assert abs(total[2]) == pytest.approx(p * 0.6 * 0.5, rel=1e-6)
+    foot = vv.SupportForce(solid=bed, nodes="z0")(system)
+    assert foot[2] == pytest.approx(p * 0.6 * 0.5, rel=1e-6)
+
+
+def test_a_folded_sheet_touches_where_its_smooth_plates_do() -> None:
+    """A ball that falls on a plate of it bounces as from that plate alone, clamped where the fold is."""
+
+    def heights(folded: bool) -> np.ndarray:
+        points = [(x, y, 0.0) for x in np.linspace(0, 1, 7) for y in (0.0, 0.2, 0.4)]
+        if folded:
+            points += [(1.0, y, z) for z in (0.2, 0.4) for y in (0.0, 0.2, 0.4)]
+        rows = len(points) // 3 - 1
+        cells = [
+            [3 * i + j, 3 * i + 3 + j, 3 * i + 4 + j, 3 * i + 1 + j] for i in range(rows) for j in range(2)
+        ]
+        plate = vv.Shell(
+            mesh=vv.Mesh(points, {"quad4": cells}), section=SHEET, kinks="rigid" if folded else "refused"
+        )
+        ball = vv.RigidBody(
+            shape=vv.Sphere(radius=0.05), density=50.0, position=(0.4, 0.21, 0.08), velocity=(0, 0, -0.3)
+        )
+        contact = vv.Contact(
+            first=plate, first_faces="upper", second=ball, enforcement="penalty", stiffness=1e7
+        )
+        clamp = vv.Clamped(solid=plate, nodes=np.arange(18, len(points)))
+        system = vv.System([plate, ball, contact, clamp])
+        result = vv.simulate(system, until=0.15, step=0.001)
+        return np.array([x[ball.motion.start + 2] for x in result.states])
+
+    found, alone = heights(True), heights(False)
+    assert alone.min() < 0.07
+    np.testing.assert_allclose(found, alone, atol=1e-9)
+
+
+def folded() -> vv.Shell:
+    """Two plates at a right angle."""
+    points = [(0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 1), (1, 0, 2), (1, 1, 2)]
+    mesh = vv.Mesh(points, {"quad4": [(0, 2, 3, 1), (2, 4, 5, 3)]})
+    return vv.Shell(mesh=mesh, section=SHEET, kinks="rigid")
+
+
 def test_a_rod_that_rolls() -> None:
     """Pushed at its middle by a force, it rolls by the acceleration 2/3 F/m of a full cylinder."""
     section = vv.TubeSection(radius=RADIUS, young=E, density=1000.0)
@@ -190,6 +263,10 @@ BAR = vv.RectangleSection(width=0.1, height=0.1, young=E)
             lambda: (sheet(1.0), vv.Plane(), {"initial": "resolve"}),
             "initial='resolve' is for nodes of solids",
         ),
+        (
+            lambda: (folded(), None, {"formulation": "node-to-segment", "enforcement": "penalty"}),
+            "across its kink at node 2",
+        ),
         (lambda: (sheet(1.0), vv.Plane(), {"first_faces": "top"}), "top"),
         (lambda: (sheet(0.005), vv.Plane(), {"first_faces": "lower"}), "overlap by 0.005"),
     ],
@@ -197,7 +274,8 @@ BAR = vv.RectangleSection(width=0.1, height=0.1, young=E)
 def test_bad_input_is_refused(make: Callable[[], tuple[Any, Any, dict[str, Any]]], message: str) -> None:
     def begin() -> None:
         first, second, options = make()
-        system = vv.System([first, second, vv.Contact(first=first, second=second, **options)])
+        bodies = [body for body in (first, second) if body is not None]
+        system = vv.System([*bodies, vv.Contact(first=first, second=second, **options)])
         vv.simulate(system, until=1.0, step=1.0)
 
     with pytest.raises(vv.InputError, match=message):

@@ -53,6 +53,17 @@ def sheets(**options: Any) -> Components:
     return [lower, upper, contact]
 
 
+def roof_on_block(kinks: Any, **options: Any) -> Components:
+    """A folded sheet whose fold falls on a block."""
+    flat = vv.RectangleMesh(size=(1.0, 0.8), counts=(4, 2)).build()
+    x, y = flat.points.T
+    points = np.column_stack([x, y, np.abs(x - 0.5) + 0.05 + 0.02 * y])
+    upper = vv.Shell(mesh=vv.Mesh(points, flat.cells), section=SHEET, velocity=THROWN, kinks=kinks)
+    lower = block()
+    contact = vv.Contact(first=upper, second=lower, first_faces="lower", second_faces="z1", **options)
+    return [lower, upper, contact]
+
+
 def clip() -> Components:
     """A bent sheet whose legs are thrown together."""
     flat = vv.RectangleMesh(size=(1.8, 0.4), counts=(18, 1)).build()
@@ -132,6 +143,23 @@ THIN_CONTACTS = [
             ("node-to-segment", {**PENALTY, "formulation": "node-to-segment"}, ALL),
             ("rubbing", ELASTIC, MOMENTA),
         )
+    ),
+    *(
+        Entry(
+            f"contact, folded shell on solid, {kinks}",
+            partial(roof_on_block, kinks, **PENALTY),
+            ALL,
+            0.005,
+            40,
+        )
+        for kinks in ("rigid", "hinged")
+    ),
+    Entry(
+        "contact, folded shell, conserving",
+        partial(roof_on_block, "rigid", impact="conserving"),
+        ALL,
+        0.0025,
+        40,
     ),
     Entry("contact, shell on shell", partial(sheets, **PENALTY), ALL, h=0.01, steps=20),
     Entry("contact, shell with itself", clip, ALL, 0.01, 80),

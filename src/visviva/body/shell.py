@@ -17,12 +17,13 @@ from visviva.body.mesh_points import FacePoints, in_space
 from visviva.body.shell_checks import refuse_slits, refuse_thick
 from visviva.body.shell_membrane import enhanced_strains
 from visviva.body.shell_section import ShellSection
+from visviva.body.shell_skin import shell_skin
 from visviva.body.shell_surface import ShellSurface, place, shell_surfaces, unit
-from visviva.body.touching import Skin, both_sides, looks_up, reversed_order
+from visviva.body.touching import Skin, looks_up
 from visviva.component.component import settings
 from visviva.component.values import Number, Vector3, VectorOrFunction
 from visviva.mesh.cells import CELLS
-from visviva.mesh.faces import Faces, stacked
+from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
@@ -297,7 +298,7 @@ class Shell(DirectorBody):
         return super().faces(chosen)
 
     @cached_property
-    def _heights(self) -> Array:
+    def heights(self) -> Array:
         """Of the lower and the upper side (n, 2) along the directors: means of the cells around nodes."""
         total, count = np.zeros((self.grid.n_nodes, 2)), np.zeros(self.grid.n_nodes)
         for part, heights in zip(self.parts, self.by_type(self.by_cell(lambda s: s.heights)), strict=True):
@@ -307,50 +308,7 @@ class Shell(DirectorBody):
 
     def skin(self, chosen: str | Faces, fine: bool = False) -> Skin:
         """Both sides with the rim for 'all', 'upper', 'lower', or what is chosen of them; of edges their rim."""
-        import scipy.sparse as sp
-
-        if len(self._kinked):
-            raise InputError(
-                f"{self.label}: its sides meet in kinks or branches, where they have no points yet; give each smooth "
-                "part a shell of its own, joined by vv.Tie"
-            )
-        n, middle = self.grid.n_nodes, self.parts[0]
-        sides = both_sides(self.grid.cells, self.grid.boundary().cells, n)
-        whole = stacked(sides)
-        if isinstance(chosen, str) and chosen == "all" and chosen not in self.grid.face_sets:
-            faces = whole
-        else:
-            faces = stacked(self._sides_of(self.faces(chosen)))
-        lower, upper = self._heights.T
-        ones = sp.eye_array(n, format="csr")
-        weights = sp.block_array([[ones, sp.diags_array(lower)], [ones, sp.diags_array(upper)]], format="csr")
-        every = np.arange(n)
-        points = np.concatenate([middle.points + h[:, None] * middle.directors for h in (lower, upper)])
-
-        def vectors() -> NDArray[np.int32]:
-            return np.concatenate([self.node_unknowns(every), self.director_unknowns(every)[:, 0]])
-
-        return Skin(
-            vectors,
-            weights,
-            points,
-            np.tile(every, 2),
-            faces,
-            whole,
-            directors=middle.directors,
-            mass=self.density,
-        )
-
-    def _sides_of(self, faces: Faces) -> tuple[Faces, Faces, Faces]:
-        """Upper and lower sides of faces that run the same way as their cells or the other one, and rims of edges."""
-        n, upper, lower, edges = self.grid.n_nodes, {}, {}, {}
-        for kind, nodes in faces.cells.items():
-            if CELLS[kind].dimension == 1:
-                edges[kind] = nodes
-                continue
-            up = looks_up(nodes, self._cells_of(kind, faces.owners[kind]))
-            upper[kind], lower[kind] = nodes[up], nodes[~up][:, reversed_order(kind)]
-        return both_sides(upper, {}, n)[0], both_sides(lower, {}, n)[1], both_sides({}, edges, n)[2]
+        return shell_skin(self, chosen)
 
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
         """Points of sides, on the middle of the shell or `on_sides`, and of edges, whose normals are in it."""
@@ -365,13 +323,13 @@ class Shell(DirectorBody):
 
     def _on_side(self, p: FacePoints, kind: str, owners: Ints) -> FacePoints:
         """Points of sides half a thickness above or below the middle."""
-        up = looks_up(p.nodes, self._cells_of(kind, owners))
-        heights = np.where(up[:, None], self._heights[p.nodes, 1], self._heights[p.nodes, 0])
+        up = looks_up(p.nodes, self.cells_of(kind, owners))
+        heights = np.where(up[:, None], self.heights[p.nodes, 1], self.heights[p.nodes, 0])
         turns = self.turns_of_edges(p.nodes, owners)
         found = raised(p, self.points[p.nodes], self.every_director[turns], heights)
         return replace(found, directors=lambda: self.turn_unknowns(turns))
 
-    def _cells_of(self, kind: str, owners: Ints) -> Ints:
+    def cells_of(self, kind: str, owners: Ints) -> Ints:
         """Nodes (m, k) of cells of a type by their numbers among all."""
         begins = np.cumsum([0, *(len(part.cells) for part in self.parts)])
         (number,) = [k for k, part in enumerate(self.parts) if part.kind == kind]

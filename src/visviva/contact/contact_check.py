@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
 from visviva.contact.bars import is_bar
@@ -140,6 +141,23 @@ def check_schemes(contact: Contact, scheme: Scheme) -> None:
         )
 
 
+def _check_folds(contact: Contact) -> None:
+    """Refuse a shell that would touch itself across a kink, where its sides cross from the start."""
+    shell, second_faces = contact.first, contact.first_faces
+    if not isinstance(shell, DirectorBody) or not len(shell.more[0]):
+        return
+    if contact.second is not None:
+        second_faces = contact.second_faces
+    skins = shell.skin(contact.first_faces), shell.skin(second_faces)
+    one, two = (np.intersect1d(skin.touched, shell.more[0]) for skin in skins)
+    folds = np.intersect1d(one, two)
+    if len(folds):
+        raise InputError(
+            f"{contact.label}: {shell.label} would touch itself across its kink at node {folds[0]}, where its sides "
+            "cross; give each smooth part a shell of its own, joined by vv.Tie, or parts that have no kink in common"
+        )
+
+
 def check_sides(contact: Contact) -> None:
     """Refuse sides that cannot touch each other as they are given."""
     first, second = contact.first, contact.second
@@ -158,6 +176,8 @@ def check_sides(contact: Contact) -> None:
     meshes = mesh_bodies(first, second)
     if len({body.axisymmetric for body in meshes}) > 1:
         raise InputError(f"{contact.label}: one of {meshes[0].label} and {meshes[1].label} is axisymmetric")
+    if second is None or first is second:
+        _check_folds(contact)
     if first is not second:
         return
     if not isinstance(first, MeshBody):
