@@ -203,7 +203,7 @@ def profile_tori(mesh: Any, flight: int, impact: int, late: float) -> None:
         touching = contact.pressures.any()
         name = "free flight" if not touching else "impact" if parts["impact"].steps < impact else "later"
         measure(parts[name], contact, lambda: next(marching))
-    print(f"  {system.linear_explanation}; {system.rejected} steps retried")
+    print(f"  {system.linear_explanation}; {system.stepper.rejected} steps retried")
     for name, cost in parts.items():
         if cost.steps:
             print(cost.row(name))

@@ -57,7 +57,7 @@ def fsi2(until: float = 18.5, step: float = 0.02, across: int = 2) -> None:
             f"{name} {m:.4g} +- {s:.4g}"
             for name, (m, s) in zip(SWINGS, swing(np.array(rows), 1.0), strict=True)
         )
-        spent = f"{len(rows)} steps, {case.system.rejected} retried, {time.process_time() - begin:.0f} CPU s"
+        spent = f"{len(rows)} steps, {case.system.stepper.rejected} retried, {time.process_time() - begin:.0f} CPU s"
         print(f"  t = {case.system.time:.4g}: {parts}; {spent}", flush=True)
     compare_swings(np.array(rows))
 
@@ -93,7 +93,7 @@ def crowded() -> None:
             f"crowded, {cells[0]} x {cells[1]} cells in the flag: {places} nodes, {unseen} patterns unseen (least "
             f"{least:.1e}); u_y {states[-1, 2]:.4g}, moves by "
             f"{100 * np.ptp(states[states[:, 0] > 12, 2]) / abs(states[-1, 2]):.1e} % in the last 2 s, "
-            f"{case.system.rejected} steps retried"
+            f"{case.system.stepper.rejected} steps retried"
         )
     case = Flag(channel(rows), (14, 2))
     case.march(14.0, 0.2)

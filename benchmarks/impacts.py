@@ -76,7 +76,7 @@ def main() -> None:
     ledger, total = result.ledger, result.ledger["total"] / result.ledger["total"][0]
     momentum = np.linalg.norm([ledger[f"momentum_{axis}"][0] for axis in "xyz"])
     print(
-        f"{chosen.kind}: {len(total) - 1} steps to t = {until:g}, {system.rejected} retried, impacts {impacts}"
+        f"{chosen.kind}: {len(total) - 1} steps to t = {until:g}, {system.stepper.rejected} retried, impacts {impacts}"
     )
     print(
         f"  {result.statistics.iterations / (len(total) - 1):.1f} iterations by step, {len(system.x)} unknowns"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 from typing import Any
 
 import numpy as np
@@ -67,3 +68,46 @@ def test_arguments_cannot_be_changed_in_place() -> None:
     system.reset()
     with pytest.raises(vv.InputError, match=r"LinearElastic: young .*replace"):
         copy.deepcopy(steel).young = 2.0
+
+
+def test_dictionaries_and_tables_cannot_be_changed_in_place() -> None:
+    grid = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+    with pytest.raises(vv.InputError, match="stays as it is"):
+        grid.face_sets["x0"] = grid.faces("x1")
+    assert pickle.loads(pickle.dumps(grid)).nodes("x0").tolist() == grid.nodes("x0").tolist()
+    ramp = vv.TimeFunction([[0, 0], [1, 1]])
+    with pytest.raises(TypeError):
+        ramp.source[0][1] = 5.0  # type: ignore[index, union-attr, call-overload]
+
+
+def test_components_of_a_refused_system_are_as_before() -> None:
+    a, b = vv.PointMass(mass=1.0), vv.PointMass(mass=1.0)
+    push = vv.Force(on=a, force=(1, 0, 0))
+    with pytest.raises(vv.InputError, match="length 0"):
+        vv.System([a, push, b, vv.Distance(a=a.point(), b=b.point())])
+    with pytest.raises(vv.InputError, match="mass -5"):
+        a.mass = -5.0
+    a.mass = 2.0
+    system = vv.System([a, push])
+    vv.simulate(system, until=1.0, step=0.1)
+    assert system.x[0] == pytest.approx(0.25)
+
+
+def test_copies_of_components_are_in_no_system() -> None:
+    a = vv.PointMass(mass=1.0)
+    system = vv.System([a])
+    copy.copy(a).mass = 7.0
+    assert a.mass == 1.0
+    vv.simulate(system, until=1.0, step=0.5)
+    assert copy.deepcopy(system).time == system.time
+
+
+def test_components_of_a_system_are_those_it_was_made_of() -> None:
+    a = vv.PointMass(mass=1.0)
+    system = vv.System([a])
+    with pytest.raises(AttributeError):
+        system.components.append(vv.Gravity())  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError):
+        system.components = [a, vv.Gravity()]  # type: ignore[misc, assignment]
+    with pytest.raises(vv.InputError, match="listed twice"):
+        vv.System([vv.PointMass(mass=1.0)] * 2)

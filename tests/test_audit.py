@@ -342,3 +342,17 @@ def test_snaps_in_statics_are_called_so() -> None:
         found.append("snapped" in energy_verdict(result))
     assert found
     assert all(found)
+
+
+def test_fluids_without_periods_are_judged() -> None:
+    water = vv.Fluid(mesh=vv.RectangleMesh(size=(2, 1), counts=(4, 2)), density=1.0, viscosity=0.1)
+    inflow = vv.VelocityBoundary(fluid=water, faces="x0", velocity=("t", 0, 0))
+    system = vv.System(
+        [
+            water,
+            inflow,
+            *(vv.NoSlip(fluid=water, faces=f) for f in ("y0", "y1")),
+            vv.Outlet(fluid=water, faces="x1"),
+        ]
+    )
+    assert "linear momentum" in vv.simulate(system, until=0.2, step=0.1).audit()

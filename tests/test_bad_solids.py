@@ -58,7 +58,7 @@ def test_steps_that_invert_elements_are_cut_and_name_them(run: Any, error: Any, 
     system = squeezed()
     with pytest.raises(error, match=rf"{NAMED}.*{advice}"):
         run(system, until=1.0, step=0.1)
-    assert system.rejected > 5
+    assert system.stepper.rejected > 5
     assert 0.3 < system.time < 0.7
     assert system.components[0].fields(system.x).J.min() > 0  # the last accepted state
 

@@ -380,3 +380,17 @@ def test_no_traceback_reaches_the_user_but_for_debugging(cli: Run, monkeypatch: 
             main(arguments)
     with pytest.raises(vv.InputError):
         main(["check", "nothing", "--debug"])
+
+
+@pytest.mark.parametrize("size", ["0x0", "-3x5", "100000x10"])
+def test_sizes_that_nothing_draws_are_refused(
+    size: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "pendulum", "--until", "0.1", "--out", str(tmp_path / "r"), "--no-pictures"]) == 0
+    assert main(["picture", str(tmp_path / "r"), f"--size={size}"]) == 2
+    assert "pixels wide and high" in capsys.readouterr().err
+
+
+def test_an_empty_directory_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "pendulum", "--out", ""]) == 2
+    assert "the path is empty" in " ".join(capsys.readouterr().err.split())

@@ -355,7 +355,7 @@ def test_last_resort_serves_after_three_halvings() -> None:
         return system, next(vv.march(system, until=0.8, step=step))
 
     system, _ = moved(LastResort(), 0.08)
-    assert (system.rejected, system.time) == (3, pytest.approx(0.01, rel=1e-12))
+    assert (system.stepper.rejected, system.time) == (3, pytest.approx(0.01, rel=1e-12))
     exact, _ = moved(Direct(), 0.01)
     np.testing.assert_allclose(system.x, exact.x, atol=1e-12)
 

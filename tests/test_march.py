@@ -30,7 +30,7 @@ def test_halved_steps_return_to_the_grid(monkeypatch: pytest.MonkeyPatch) -> Non
         times.append(system.time)
     expected = [0, 0.1, 0.2, 0.225, 0.25, 0.3, 0.4, 0.5, 0.6]
     np.testing.assert_allclose(times, expected, atol=1e-14)
-    assert (system.clock.halvings, system.rejected) == (0, 2)
+    assert (system.clock.halvings, system.stepper.rejected) == (0, 2)
 
 
 def falling() -> vv.System:

@@ -171,7 +171,7 @@ def test_statics_of_vertices_in_valleys_between_facets(upper: int, lower: int, w
         parts = pressed(formulation, upper, lower, width, down=0.05)
         system = vv.System(parts)
         vv.quasi_static(system, until=1.0, step=0.1)
-        assert system.rejected == 0
+        assert system.stepper.rejected == 0
         assert isinstance(parts[2], vv.Contact)
         forces.append(parts[2].forces.sum(axis=0))
     node, mortar = forces

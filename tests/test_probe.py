@@ -197,3 +197,24 @@ def test_bad_input() -> None:
         vv.SectionForce(solid=solid, point=(5, 0, 0), normal=(1, 0, 0))
     with pytest.raises(vv.InputError, match=r"x00.*did you mean .x0"):
         vv.SupportForce(solid=solid, nodes="x00")
+
+
+@pytest.mark.parametrize(
+    "probe",
+    [
+        lambda b: vv.Position(of=b),
+        lambda b: vv.Velocity(of=b),
+        lambda b: vv.CentreOfMass(of=b),
+        lambda b: vv.SquaredDistance(a=b.point(), b=b.point()),
+    ],
+)
+def test_probes_of_another_system_are_refused(probe: Any) -> None:
+    """Its unknowns have numbers that are those of others here."""
+    a, b = vv.PointMass(mass=1.0, position=(4, 0, 0), name="a"), vv.PointMass(mass=1.0, name="b")
+    here, _ = vv.System([a]), vv.System([b])
+    with pytest.raises(vv.InputError, match="'b' is not in this system but in another"):
+        probe(b)(here)
+    with pytest.raises(vv.InputError, match="'b' is not in this system but in another"):
+        vv.simulate(here, until=1.0, step=0.5, record=[probe(b)])
+    with pytest.raises(vv.InputError, match="'b' is not in this system but in another"):
+        vv.simulate(here, until=2.0, step=0.5).history(probe(b))

@@ -214,3 +214,20 @@ def test_results_outlive_their_system_only_by_what_was_kept(tmp_path: Path) -> N
     ):
         with pytest.raises(vv.InputError, match="was reset since"):
             look()
+
+
+def test_shapes_and_notebooks_of_a_reset_system() -> None:
+    system = bar()
+    vv.simulate(system, until=0.1, step=0.1)
+    result, found = vv.simulate(system, until=0.2, step=0.1), vv.modes(bar(), 2)
+    system.reset()
+    assert "states kept" in result._repr_html_()
+    found.system.reset()
+    with pytest.raises(vv.InputError, match="was reset since"):
+        found.leader(0)
+
+
+def test_times_far_from_zero() -> None:
+    system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))])
+    system.time = 1.7e9
+    assert vv.simulate(system, until=1.7e9 + 1, step=0.01).statistics.steps == 100

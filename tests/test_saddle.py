@@ -59,4 +59,4 @@ def test_first_touch_within_a_short_step() -> None:
     )
     vv.simulate(system, until=0.0015, step=5e-4)
     assert contact.pressures.max() > 0
-    assert system.rejected == 0
+    assert system.stepper.rejected == 0

@@ -14,6 +14,13 @@ def whole(_: Any, tokens: Sequence[Any]) -> int:
     return int(tokens[0].value)
 
 
+def file_path(_: Any, tokens: Sequence[Any]) -> Path:
+    """A path; an empty text would be the present directory."""
+    if not tokens[0].value.strip():
+        raise ValueError("the path is empty")
+    return Path(tokens[0].value)
+
+
 Model = Annotated[
     str,
     Parameter(
@@ -56,7 +63,9 @@ Settings = Annotated[
 ]
 
 
-Out = Annotated[Path | None, Parameter(help="Directory for the files; runs/NAME if not given.")]
+Out = Annotated[
+    Path | None, Parameter(converter=file_path, help="Directory for the files; runs/NAME if not given.")
+]
 Until = Annotated[float | None, Parameter(help="End time.")]
 Step = Annotated[float | None, Parameter(help="Step length.")]
 SchemeText = Annotated[

@@ -74,7 +74,7 @@ def march(
     1.0
     """
     refuse_no_system("march", system)
-    until, step = checked_times(until, step)
+    until, step = checked_times(until, step, system.time)
     refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
     refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
     scheme = EnergyMomentum() if scheme is None else scheme
@@ -104,12 +104,12 @@ def know(system: System, step: float) -> None:
         system.clock.use(step)
 
 
-def checked_times(until: Any, step: Any) -> tuple[float, float]:
+def checked_times(until: Any, step: Any, now: float = 0.0) -> tuple[float, float]:
     """End time and length of steps as numbers that fit a run; those of numpy may have few digits to count with."""
     step, until = positive("march", "step", step), number("march", "until", until)
-    if MOST * step < abs(until) < math.inf:
+    if MOST * step < abs(until - now) < math.inf:
         raise InputError(
-            f"step = {step:g} is too small: {abs(until) / step:.0e} steps are no run; the most is {MOST:g}"
+            f"step = {step:g} is too small: {abs(until - now) / step:.0e} steps are no run; the most is {MOST:g}"
         )
     refuse_extreme(step)
     return until, step
@@ -242,7 +242,7 @@ def simulate(
     recorded = Recorded.of("simulate", record)
     memory = positive("simulate", "memory", memory)
     every = whole("simulate", "every", every)
-    until, step = checked_times(until, step)
+    until, step = checked_times(until, step, system.time)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
     result, books = begin(system, scheme, project=project, step=step)
     result.recorded = recorded
@@ -279,10 +279,10 @@ def advance(
 ) -> Iterator[Array]:
     """March on with the books kept; yields the ledger's row after each accepted step."""
     system, s = result.system, result.statistics
-    start, rejected = time.perf_counter(), system.rejected - s.rejected
+    start, rejected = time.perf_counter(), system.stepper.rejected - s.rejected
     for report in march(system, until=until, step=step, scheme=result.scheme, adaptive=adaptive):
         row = record(result, books, report.iterations, report.factorizations)
-        s.rejected = system.rejected - rejected
+        s.rejected = system.stepper.rejected - rejected
         s.seconds += time.perf_counter() - start
         yield row
         start = time.perf_counter()  # what the caller does with the step is not the step's time

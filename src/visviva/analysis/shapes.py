@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import positive
 from visviva.base.errors import InputError
+from visviva.system.memory import refuse_recomposed
 
 if TYPE_CHECKING:
     from visviva.component.component import Component
@@ -32,13 +33,21 @@ class Shapes:
     system: System
     shapes: NDArray[Any]
 
+    def __post_init__(self) -> None:
+        self._composition = self.system.composition
+
+    def _refuse_reset(self) -> None:
+        refuse_recomposed(type(self).__name__, self.system, self._composition)
+
     def shape(self, component: Component, name: str) -> NDArray[Any]:
         """Shapes (k, size) in one field of a component."""
+        self._refuse_reset()
         f = self.system.field(component, name)
         return self.shapes[:, f.start : f.start + f.size]
 
     def leader(self, k: int) -> str:
         """The component that moves most in shape `k`, relative to the scales of its unknowns."""
+        self._refuse_reset()
         scale = self.system.scale
         moves = np.abs(self.shapes[k]) / np.where(scale > 0, scale, np.inf)
         return self.system.describe(int(np.argmax(moves)))[0]
@@ -66,6 +75,7 @@ class Shapes:
         from visviva.output.picture import picture
         from visviva.results.drawing import Drawing
 
+        self._refuse_reset()
         positive("picture", "amplitude", amplitude)
         if not 0 <= k < len(self.shapes):
             raise InputError(f"picture: there is no shape {k}; there are {len(self.shapes)}, counted from 0")

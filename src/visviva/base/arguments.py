@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from abc import ABCMeta
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from inspect import Parameter, Signature, signature
@@ -85,7 +85,7 @@ class Validated(ABCMeta):
         """Pydantic would set one that does not know the fields of a class which it completes late."""
 
 
-class Fixed(metaclass=Validated):
+class Unchanging(metaclass=Validated):
     """Base of arguments that keep their own arguments, as what is made of them would not follow.
 
     Those that no user derives from are frozen dataclasses instead.
@@ -106,6 +106,30 @@ class Fixed(metaclass=Validated):
             raise InputError(f"{type(self).__name__}: {name} stays as given; {cure}")
         super().__setattr__(name, value)
 
+    def __delattr__(self, name: str) -> None:
+        """Refuse to delete an argument."""
+        self.__setattr__(name, None)
+        super().__delattr__(name)
+
+
+class FrozenDict(dict[Any, Any]):
+    """A dictionary that cannot be changed.
+
+    Examples
+    --------
+    >>> FrozenDict(a=1)["b"] = 2
+    Traceback (most recent call last):
+    visviva.base.errors.InputError: this dictionary is an argument of what was made of it, and stays as it is
+    """
+
+    def _refuse(self, *args: Any, **kwargs: Any) -> Any:
+        raise InputError("this dictionary is an argument of what was made of it, and stays as it is")
+
+    __setitem__ = __delitem__ = __ior__ = update = setdefault = pop = popitem = clear = _refuse
+
+    def __reduce__(self) -> tuple[type, tuple[dict[Any, Any]]]:
+        return FrozenDict, (dict(self),)
+
 
 def fixed(made: Any, given: Iterable[Any] = ()) -> Any:
     """An object whose arguments that are arrays and lists cannot be changed in place.
@@ -121,7 +145,7 @@ def fixed(made: Any, given: Iterable[Any] = ()) -> Any:
     ValueError: assignment destination is read-only
     """
     theirs = {id(value) for value in given}
-    if isinstance(made, Fixed):
+    if isinstance(made, Unchanging):
         vars(made)[MADE] = True
     for f in fields(made) if is_dataclass(made) else ():
         value = vars(made).get(f.name)
@@ -131,9 +155,13 @@ def fixed(made: Any, given: Iterable[Any] = ()) -> Any:
             own = value.copy() if id(value) in theirs or not value.flags.owndata else value
             own.setflags(write=False)
             vars(made)[f.name] = own
-        elif type(value) is list:
-            vars(made)[f.name] = tuple(value)
+        elif type(value) in FROZEN:
+            vars(made)[f.name] = FROZEN[type(value)](value)
     return made
+
+
+FROZEN: dict[type, Callable[[Any], Any]] = {list: tuple, dict: FrozenDict}
+"""Types of arguments that could be changed in place, and those that keep their values."""
 
 
 class Named(type):

@@ -19,7 +19,7 @@ from visviva.base.differences import central_rate, forward_rate
 from visviva.base.errors import InputError
 
 Evaluator = Callable[[Any], complex]
-Source = float | str | list[list[float]] | Callable[[float], float]
+Source = float | str | tuple[tuple[float, float], ...] | Callable[[float], float]
 
 OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.Add: operator.add,
@@ -112,7 +112,7 @@ class TimeFunction:
         elif isinstance(self.source, str):
             self._expression = _compile(self.source)
             self._value, self._rate = self._evaluate, self._derivative
-        elif isinstance(self.source, list):
+        elif isinstance(self.source, tuple):
             self._times = [t for t, _ in self.source]
             self._value, self._rate = self._interpolate, self._slope
         else:
@@ -145,7 +145,7 @@ class TimeFunction:
     @cached_property
     def kinks(self) -> tuple[float, ...]:
         """Times at which its rate jumps, as far as they are known: points of a table where it bends noticeably."""
-        if not isinstance(self.source, list):
+        if not isinstance(self.source, tuple):
             return ()
         slopes = [0.0, *((b - a) / (t1 - t0) for (t0, a), (t1, b) in pairwise(self.source)), 0.0]
         least = NOTICEABLE * max(map(abs, slopes))
@@ -153,7 +153,7 @@ class TimeFunction:
 
     def rate_after(self, t: float, step: float = 0.0) -> float:
         """Rate just after time `t`: where a function has a kink, what it goes on with."""
-        if isinstance(self.source, list):
+        if isinstance(self.source, tuple):
             table = self.source
             k = bisect.bisect_right(self._times, t)
             if k in (0, len(table)):
@@ -168,7 +168,7 @@ class TimeFunction:
         Of a table its second difference over a step to both sides, which holds for what was sampled finely; 0 where a
         kink is as near as that, for what happens there happens at once.
         """
-        if not isinstance(self.source, list):
+        if not isinstance(self.source, tuple):
             return float(central_rate(lambda s: self.rate(s, step), t, step))
         if step == 0 or any(abs(kink - t) < 1.5 * step for kink in self.kinks):
             return 0.0
@@ -246,9 +246,9 @@ def _plain(source: Any) -> Source:
     return number
 
 
-def _table(source: Any) -> list[list[float]]:
+def _table(source: Any) -> tuple[tuple[float, float], ...]:
     try:
-        rows = [[float(t), float(value)] for t, value in source]
+        rows = tuple((float(t), float(value)) for t, value in source)
     except (TypeError, ValueError):
         raise InputError(f"a table of a function of time has rows [t, value], not {source!r}") from None
     if not rows or not all(math.isfinite(x) for row in rows for x in row):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import weakref
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
+from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import MISSING, Field, fields, is_dataclass
 from types import FunctionType
@@ -123,6 +124,13 @@ class Component(metaclass=Composed):
         made = type(self).__new__(type(self))
         memo[id(self)] = made
         vars(made).update({name: deepcopy(value, memo) for name, value in self._as_made().items()})
+        made.forget()
+        return made
+
+    def __copy__(self) -> Component:
+        """One made of the same arguments, in no system."""
+        made = type(self).__new__(type(self))
+        vars(made).update(self._as_made())
         made.forget()
         return made
 
@@ -322,6 +330,10 @@ def name_components(components: Sequence[Component]) -> None:
                 seen[kind] += 1
                 vars(c)["name"] = f"{kind}-{seen[kind]}"
             taken.add(c.name)
+    twice = [c for c, k in Counter(map(id, components)).items() if k > 1]
+    if twice:
+        named = next(c.label for c in components if id(c) == twice[0])
+        raise InputError(f"{named} is listed twice among the components of a system")
     doubled = [n for n, k in Counter(c.name for c in components).items() if k > 1]
     if doubled:
         raise InputError(f"several components are called {doubled[0]!r}; names must be unique")
@@ -332,14 +344,31 @@ def system_of(component: Component) -> Any:
     return vars(component).get("_system", lambda: None)()
 
 
-def claim(system: Any, components: Sequence[Component]) -> None:
-    """Make components those of a system, which may then complete their arguments while it is composed.
+@contextmanager
+def claimed(system: Any, components: Sequence[Component]) -> Iterator[None]:
+    """Make components those of a system, which is composed of them meanwhile; where that fails, they are in none.
 
     Raises
     ------
     InputError
-        If one belongs to another system.
+        If one is no component, has the name of another, names one that is not here, or belongs to another system.
     """
+    name_components(components)
+    refuse_loose(components)
+    try:
+        _claim(system, components)
+        yield
+    except BaseException:
+        for c in components:
+            if system_of(c) is system:
+                del vars(c)["_system"]
+        raise
+    finally:
+        for c in components:
+            vars(c)[MADE] = True
+
+
+def _claim(system: Any, components: Sequence[Component]) -> None:
     for c in components:
         owner = system_of(c)
         if owner is not None and any(c is other for other in owner.components):  # a copy keeps the reference

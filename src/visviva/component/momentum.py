@@ -27,8 +27,10 @@ def axes_along(vectors: Any) -> str:
     """
     if callable(vectors):
         return "xyz"
-    sizes = np.abs(np.atleast_2d(np.asarray(vectors, dtype=float))).max(axis=0)
-    return "".join(c for c, size in zip("xyz", sizes, strict=False) if size > ROUNDING * sizes.max())
+    sizes = np.abs(np.atleast_2d(np.asarray(vectors, dtype=float))).max(axis=0, initial=0.0)
+    return "".join(
+        c for c, size in zip("xyz", sizes, strict=False) if size > ROUNDING * sizes.max(initial=0.0)
+    )
 
 
 def by_forces(axes: str) -> Axes:

@@ -276,10 +276,14 @@ def _motion(value: Any) -> Any:
     )
 
 
+def _plain_time(f: TimeFunction) -> Any:
+    return [list(row) for row in f.source] if isinstance(f.source, tuple) else f.source
+
+
 def _plain_motion(value: Any) -> Any:
     if callable(value):
         raise ValueError("a Python function cannot be written to a file")
-    return ["free" if f is None else f.source for f in value]
+    return ["free" if f is None else _plain_time(f) for f in value]
 
 
 Motion = Annotated[
@@ -303,7 +307,7 @@ def _time_and_place(value: Any) -> Any:
 
 
 def _plain_time_and_place(value: Any) -> Any:
-    return _plain_number(value) if not isinstance(value, TimeFunction) else value.source
+    return _plain_number(value) if not isinstance(value, TimeFunction) else _plain_time(value)
 
 
 OfTimeAndPlace = Annotated[

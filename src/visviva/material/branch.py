@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.arguments import Fixed
+from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Number
@@ -19,7 +19,7 @@ REFUSED = (Kind.HOLZAPFEL, Kind.USER)
 
 
 @dataclass(config=settings, kw_only=True)
-class Shift(Fixed):
+class Shift(Unchanging):
     """Base of how times of relaxation depend on the temperature."""
 
     @abstractmethod
@@ -87,7 +87,7 @@ class Arrhenius(Shift):
         return [2.0, self.energy / self.gas_constant, 1.0, self.reference]
 
 
-class Branch(Fixed):
+class Branch(Unchanging):
     """Base of what relaxes beside a material."""
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.arguments import Fixed
+from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Number
@@ -58,7 +58,7 @@ class Split(NamedTuple):
 
 
 @dataclass(config=settings, kw_only=True)
-class Material(Fixed):
+class Material(Unchanging):
     """Base of all materials; a material knows nothing of elements or time."""
 
     kind: ClassVar[Kind]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import wraps
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -10,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
-from visviva.component.component import Component, settings
+from visviva.component.component import Component, mentioned, settings, system_of
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, point_of
 from visviva.joint.joint import Joint
@@ -32,8 +33,33 @@ def touches(system: System) -> bool:
     return any(c.touches or c.rubs for c in system.components)
 
 
+def refuse_elsewhere(probe: Any, system: System) -> None:
+    """Refuse what reads a component of another system: its unknowns have the numbers of others here."""
+    for c in mentioned(probe):
+        if not c.is_fixed and system_of(c) is not system:
+            elsewhere = " but in another; components of a copy are found by name, copy['name']"
+            where = "" if system_of(c) is None else elsewhere
+            raise InputError(f"{type(probe).__name__}: {c.label} is not in this system{where}")
+
+
+def of_its_system(read: Callable[[Any, System], Any]) -> Callable[[Any, System], Any]:
+    """The reading of a probe, after a look whether its components are in the system."""
+
+    @wraps(read)
+    def looked(self: Any, system: System) -> Any:
+        refuse_elsewhere(self, system)
+        return read(self, system)
+
+    return looked
+
+
 class Reading(metaclass=Validated):
-    """Base of probes: a value read off a system."""
+    """Base of probes: a value read off the system that its components are in."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__call__" in vars(cls):
+            cls.__call__ = of_its_system(cls.__call__)  # type: ignore[assignment, method-assign]
 
     @property
     def quantity(self) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.base.arguments import Named, place, refuse_other
+from visviva.base.arguments import FrozenDict, Named, place, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.base.html import table
 from visviva.mesh import convert, cut, faces, quality
@@ -68,11 +68,12 @@ class Mesh(metaclass=Named):
             raise InputError(f"point {k} of a mesh is not finite: {points[k].tolist()}")
         n, put = len(points), object.__setattr__
         put(self, "points", _fixed(points))
-        put(self, "cells", {name: _cells(name, rows, n) for name, rows in self.cells.items()})
-        put(self, "node_sets", {k: _numbers(f"node set {k!r}", s, n) for k, s in self.node_sets.items()})
-        put(self, "face_sets", dict(self.face_sets))
+        put(self, "cells", FrozenDict({name: _cells(name, rows, n) for name, rows in self.cells.items()}))
+        node_sets = {k: _numbers(f"node set {k!r}", s, n) for k, s in self.node_sets.items()}
+        put(self, "node_sets", FrozenDict(node_sets))
+        put(self, "face_sets", FrozenDict(self.face_sets))
         sets = self.cell_sets.items()
-        put(self, "cell_sets", {k: _numbers(f"cell set {k!r}", s, self.n_cells) for k, s in sets})
+        put(self, "cell_sets", FrozenDict({k: _numbers(f"cell set {k!r}", s, self.n_cells) for k, s in sets}))
 
     def _repr_html_(self) -> str:
         rows = [("nodes", self.n_nodes), *((cell, len(nodes)) for cell, nodes in self.cells.items())]

@@ -16,7 +16,7 @@ from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import NO_STREAMS, Camera, Scene
+from visviva.output.view import NO_STREAMS, Camera, Scene, refuse_size
 
 Image = NDArray[np.uint8]
 
@@ -73,8 +73,9 @@ def movie(
     target = Path(file)
     if not fps > 0 or not speed > 0:
         raise InputError(f"a movie needs fps > 0 and speed > 0, got {fps} and {speed}")
-    if size[0] % 2 or size[1] % 2 or min(size) < 16:
-        raise InputError(f"a movie needs an even width and height of at least 16 pixels, got {size}")
+    refuse_size(size)
+    if size[0] % 2 or size[1] % 2:
+        raise InputError(f"a movie needs an even width and height, got {size}")
     encode = _encode_gif if target.suffix.lower() == ".gif" else _encode_mp4
     with Standing(trajectory, deform) as motion:
         coloring = Coloring.of(motion, field, limits, cmap) if field else None

@@ -16,7 +16,7 @@ from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values
+from visviva.output.view import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values, refuse_size
 
 
 def picture(
@@ -113,6 +113,7 @@ def snapshot(
     InputError
         If there is no such field, it has too many components to be shown, or the time is not in the motion.
     """
+    refuse_size(size)
     with Standing(trajectory, deform) as motion:
         coloring = Coloring.of(motion, field, limits, cmap) if field else None
         moment = chosen_moment(motion, time, coloring)

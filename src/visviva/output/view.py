@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring
 from visviva.output.surface import Surface
 
@@ -36,8 +37,16 @@ PRESETS = {
 """Directions from which one looks at the whole, and what is up then."""
 MARGIN = 1.12  # of the view around what is shown
 WIDE = 1.25  # the same of what is flat, which would lie under the label
+LARGEST = 16384
+"""Most pixels along an edge of a picture."""
 VIEW = ((1.0, -1.7, 0.75), (0.0, 0.0, 1.0))  # from where one looks by default, and what is up
 ABOVE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))  # the same for what lies in the plane of the first two axes
+
+
+def refuse_size(size: tuple[int, int]) -> None:
+    """Refuse pictures of sizes that no renderer draws."""
+    if min(size) < 16 or max(size) > LARGEST:
+        raise InputError(f"a picture is 16 to {LARGEST} pixels wide and high, not {size[0]} x {size[1]}")
 
 
 @dataclass(frozen=True)

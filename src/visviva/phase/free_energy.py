@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import LISTED, Fixed
+from visviva.base.arguments import LISTED, Unchanging
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Function, Number
@@ -24,7 +24,7 @@ GAS_CONSTANT = 8.31446261815324
 """J / (mol K), CODATA 2018."""
 
 
-class FreeEnergy(Fixed):
+class FreeEnergy(Unchanging):
     """Base of free energies ``f(c)`` per volume of a concentration or an order parameter.
 
     Those of the core are ``a c ln c + b (1 - c) ln(1 - c) + p(c - centre)`` with a polynomial p of degree 7 at most.

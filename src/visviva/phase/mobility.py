@@ -9,7 +9,7 @@ from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import Fixed
+from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Function, Number
@@ -18,7 +18,7 @@ from visviva.phase.free_energy import COEFFICIENTS
 Array = NDArray[np.float64]
 
 
-class Mobility(Fixed):
+class Mobility(Unchanging):
     """Base of mobilities ``M(c)``: polynomials of degree 7 at most, cut at zero."""
 
     centre: float = 0.0

@@ -15,6 +15,7 @@ from visviva.results.recorded import value_of
 from visviva.system.memory import undisturbed
 
 if TYPE_CHECKING:
+    from visviva.base.unit_labels import Units
     from visviva.results.result import Result
 
 Array = NDArray[np.float64]
@@ -75,9 +76,9 @@ def tabulated(result: Result, probes: Mapping[str, Any]) -> dict[str, Array]:
     return {"time": result.times if times is None else times, **columns}
 
 
-def units_of_columns(result: Result, probes: Mapping[str, Any]) -> dict[str, str]:
+def units_of_columns(result: Result, probes: Mapping[str, Any], units: Units) -> dict[str, str]:
     """Units of these columns, as far as they are known."""
-    units, found = result.system.units, dict[str, str]()
+    found = dict[str, str]()
     for name, probe in probes.items():
         first = result.history(probe)[0]
         found |= dict(zip(columns_of(name, probe, first), units_of(name, probe, first, units), strict=True))

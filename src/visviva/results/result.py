@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
-from visviva.measure.measures import Measure
+from visviva.base.html import table
+from visviva.measure.measures import Measure, refuse_elsewhere
 from visviva.model.form import Form, Strain, Vector
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.states import StateFile
@@ -33,6 +34,7 @@ from visviva.results.showing import (
     write_directory,
     write_trajectory,
 )
+from visviva.system.memory import refuse_recomposed
 
 if TYPE_CHECKING:
     from visviva.output.directory import RunDirectory
@@ -69,8 +71,9 @@ class Kept:
         """Keep a state."""
         self.n_bytes += x.nbytes + v.nbytes + sum(r.nbytes for r in records)
         self.times.append(time)
-        self.states.append(x.copy())
-        self.rates.append(v.copy())
+        for values, kept in ((x, self.states), (v, self.rates)):
+            kept.append(values.copy())
+            kept[-1].setflags(write=False)
         self.records.append(records)
 
 
@@ -125,13 +128,13 @@ class Result:
         self._refuse_other_run()
         return self._system
 
+    @property
+    def _is_present(self) -> bool:
+        """Whether its system holds this run, and was not reset since."""
+        return self._system.composition is self._composition
+
     def _refuse_other_run(self) -> None:
-        if self._system.composition is not self._composition:
-            raise InputError(
-                "Result: its system was reset since, or simulated with start='beginning', and what is in it now is "
-                "another run; read an earlier result before that, or simulate a system.copy(). What was kept, times, "
-                "states, ledger and recorded histories, can still be read"
-            )
+        refuse_recomposed("Result", self._system, self._composition)
 
     @property
     def times(self) -> Array:
@@ -173,6 +176,7 @@ class Result:
             return np.array([what.value(x) for x in self.states])
         if not isinstance(what, Measure):
             return looked_back(self, what)
+        refuse_elsewhere(what, self.system)
         values = np.array([[e.value(x) for e in what.strains()] for x in self.states])
         return values[:, 0] if values.shape[1] == 1 else values
 
@@ -208,7 +212,7 @@ class Result:
 
     def column_units(self, *probes: Any, **named: Any) -> dict[str, str]:
         """Units of `columns`, as far as they are known."""
-        return units_of_columns(self, self._wanted(*probes, **named))
+        return units_of_columns(self, self._wanted(*probes, **named), self._system.units)
 
     def _wanted(self, *probes: Any, **named: Any) -> dict[str, Any]:
         wanted = {f"probe_{k + 1}": p for k, p in enumerate(probes)} | named
@@ -294,7 +298,7 @@ class Result:
         return f"Result({end} with {self.scheme}, {len(self.times)} states kept)"
 
     def _repr_html_(self) -> str:
-        return html_of(self)
+        return html_of(self) if self._is_present else table([], title=repr(self))
 
     def conservation(self) -> dict[str, float]:
         """Relative errors: energy balance, each momentum, constraints at position and velocity level.

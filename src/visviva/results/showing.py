@@ -80,7 +80,9 @@ def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) 
     ledger = dict(zip(result.ledger.names, result.ledger.table.T, strict=True))
     series = tabulated(result, probes)
     with target(file) as path:
-        overview(ledger, series, path, labels=labels(result, units_of_columns(result, probes)))
+        overview(
+            ledger, series, path, labels=labels(result, units_of_columns(result, probes, result.system.units))
+        )
         return made(path, file)
 
 
@@ -149,7 +151,7 @@ def write_directory(result: Result, path: str | Path, fields: Sequence[str]) -> 
     from visviva.results.drawing import Drawing
 
     files = RunDirectory.create(path)
-    units = units_of_columns(result, result.recorded.probes)
+    units = units_of_columns(result, result.recorded.probes, result.system.units)
     files.write_labels(labels(result, units))
     result.ledger.to_csv(files.ledger)
     result.to_csv(files.probes)

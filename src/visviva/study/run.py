@@ -129,7 +129,7 @@ def run(
 
 def settle_times(study: Study) -> None:
     """Refuse what cannot be a step or an end; they may have been changed since the study was made."""
-    study.until, study.step = checked_times(study.until, study.step)
+    study.until, study.step = checked_times(study.until, study.step, study.system.time)
     if not math.isfinite(study.until):
         raise InputError(f"end time until = {study.until} is not a finite number")
 

@@ -203,3 +203,18 @@ def _give(term: Term, history: Arrays, trial: Arrays, at_tangent: Arrays, before
         own.clear()
         own.update({name: value.copy() for name, value in kept.items()})
     term.history_at_tangent, term.history_before = dict(at_tangent), dict(before)
+
+
+def refuse_recomposed(whose: str, system: System, composition: object) -> None:
+    """Refuse to go on with a system that was reset since this composition of it was noted.
+
+    Raises
+    ------
+    InputError
+        With the cure.
+    """
+    if system.composition is not composition:
+        raise InputError(
+            f"{whose}: its system was reset since (start='beginning' does so) and holds another run; look at "
+            "earlier results before that, or go on with a system.copy(). Arrays that were kept can still be read"
+        )

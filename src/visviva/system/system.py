@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import MADE, Named, finite, refuse_other
+from visviva.base.arguments import Named, finite, refuse_other
 from visviva.base.errors import InputError, RunError, nearest
 from visviva.base.html import table
 from visviva.base.renamed import Renamed
@@ -20,10 +20,8 @@ from visviva.component.component import (
     begin_anew,
     begin_if_set,
     characteristic_length,
-    claim,
-    name_components,
+    claimed,
     refuse_changed,
-    refuse_loose,
 )
 from visviva.component.connected import lengths_of_parts
 from visviva.component.point import Attachable
@@ -92,7 +90,7 @@ class System(metaclass=Named):
     ) -> None:
         refuse_other("System", "components", components, Iterable, "a list of components")
         refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
-        self.components, self._newton = list(components), newton or Newton()
+        self._components, self._newton = tuple(components), newton or Newton()
         self.units = units
         begin_if_set(self.components)
         self._compose()
@@ -106,21 +104,19 @@ class System(metaclass=Named):
         self._present: Present | None = None
         self.report: CheckReport | None = None  # of the check before the first step
         self._pattern: tuple[int, Pattern] | None = None
-        name_components(self.components)
-        refuse_loose(self.components)
-        length = characteristic_length(self.components)
-        self.model = Model(self.components, length=length, lengths=lengths_of_parts(self.components, length))
-        claim(self, self.components)
-        for c in self.components:
-            c.announce(self.model)
-        for c in sorted(
-            self.components, key=lambda c: not isinstance(c, Attachable)
-        ):  # joints attach to bodies
-            c.declare(self.model)
-        for c in sorted(self.components, key=lambda c: c.contributes_last):
-            c.contribute(self.model)
-        for c in self.components:
-            vars(c)[MADE] = True
+        with claimed(self, self.components):
+            length = characteristic_length(self.components)
+            self.model = Model(
+                self.components, length=length, lengths=lengths_of_parts(self.components, length)
+            )
+            for c in self.components:
+                c.announce(self.model)
+            for c in sorted(
+                self.components, key=lambda c: not isinstance(c, Attachable)
+            ):  # joints attach to bodies
+                c.declare(self.model)
+            for c in sorted(self.components, key=lambda c: c.contributes_last):
+                c.contribute(self.model)
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")
         fields = self.model.fields
@@ -163,7 +159,7 @@ class System(metaclass=Named):
         >>> ends[0] == ends[1]
         True
         """
-        kept = {name: vars(self)[name] for name in ("components", "_newton", "_units")}
+        kept = {name: vars(self)[name] for name in ("_components", "_newton", "_units")}
         vars(self).clear()
         vars(self).update(kept)
         begin_anew(self.components)
@@ -192,6 +188,9 @@ class System(metaclass=Named):
         twin.report = self.report
         return twin
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> System:
+        return self.copy()
+
     def __repr__(self) -> str:
         return (
             f"System({len(self.components)} components, n = {self.n_coordinates}, m = {self.n_constraints}, "
@@ -204,6 +203,11 @@ class System(metaclass=Named):
         ]
         more = [("", f"... {len(rows) - MOST_SHOWN} more", "")] if len(rows) > MOST_SHOWN else []
         return table([*rows[:MOST_SHOWN], *more], ("component", "name", "mass"), repr(self))
+
+    @property
+    def components(self) -> tuple[Component, ...]:
+        """Its components, which are those it was made of."""
+        return self._components
 
     @property
     def units(self) -> Units:
@@ -261,11 +265,6 @@ class System(metaclass=Named):
     def clock(self) -> Clock:
         """The clock that counts its steps."""
         return self.stepper.clock
-
-    @property
-    def rejected(self) -> int:
-        """Steps that failed, or were too inaccurate, and were tried again."""
-        return self.stepper.rejected
 
     @property
     def is_given(self) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.arguments import Fixed
+from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
 from visviva.body.solid_fields import FULL, components
 from visviva.component.component import settings
@@ -29,7 +29,7 @@ HALVES = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 """Of derivatives by one of two equal components."""
 
 
-class HeatLaw(Fixed):
+class HeatLaw(Unchanging):
     """Base of what tells how a material stores and conducts heat.
 
     Attributes
