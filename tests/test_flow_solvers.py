@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from flow_parts import enclosed, stream
+from immersed_parts import carried
 from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.analysis.march import prepare
+from visviva.system.problem import problem_of
 
 Array = NDArray[np.float64]
 FACTORS = vv.Direct(library="eigen")
@@ -102,3 +104,17 @@ def test_iterations_do_not_grow_with_the_mesh(n: int) -> None:
 def test_pressures_follow_the_length_of_the_step() -> None:
     """The matrix of the pressures is inverse to the length; that of another one would take many iterations."""
     step(lid_driven(4, "hex8"), few_iterations(8), (1.0, 1e-4, 1e-4))
+
+
+def test_flows_that_carry_solids_are_solved_as_flows() -> None:
+    """The nodes of the solid have left the equations."""
+    system = vv.System(carried("hex8"))
+    prepare(system, vv.EnergyMomentum())
+    assert problem_of(system).has_flow
+
+
+def test_gmres_finds_what_factors_find_where_a_solid_is_carried() -> None:
+    """All unknowns: those of the solid follow from the fluid's."""
+    exact = few_iterations(60, 1e-9)
+    expected, found = (step(carried("hex8", 6), linear, (0.05, 0.05)) for linear in (vv.Direct(), exact))
+    assert np.abs(found - expected).max() < 1e-7 * np.abs(expected).max()

@@ -119,7 +119,7 @@ class Problem:
     has_diagonal : bool
         Of unsymmetric tangents: no entry of the diagonal vanishes.
     has_flow : bool
-        Velocities and pressures of a fluid are among the equations, and no solid that it carries along.
+        Velocities and pressures of a fluid are among the equations; solids that it carries along have left them.
     is_flow : bool
         Nothing else is: all constraints are pressures.
     temperatures : Temperatures

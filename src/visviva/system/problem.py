@@ -49,7 +49,10 @@ def problem_of(system: System) -> Problem:
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
     symmetric = not any(f.role in UNSYMMETRIC for f in fields)
     conduction = temperatures(model) is Temperatures.ALONE
-    has_flow = not core.n_eliminated and any(f.role is Role.VELOCITY for f in fields)
+    fluids = {id(f.component) for f in fields if f.role is Role.VELOCITY}
+    flow = sum(int(np.sum(~f.fixed)) for f in fields if id(f.component) in fluids)
+    # what tied nodes leave may be a flow alone, when solids that it carries have left
+    has_flow = bool(fluids) and (not core.n_eliminated or flow == core.n_equations)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
     return Problem(
         n=core.n_equations,
