@@ -135,6 +135,43 @@ def test_le11_solid_cylinder_taper_sphere(cell: Literal["quad8", "quad9"]) -> No
     assert abs(found[2] - found[1]) < 0.45 * abs(found[1] - found[0])
 
 
+def test_le11_in_space_with_its_field_computed() -> None:
+    """The same as a quarter in space whose field of temperature is that of its surface and of what arises inside.
+
+    Sources of -k / r keep it at r + z. Stress is that of finite strains, a thousandth off.
+    """
+    unit = vv.BoxMesh(size=(1, 1, 1), counts=(5, 20, 2), cell="hex20").build()
+    across, along, around = unit.points.T
+    inner, outer = meridian(along)
+    r, z = (inner + across[:, None] * (outer - inner)).T
+    angle = 0.5 * np.pi * (1 - around)
+    mesh = vv.Mesh(
+        np.column_stack([r * np.cos(angle), r * np.sin(angle), z]), unit.cells, face_sets=unit.face_sets
+    )
+    solid = vv.ThermoelasticSolid(
+        mesh=mesh,
+        material=vv.SaintVenantKirchhoff(**STEEL),
+        heat=vv.Heat(conductivity=1.0, capacity=1e4, expansion=2.3e-4, reference=300.0),
+    )
+
+    def radius(X: np.ndarray) -> np.ndarray:
+        return np.asarray(np.hypot(X[:, 0], X[:, 1]))
+
+    surface = np.unique(np.concatenate([solid.nodes(side) for side in ("x0", "x1", "y0", "y1")]))
+    system = vv.System([
+        solid,
+        vv.PrescribedTemperature(body=solid, nodes=surface, value=lambda t, X: 300 + radius(X) + X[:, 2]),
+        vv.HeatSource(body=solid, power=lambda t, X: -1 / radius(X)),
+        *(vv.SymmetryPlane(solid=solid, nodes=side, normal=n) for side, n in
+          (("y0", (0, 0, 1)), ("y1", (0, 0, 1)), ("z0", (1, 0, 0)), ("z1", (0, 1, 0)))),
+    ])  # fmt: skip
+    vv.quasi_static(system, until=1.0, step=1.0)
+    off = solid.temperatures(system.x) - (300 + radius(solid.points) + solid.points[:, 2])
+    assert np.abs(off).max() < 1e-3
+    stress = vv.FieldAt(solid=solid, field="cauchy", at=(1.0, 0.0, 0.0))(system)
+    assert stress[2] == pytest.approx(-105.0, rel=0.01)
+
+
 THIN = 0.05
 
 
