@@ -56,6 +56,11 @@ CASES: dict[str, tuple[Callable[..., tuple[vv.System, vv.Result]], dict[str, Any
     "plates, dissipative": (lambda **o: impact(plates(**o)), DUAL),
     "plates, conserving": (lambda **o: impact(plates(impact="conserving", **o)), DUAL),
     "quadratic plates": (lambda **o: impact(plates("quad8", impact="conserving", **o)), DUAL),
+    "quadratic plates with a gap": (
+        lambda **o: impact(plates("quad8", impact="conserving", gap=0.01, **o)),
+        DUAL,
+    ),
+    "biquadratic plates, dissipative": (lambda **o: impact(plates("quad9", **o)), DUAL),
     "plates, vertices": (lambda **o: impact(plates(impact="conserving", **o)), VERTICES),
     "a brick on a sphere": (lambda **o: impact(on_shape("sphere", **o)), {}),
 }

@@ -18,10 +18,11 @@ bool ContactTerm::is_covered(int A, const std::vector<double>& area) const {
     return area[A] > least_cover * options_.area[A];
 }
 
-// At the start of the step; what is held must not open by rounding.
+// At the start of the step. Rounding opens nothing: neither what is held, nor some of the gaps that close
+// together at a step's end.
 bool ContactTerm::closed(int A) const {
-    const double rounding = rebounds() ? touching * search_.reach() * area0_[A] : 0;
-    return area0_[A] > 0 && gap0_[A] <= rounding;
+    const double length = rebounds() ? search_.reach() : options_.size;
+    return area0_[A] > 0 && gap0_[A] <= touching * length * area0_[A];
 }
 
 // Rate at which closed gaps close when the step begins.
@@ -47,9 +48,9 @@ double ContactTerm::rebound(int A, const Context& c) const {
 double ContactTerm::least_gap(int A, const Context& c) const {
     if (c.step.is_static()) return 0;
     if (rebounds()) return (pushes_out() ? std::max(gap0_[A], 0.0) : gap0_[A]) + rebound(A, c);
-    const double rounding = options_.conserving ? 0 : touching * area0_[A] * options_.size;
-    const bool holds = options_.conserving || (!options_.presses_out && gap0_[A] < -rounding);
-    return holds ? std::min(gap0_[A], 0.0) : 0.0;
+    if (options_.conserving) return closed(A) ? gap0_[A] : 0.0;
+    const double rounding = touching * area0_[A] * options_.size;
+    return !options_.presses_out && gap0_[A] < -rounding ? gap0_[A] : 0.0;
 }
 
 // Without inertia what just touches holds: bodies may rest on nothing else.

@@ -1,5 +1,6 @@
 #include "visviva/linear/reduce/contact_condensation.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -227,23 +228,45 @@ bool ContactCondensation::solve(const double* r, const Place& place, double* d, 
     return Reduction::solve(r, place, d, rest, tolerance) && (!rough_ || refine(r, place, d, rest));
 }
 
-// Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway.
+// Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway. What
+// was left out acts through the multipliers alone: increments are mixed so that the corrections of these are
+// least (Anderson 1965), which ends after as many as there are, whether or not single corrections grow.
 bool ContactCondensation::refine(const double* r, const Place& place, double* d, LinearSolver& rest) {
     constexpr int most = 30;
     constexpr double rounding = 1e-15, good = 1e-9;
     const double whole = size(d);
+    const auto n = static_cast<Eigen::Index>(full_->equation.size());
+    Eigen::MatrixXd changes(n, most), steps(n, most);  // of corrections, and of what they correct
+    Eigen::MatrixXd seen(nodes_.size(), most);         // the changes in multipliers
+    Eigen::Map<Eigen::VectorXd> x(d, n);
+    Eigen::VectorXd more(n), more_before, step;
+    auto multipliers = [&](const Eigen::VectorXd& all) {
+        Eigen::VectorXd own(nodes_.size());
+        for (std::size_t k = 0; k < nodes_.size(); ++k) own[k] = all[full_->unknown[nodes_[k].multiplier]];
+        return own;
+    };
     double before = whole;
     for (int k = 0; k < most && rest.report().n_iterations == 0; ++k) {
-        residual_.assign(r, r + full_->equation.size());
-        more_.assign(residual_.size(), 0.0);
+        residual_.assign(r, r + n);
+        more.setZero();
         add_product(d, residual_.data());
-        if (!Reduction::solve(residual_.data(), place, more_.data(), rest, 0)) return false;
-        const double now = size(more_.data());
-        if (now < before)
-            for (std::size_t i = 0; i < more_.size(); ++i) d[i] += more_[i];
-        if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) return true;
-        if (!(now < before)) break;
-        before = now;
+        if (!Reduction::solve(residual_.data(), place, more.data(), rest, 0)) return false;
+        const double now = size(more.data());
+        if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) {
+            if (now < before) x += more;
+            return true;
+        }
+        if (k > 0) {
+            changes.col(k - 1) = more - more_before, steps.col(k - 1) = step;
+            seen.col(k - 1) = multipliers(changes.col(k - 1));
+        }
+        step = more;
+        if (k > 0) {
+            const Eigen::VectorXd share = seen.leftCols(k).colPivHouseholderQr().solve(multipliers(more));
+            step -= (changes.leftCols(k) + steps.leftCols(k)) * share;
+        }
+        x += step;
+        more_before = more, before = now;
     }
     if (rest.report().n_iterations > 0) return true;
     message_ =

@@ -63,7 +63,7 @@ class ContactCondensation : public Reduction {
     std::vector<std::int64_t> place_;  // by equation left
     const double* full_values_ = nullptr;
     bool rough_ = false;
-    std::vector<double> residual_, more_;  // while a solution is refined
+    std::vector<double> residual_;  // while a solution is refined
 };
 
 }  // namespace visviva
