@@ -112,9 +112,17 @@ def warm_patch(at: float) -> vv.ThermalBody:
     return vv.ThermalBody(mesh=mesh, conductivity=1.0)
 
 
+def film(at: float) -> vv.CahnHilliard:
+    """A mixture on a surface in space."""
+    return vv.CahnHilliard(
+        mesh=sheet(at).grid, free_energy=vv.DoubleWell(barrier=1.0), gradient_energy=1.0, concentration=0.5
+    )
+
+
 @pytest.mark.parametrize(
     ("body", "cure"),
     [
+        (film, "leave its place out of the mesh"),
         (line_in_plane, "ImmersedThin"),
         (line_in_space, "ImmersedThin"),
         (sheet, "ImmersedThin"),
@@ -128,6 +136,60 @@ def test_thin_and_thermal_bodies_in_a_fluid_that_does_not_know_of_them(body: Any
     stood(body, 0.4, allowed=True)
     stood(body, 1.0)
     stood(body, 1.1)
+
+
+SOFT = vv.NeoHooke(young=1.0, poisson=0.3)
+
+
+def bar(at: float) -> vv.Solid:
+    """Of one cell, whose middle is in the hole of a fluid."""
+    return vv.Solid(
+        mesh=vv.RectangleMesh(size=(0.9, 0.1), counts=(1, 1), origin=(0.05, at)), material=SOFT, density=1.0
+    )
+
+
+def cover(at: float) -> vv.Solid:
+    """One cell in which a whole fluid lies."""
+    return vv.Solid(
+        mesh=vv.RectangleMesh(size=(90, 80), counts=(1, 1), origin=(-7, -7 + at)), material=SOFT, density=1.0
+    )
+
+
+def crate(at: float) -> vv.RigidBody:
+    """The same of a rigid body, whose surface is far away."""
+    return vv.RigidBody(shape=vv.Box(size=(90, 80, 1)), density=1.0, position=(30, 30 + at, 0))
+
+
+def beam_through(at: float) -> vv.Beam:
+    """Of one cell, whose ends and middle are out of a fluid with a hole."""
+    return vv.Beam(mesh=vv.LineMesh(points=[(-1, at, 0), (2, at, 0)], count=1), section=ROD, first=(0, 0, 1))
+
+
+@pytest.mark.parametrize(("body", "clear"), [(bar, 1.0), (cover, 100.0), (crate, 100.0), (beam_through, 2.0)])
+@pytest.mark.parametrize("cell", ["quad4", "tri6"])
+def test_large_cells_around_and_across_a_fluid_are_seen(body: Any, clear: float, cell: str) -> None:
+    """Where neither their middles nor their nodes lie in it."""
+    whole = vv.RectangleMesh(size=(1, 1), counts=(10, 10), cell=cell).build()
+    middles = whole.points[whole.cells[cell]].mean(axis=1)
+    hole = np.all(np.abs(middles - 0.5) < [0.25, 0.2], axis=1)
+    mesh = vv.Mesh(whole.points, {cell: whole.cells[cell][~hole]}).without_orphans()
+
+    def system(at: float, **more: Any) -> vv.System:
+        fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1, **more)
+        return vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), body(at)])
+
+    with pytest.raises(InputError, match=r"lies within Fluid.*allow it by Fluid\(dry=True\)"):
+        system(0.43)
+    system(0.43, dry=True)
+    system(clear)
+
+
+def test_what_is_wet_in_one_fluid_is_not_so_in_another() -> None:
+    solid, one, other = patch(), box(), box()
+    one.dry = True
+    walls = [vv.NoSlip(fluid=fluid, faces="all") for fluid in (one, other)]
+    with pytest.raises(InputError, match="Solid 'solid-1' lies within Fluid 'fluid-2'"):
+        vv.System([solid, one, other, *walls, vv.Immersed(solid=solid, fluid=one)])
 
 
 def massless(allowed: bool) -> vv.System:

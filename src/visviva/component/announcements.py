@@ -78,7 +78,14 @@ class Straining(Component):
 
 
 class Wetting(Component):
-    """Announcement of the immersion of a body in a fluid, made about the body."""
+    """Announcement of the immersion of a body in a fluid, made about the body.
+
+    Attributes
+    ----------
+    fluid : Component
+    """
+
+    fluid: Component
 
     @property
     def carried(self) -> Component:

@@ -110,15 +110,21 @@ class Location:
         return low - margin, high + margin
 
     @cached_property
+    def _reach(self) -> float:
+        """No cell has a place farther away from its centre."""
+        low, high = self._boxes
+        return float(np.linalg.norm(high - low, axis=1).max())
+
+    @cached_property
     def _straight(self) -> dict[str, Straight]:
         return {name: Straight(CELLS[name], self.mesh.points[self.mesh.cells[name]]) for name in self._first}
 
     def find(self, places: Array) -> tuple[Ints, Array]:
         """Cells (n,), -1 outside of all, and reference coordinates (n, d) of places (n, d)."""
         cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
-        _, near = self._tree.query(places)
+        away, near = self._tree.query(places)
         self._try(places, np.arange(len(places)), near, cells, xi)
-        lost, k = np.flatnonzero(cells < 0), min(NEAREST, self.mesh.n_cells)
+        lost, k = np.flatnonzero((cells < 0) & (away <= self._reach)), min(NEAREST, self.mesh.n_cells)
         if len(lost) == 0:
             return cells, xi
         _, near = self._tree.query(places[lost], k=k)

@@ -16,7 +16,7 @@ from visviva.component.announcements import Wetting
 from visviva.component.meshed import Meshed
 from visviva.flow.location import Location, outside
 from visviva.flow.marks import winding
-from visviva.mesh.cells import CELLS
+from visviva.mesh.cells import CELLS, TETRAHEDRON, TRIANGLE, WEDGE, Cell
 from visviva.model.field import Owner
 
 if TYPE_CHECKING:
@@ -33,19 +33,60 @@ TOUCHING = 1e-6
 INTERIOR = 1e-4
 """A place lies within a cell, and not on its border, from so far inside in its reference coordinates."""
 
+SEARCHED = 20_000
+"""So many places of a mesh are looked for in a fluid, if its cells are fewer."""
+SOME = 500
+"""So many cells of a fluid are looked for in a body."""
 
-def places_within(body: Owner, dimension: int) -> Array:
-    """Places (n, d) that lie inside of a body at the start, on the line or middle of a thin one; none of points."""
-    if isinstance(body, MeshBody) and body.is_thin:
+
+def places_within(body: Owner, dimension: int, size: float, box: Array) -> Array:
+    """Places (n, d) that lie inside of a body at the start, on the line or middle of a thin one; none of points.
+
+    Those in cells of a mesh are no farther from each other than `size`, or as many as are searched fast; of cells
+    outside of the `box` (2, d) there are none.
+    """
+    if isinstance(body, Meshed) and is_sheet(body, dimension):
         grid = body.grid
         flat = dimension == 3 or (grid.dimension == 1 and not np.any(grid.points[:, 2:]))
-        return np.vstack([grid.centres, grid.points])[:, :dimension] if flat else np.zeros((0, dimension))
+        if not flat:
+            return np.zeros((0, dimension))
+        return np.vstack([spread(grid, size, box), grid.points])[:, :dimension]
     if isinstance(body, Meshed) and body.dimension == dimension == body.grid.dimension:
-        return np.asarray(body.grid.centres)
+        return spread(body.grid, size, box)
     if isinstance(body, RigidBody) and body.shape is not None:
         X = below(*body.shape.surface())
         return np.asarray((body.position + X @ body.rotation.T)[:, :dimension])
     return np.zeros((0, dimension))
+
+
+def is_sheet(body: Meshed, dimension: int) -> bool:
+    """Whether a body is a line or a surface in a fluid of a dimension, thin or without thickness."""
+    return (isinstance(body, MeshBody) and body.is_thin) or body.grid.dimension < body.dimension == dimension
+
+
+def spread(grid: Mesh, size: float, box: Array) -> Array:
+    """Places (n, d) within the cells of a mesh that meet a box (2, k), no farther from each other than a size."""
+    found, k = [np.zeros((0, grid.points.shape[1]))], box.shape[1]
+    for name, nodes in grid.cells.items():
+        X, kind = grid.points[nodes], CELLS[name]
+        low, high = X.min(axis=1), X.max(axis=1)
+        meets = np.all((high[:, :k] >= box[0]) & (low[:, :k] <= box[1]), axis=1)
+        counts = np.maximum(np.ceil((high - low)[meets].max(axis=1) / size), 1.0)
+        while counts.max(initial=1) > 1 and np.sum(counts**kind.dimension) > SEARCHED:
+            counts = np.ceil(counts / 2)
+        for n in np.unique(counts):
+            N = kind.N(lattice(kind, int(n)))
+            found.append(np.einsum("qk,mkd->mqd", N, X[meets][counts == n]).reshape(-1, X.shape[2]))
+    return np.concatenate(found)
+
+
+def lattice(kind: Cell, n: int) -> Array:
+    """Centres (q, d) of the parts of a reference cell that is cut into `n` along edges; of simplices the upright."""
+    d, simplex = kind.dimension, {TRIANGLE: 2, WEDGE: 2, TETRAHEDRON: 3}.get(kind.family, 0)
+    steps = np.stack(np.meshgrid(*[np.arange(n)] * d, indexing="ij"), axis=-1).reshape(-1, d)
+    steps = steps[steps[:, :simplex].sum(axis=1) < n] if simplex else steps
+    upright, straight = steps[:, :simplex], steps[:, simplex:]
+    return np.hstack([(upright + 1 / (simplex + 1)) / n, (2 * straight + 1) / n - 1])
 
 
 def below(points: Array, triangles: NDArray[np.int64]) -> Array:
@@ -66,19 +107,34 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
     InputError
         With the component, the place, and what to take instead.
     """
+    size = float(np.median(fluid.grid.volumes) ** (1 / fluid.dimension))
     for body in model.components:
-        if body is fluid or model.announced(body, Wetting):
+        if body is fluid or any(wet.fluid is fluid for wet in model.announced(body, Wetting)):
             continue
-        places = places_within(body, fluid.dimension)
+        places = places_within(body, fluid.dimension, size, fluid.grid.bounding_box)
         if len(places):
             places = places[fluid.location.find(places)[0] >= 0]
-        if isinstance(body, MeshBody) and body.is_thin and len(places):  # along a wall it is not within
+        if isinstance(body, Meshed) and is_sheet(body, fluid.dimension) and len(places):
+            # along a wall it is not within
             places = places[deep_in_fluid(fluid, places, TOUCHING * fluid.extent)]
+        places = places if len(places) else swallowed(fluid, body)
         if len(places):
             raise InputError(
                 f"{body.label} lies within {fluid.label}, at {places[0].round(6).tolist()} for instance, and neither "
                 f"feels the other: {cure(body)}, move it, or allow it by Fluid(dry=True)"
             )
+
+
+def swallowed(fluid: Fluid, body: Owner) -> Array:
+    """Centres (n, d) of some cells all over a fluid that lie inside of a body: all may lie in one of its cells."""
+    centres: Array = fluid.grid.centres
+    some: Array = centres[np.unique(np.linspace(0, len(centres) - 1, SOME).astype(int))]
+    if isinstance(body, Meshed) and body.dimension == fluid.dimension == body.grid.dimension:
+        low, high = body.grid.bounding_box
+        return inside_mesh(body.grid, some[np.all((low < some) & (some < high), axis=1)])
+    if isinstance(body, RigidBody) and body.shape is not None:
+        return inside_body(body, *body.shape.surface(), some)
+    return np.zeros((0, fluid.dimension))
 
 
 def cure(body: Owner) -> str:
@@ -100,7 +156,11 @@ def deep_in_fluid(fluid: Fluid, places: Array, reach: float) -> NDArray[np.bool_
 
 def covered_by_mesh(fluid: Fluid, grid: Mesh) -> Array:
     """Places (n, d) of the fluid's boundary that lie inside of a mesh."""
-    places = fluid.wall_places(grid.points.mean(axis=0))
+    return inside_mesh(grid, fluid.wall_places(grid.points.mean(axis=0)))
+
+
+def inside_mesh(grid: Mesh, places: Array) -> Array:
+    """Those of places (n, d) that lie within cells of a mesh, and not on their borders."""
     search = Location(grid)
     cells, xi = search.find(places)
     within = np.zeros(len(places), dtype=bool)
@@ -111,8 +171,12 @@ def covered_by_mesh(fluid: Fluid, grid: Mesh) -> Array:
 
 def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDArray[np.int64]) -> Array:
     """The same of a rigid body with a surface of triangles in its own coordinates; of prisms in a plane fluid too."""
-    flat = fluid.dimension == 2
-    places = fluid.wall_places(body.position[: fluid.dimension])
+    return inside_body(body, points, triangles, fluid.wall_places(body.position[: fluid.dimension]))
+
+
+def inside_body(body: RigidBody, points: Array, triangles: NDArray[np.int64], places: Array) -> Array:
+    """Those of places (n, d) that lie within a rigid body, and not on its surface; in a plane within the prism."""
+    flat = places.shape[1] == 2
     X = (np.pad(places, ((0, 0), (0, 1))) - body.position * [1, 1, 0]) if flat else places - body.position
     X = X @ body.rotation
     if flat:
