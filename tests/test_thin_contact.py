@@ -196,6 +196,38 @@ def test_a_rod_slides_along_another() -> None:
     assert abs(bar.velocities(system.x, system.v)[:, 1]).max() < 1e-6
 
 
+@pytest.mark.parametrize("other", ["plane", "bar"])
+def test_a_bar_pressed_in_its_middle_sinks_in_as_on_an_elastic_bed(other: str) -> None:
+    """Of free ends on a bed of stiffness k per length (Hetenyi 1946): a penalty s on a width 2 r is k = 2 r s."""
+    half, length, a = (2 * RADIUS if other == "bar" else RADIUS), 0.3, 2.4
+    stretch = E * np.pi * RADIUS**2
+    stiffness = (1e3 * stretch, 1e3 * stretch, stretch, BENDING, BENDING, BENDING)
+    mesh = vv.LineMesh(points=[(0, 0, half), (length, 0, half)], count=20, cell="line3")
+    bar = vv.Beam(mesh=mesh, section=vv.GivenSection(stiffness=stiffness, outside=RADIUS))
+    below: Any = vv.Plane() if other == "plane" else rod((-0.1, 0, 0), (length + 0.1, 0, 0), 4)
+    held = [] if other == "plane" else [vv.Clamped(solid=below, nodes="all")]
+    k = 4 * BENDING * (a / length) ** 4  # so that all of it stays in contact
+    contact = vv.Contact(
+        first=bar, second=below, enforcement="penalty", stiffness=k / (2 * RADIUS), initial="press"
+    )
+    force = 1e-3 * k * length * RADIUS
+    push = vv.Force(on=bar.point((length / 2, 0, half)), force=(0, 0, -force), times="t")
+    centre = int(np.argmin(np.abs(bar.points[:, 0] - length / 2)))
+    guides = [
+        vv.SymmetryPlane(solid=bar, nodes="all", normal=(0, 1, 0)),
+        vv.Fixed(solid=bar, nodes=[centre], directions=(True, False, False)),
+    ]
+    system = vv.System([bar, below, *held, contact, push, *guides])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    deep = np.sinh(a) + np.sin(a)
+    middle = force * a / length / (2 * k) * (np.cosh(a) + np.cos(a) + 2) / deep
+    ends = 2 * force * a / length / k * np.cosh(a / 2) * np.cos(a / 2) / deep
+    w = -bar.displacements(system.x)[:, 2]
+    assert w[centre] == pytest.approx(middle, rel=0.01)
+    assert w[bar.nodes("end")] == pytest.approx(ends, rel=0.02)
+    assert contact.forces[:, 2].sum() == pytest.approx(force, rel=1e-6)
+
+
 def test_a_beam_is_peeled_off_the_ground() -> None:
     """The length a that half its weight q a lifts at the tip rises by q a^4 / (24 E I); the rest lies on the ground."""
     radius, bending, count = 0.01, 1e3, 40
