@@ -25,6 +25,10 @@ def body(**options: Any) -> vv.CahnHilliard:
     return vv.CahnHilliard(**given)
 
 
+def arrhenius(**options: Any) -> vv.ArrheniusMobility:
+    return vv.ArrheniusMobility(**{"base": 2.0, "activation": 50e3, "temperature": 300.0, **options})
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -44,6 +48,10 @@ def body(**options: Any) -> vv.CahnHilliard:
         (lambda: body(periodic=[("x0", "x0")]), "is no pair of two sets of faces"),
         (lambda: body(periodic=[("x0", "x9")]), "no set of faces 'x9'"),
         (lambda: body(thickness=0.0), "thickness = 0 is not positive"),
+        (lambda: arrhenius(temperature=-3.0), "temperature = -3 is not positive"),
+        (lambda: arrhenius(activation=-1.0), "activation = -1 is negative"),
+        (lambda: arrhenius(base=-1.0), "ArrheniusMobility: mobility = -1 is not positive"),
+        (lambda: arrhenius(activation=5e7), "nothing moves at temperature = 300"),
         (lambda: vv.DegenerateMobility(scale=-1.0), "scale = -1 is not positive"),
         (lambda: vv.UserMobility(function=lambda c: c - 0.5), "it is -0.5 at c = 0; it must not be negative"),
         (lambda: vv.UserMobility(function=lambda c: np.abs(c - 0.5)), "a polynomial of degree 7 is off by"),

@@ -117,10 +117,11 @@ from .model.term import Term
 from .output.reader import StoredRun, read
 from .phase.allen_cahn import AllenCahn
 from .phase.cahn_hilliard import CahnHilliard
+from .phase.exclusion import Exclusion
 from .phase.fracturing_solid import FracturingSolid
 from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, RegularSolution, UserFreeEnergy
 from .phase.mixture_solid import MixtureSolid
-from .phase.mobility import DegenerateMobility, UserMobility
+from .phase.mobility import ArrheniusMobility, DegenerateMobility, UserMobility
 from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
 from .results.result import Result
 from .scheme.schemes import (
@@ -163,6 +164,7 @@ __all__ = [
     "ArcLength",
     "ArcMesh",
     "Arrhenius",
+    "ArrheniusMobility",
     "Automatic",
     "BackwardEuler",
     "Beam",
@@ -208,6 +210,7 @@ __all__ = [
     "EdgeMoment",
     "ElasticFoundation",
     "EnergyMomentum",
+    "Exclusion",
     "ExtensibleShell",
     "Extreme",
     "Faces",

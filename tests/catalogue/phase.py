@@ -62,6 +62,7 @@ def plain() -> Components:
     """Without functions of Python."""
     body = mixture(concentration=0.4, periodic=[["y0", "y1"]])
     field = order(order=0.2, free_energy=vv.PolynomialEnergy(coefficients=(1.0, 0.5, -2.0, 0.0, 1.0)))
+    other = order(order=0.3)
     chains = mixture(concentration=0.6, free_energy=CHAINS, mobility=vv.DegenerateMobility(scale=0.4))
     return [
         body,
@@ -71,6 +72,8 @@ def plain() -> Components:
         vv.Wetting(body=body, faces="x0", angle=60.0),
         vv.PrescribedConcentration(body=body, nodes="x1", value="0.5 + 0.1*t"),
         vv.ConcentrationSource(body=field, rate="0.1*t"),
+        other,
+        vv.Exclusion(bodies=[field, other], strength=0.4),
     ]
 
 
@@ -81,6 +84,12 @@ def walled_order() -> Components:
         vv.Wetting(body=body, faces="y0", energy=vv.PolynomialEnergy(coefficients=(0.0, 0.3, -0.5, 0.2))),
         vv.ConcentrationSource(body=body, rate=lambda t, X: 0.1 * t + X[:, 0]),
     ]
+
+
+def grains() -> Components:
+    well = vv.PolynomialEnergy(coefficients=(0.0, 0.0, -0.5, 0.0, 0.25))
+    bodies = [order(free_energy=well, order=lambda X, k=k: 0.4 + 0.2 * np.sin(X[:, 0] + k)) for k in range(3)]
+    return [*bodies, vv.Exclusion(bodies=bodies, strength=1.5)]
 
 
 def alloy(mesh: Any, **options: Any) -> vv.MixtureSolid:
@@ -133,6 +142,7 @@ PHASE = [
     Entry("mixture in a plate, plain", plain_alloy, NOTHING, steps=20),
     Entry("order parameter", lambda: [order()], NOTHING, steps=40),
     Entry("order parameter, conserved, with a wall", walled_order, NOTHING, steps=40),
+    Entry("grains", grains, NOTHING, steps=40),
     Entry("mixtures, plain", plain, NOTHING, steps=20),
     Entry(
         "mixture of the user's energy",

@@ -13,7 +13,7 @@ from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Function, Number
-from visviva.phase.free_energy import COEFFICIENTS
+from visviva.phase.free_energy import COEFFICIENTS, GAS_CONSTANT
 
 Array = NDArray[np.float64]
 
@@ -130,6 +130,49 @@ class ConstantMobility(Mobility):
         if not self.scale > 0:
             raise InputError(f"mobility = {self.scale:g} is not positive")
         self.polynomial = Polynomial([self.scale])
+
+
+@dataclass(config=settings, kw_only=True)
+class ArrheniusMobility(Mobility):
+    """A mobility that diffusion needs activation for: ``base exp(-activation / (gas_constant temperature))``.
+
+    Parameters
+    ----------
+    base : float or Mobility
+        At infinite temperature.
+    activation : float
+        Energy per mole.
+    temperature : float
+        Absolute; the same everywhere and as long as the body lasts.
+    gas_constant : float
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> cold, warm = (vv.ArrheniusMobility(base=1e-3, activation=50e3, temperature=T) for T in (300.0, 400.0))
+    >>> round(float(warm.values(0.5) / cold.values(0.5)))
+    150
+    """
+
+    base: Number | Mobility
+    activation: Number
+    temperature: Number
+    gas_constant: Number = GAS_CONSTANT
+
+    def __post_init__(self) -> None:
+        base = mobility_of("ArrheniusMobility", self.base)
+        for name in ("temperature", "gas_constant"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"ArrheniusMobility: {name} = {getattr(self, name):g} is not positive")
+        if not self.activation >= 0:
+            raise InputError(f"ArrheniusMobility: activation = {self.activation:g} is negative")
+        share = float(np.exp(-self.activation / (self.gas_constant * self.temperature)))
+        if not share > 0:
+            raise InputError(
+                f"ArrheniusMobility: nothing moves at temperature = {self.temperature:g} with activation = "
+                f"{self.activation:g}; check their units"
+            )
+        self.centre, self.polynomial = base.centre, share * base.polynomial
 
 
 def mobility_of(label: str, given: Any) -> Mobility:
