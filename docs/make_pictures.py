@@ -20,6 +20,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from visviva.examples import crane, flexible_slider_crank, tori, torus, valve
+from visviva.output import RunDirectory
 from visviva.output.picture import snapshot
 from visviva.output.plot import energy_plot
 from visviva.study.run import run
@@ -41,7 +42,8 @@ def draw_crane() -> Path:
         snapshot(
             files / "trajectory.vtkhdf", here / "left.png", time=MOMENT, trails=("load",), size=(900, 800)
         )
-        energy_plot(files / "ledger.csv", here / "right.png", title="Rotary crane, h = 0.01 s")
+        labels = RunDirectory.open(files).read_labels()
+        energy_plot(files / "ledger.csv", here / "right.png", title="Rotary crane, h = 0.01 s", labels=labels)
         return side_by_side([here / "left.png", here / "right.png"], PICTURES / "crane.png")
 
 

@@ -166,6 +166,24 @@ def test_abaqus_file(tmp_path: Path) -> None:
     assert enclosed(mesh, mesh.faces("free")) == pytest.approx(1.5)
 
 
+def test_an_instance_stands_where_its_part_was_moved_and_turned(tmp_path: Path) -> None:
+    """A translation first, then a turn about the axis through (1, 0, 0) and (1, 2, 0)."""
+    instance = "*Instance, name=i, part=p\n 1., 0., 3.\n 1., 0., 0., 1., 2., 0., 90.\n*End instance\n"
+    part = vv.MeshFile(write_input(tmp_path)).build()
+    moved = vv.MeshFile(write_input(tmp_path, INPUT.replace("*Material", instance + "*Material"))).build()
+    x, y, z = (part.points + np.array([0.0, 0.0, 3.0])).T  # seen from the axis
+    np.testing.assert_allclose(moved.points, np.column_stack([z + 1.0, y, -x]), atol=1e-14)
+    assert moved.check().volume == pytest.approx(part.volume)
+
+
+def test_plane_parts_stay_in_their_plane(tmp_path: Path) -> None:
+    plane = "*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n*Element, type=CPE3\n 1, 1, 2, 3\n*Instance, name=i\n 1., 2.\n"
+    turned = vv.MeshFile(write_input(tmp_path, plane + " 1., 2., 0., 1., 2., 1., 90.\n")).build()
+    np.testing.assert_allclose(turned.points, [[1, 2], [1, 3], [0, 2]], atol=1e-15)
+    with pytest.raises(vv.InputError, match="out of its plane"):
+        vv.MeshFile(write_input(tmp_path, plane + " 0., 0., 0., 1., 0., 0., 90.\n")).build()
+
+
 BAD_INPUTS = {
     "unknown element": (("C3D8R", "C3D15"), "'C3D15' are unknown"),
     "too few nodes": (("50, 60, 70, 80\n", "50, 60, 70\n"), "C3D8R do not have 8 nodes each"),
@@ -177,6 +195,7 @@ BAD_INPUTS = {
     "no such side": (("8, S1", "8, S6"), "wedge6 has no side S6"),
     "word for a number": ((" 90, 0., .5", " 90, zero, .5"), "NODE.*zero"),
     "two parts": (("*Material", "*Part, name=a\n*Part, name=b\n*Material"), "several parts"),
+    "two instances": (("*Material", "*Instance, name=a\n*Instance, name=b\n*Material"), "several instances"),
     "missing file": (("sets.inp", "nothing.inp"), "does not exist"),
     "no name": (("nset=bottom, ", ""), "NSET"),
 }

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Ints
@@ -85,7 +87,7 @@ class Reader:
         self.node_sets: dict[str, list[Ints]] = {}
         self.cell_sets: dict[str, list[Ints]] = {}
         self.sides: dict[str, list[tuple[Ints, int | None]]] = {}
-        self.n_parts = 0
+        self.n_parts = self.n_instances = 0
 
     def read(self, path: Path) -> Collection:
         """All of a file."""
@@ -184,9 +186,13 @@ class Reader:
             raise InputError("it has several parts: write it flat, without parts and assemblies")
 
     def instance(self, section: Section) -> None:
-        """A part may be used in place only."""
-        if section.lines:
-            raise InputError("it moves an instance of a part: write it flat, without parts and assemblies")
+        """The part stands where its only instance is: moved, then turned about an axis through two points."""
+        self.n_instances += 1
+        if self.n_instances > 1:
+            raise InputError("it has several instances: write it flat, without parts and assemblies")
+        if section.lines and self.points:
+            rows = [[float(word) for word in row] for row in section.lines]
+            self.points = placed(np.array(self.points), rows).tolist()
 
     def members(
         self, section: Section, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str
@@ -220,6 +226,27 @@ class Reader:
             return np.array([numbers[k] for k in ids.tolist()], dtype=np.int64)
         except KeyError as error:
             raise InputError(f"there is no {what} {error.args[0]} before its use") from None
+
+
+def placed(points: NDArray[np.float64], rows: list[list[float]]) -> NDArray[np.float64]:
+    """Points of an instance: a row with its translation, and one with two points of an axis and degrees about it.
+
+    Examples
+    --------
+    >>> turned = [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 90.0]]
+    >>> placed(np.array([[1.0, 0.0, 0.0]]), turned).round(12).tolist()
+    [[0.0, 2.0, 0.0]]
+    """
+    moved = np.zeros((len(points), 3))
+    moved[:, : points.shape[1]] = points
+    moved[:, : len(rows[0])] += rows[0]
+    if len(rows) > 1:
+        first, second, degrees = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
+        axis = (second - first) / np.linalg.norm(second - first)
+        moved = first + Rotation.from_rotvec(np.radians(degrees) * axis).apply(moved - first)
+    if points.shape[1] == 2 and np.abs(moved[:, 2]).max() > 1e-9 * np.ptp(moved):
+        raise InputError("it turns a plane part out of its plane: write it with coordinates in space")
+    return moved[:, : points.shape[1]]
 
 
 def cell_of(element: str) -> str:
