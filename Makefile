@@ -13,7 +13,7 @@ core:  ## build the extension module in place
 test: core
 	PYTHONPATH=src $(PYTHON) -m pytest
 campaign: core  ## what takes longer than a test may; short forms of it are among the tests
-	cd tests && PYTHONPATH=../src $(PYTHON) -m campaign
+	cd tests && PYTHONPATH=../src $(PYTHON) -m campaign && PYTHONPATH=../src $(PYTHON) -m verified
 lint:
 	ruff check . && ruff format --check . && mypy
 	check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml

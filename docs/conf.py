@@ -9,11 +9,13 @@ sys.path.insert(0, HERE)
 from make_gallery import make_gallery  # noqa: E402
 from make_reference import make_reference  # noqa: E402
 from make_rooms import make_rooms  # noqa: E402
+from make_tutorials import make_tutorials  # noqa: E402
 from make_verification import make_verification  # noqa: E402
 
 make_gallery()
 make_rooms()
 make_reference()
+make_tutorials()
 make_verification()
 
 project = "visviva"

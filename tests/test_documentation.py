@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import doctest
+import json
 import pkgutil
+import re
 import runpy
 import tomllib
 from importlib import import_module
@@ -44,3 +47,34 @@ def test_reference_has_every_public_name_once() -> None:
     groups = tomllib.loads((ROOT / "docs" / "reference.toml").read_text())
     names = [name.split(".")[-1] for group in groups.values() for name in group]
     assert {name: names.count(name) for name in visviva.__all__ if names.count(name) != 1} == {}
+
+
+def test_figures_of_the_page_on_verification_are_of_tests_that_there_are() -> None:
+    """``python -m verified`` measures them anew."""
+    folder = ROOT / "tests" / "verification"
+    with (ROOT / "docs" / "campaign" / "verified.csv").open(newline="") as file:
+        measured = {row["test"] for row in csv.DictReader(file)}
+    there = {
+        f"{path.name}::{name}"
+        for path in folder.glob("test_*.py")
+        for name in re.findall(r"^def (test_\w+)", path.read_text(), flags=re.MULTILINE)
+    }
+    assert measured - there == set()
+    assert len(measured) > 0.6 * len(there), "the others ask for yes or no, or are new"
+
+
+def test_tutorials_are_notebooks_with_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All of them are code that compiles; the first is run as it stands, with its pictures."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    tutorials = import_module("make_tutorials")
+    for page in sorted((ROOT / "docs").glob("tutorial*.rst")):
+        made = json.loads(json.dumps(tutorials.notebook(page)))
+        assert (made["nbformat"], made["cells"][0]["source"][0][:2]) == (4, "# ")
+        code = ["".join(cell["source"]) for cell in made["cells"] if cell["cell_type"] == "code"]
+        assert any("result.picture(" in cell for cell in code)
+        assert all(compile(cell, page.name, "exec") for cell in code)
+        told = "".join("".join(cell["source"]) for cell in made["cells"] if cell["cell_type"] == "markdown")
+        assert not re.search("``|>>>|^\\.\\. |:doc:", told, flags=re.MULTILINE)
+    names = tutorials.run(ROOT / "docs" / "tutorial.rst", tmp_path)
+    assert names["report"].degrees_of_freedom == 1
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["pendulum.png", "pendulum_energy.png"]
