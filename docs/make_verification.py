@@ -27,9 +27,6 @@ largest of that. Of cases with several cells, schemes or step sizes the one that
 and of tests that compare more the three nearest. Figures were measured by ``python -m verified`` in ``tests``, on
 x86-64 with AVX2; they move with rounding. Tests without figures ask for yes or no, such as a refusal.
 
-.. contents::
-   :local:
-
 {tables}
 """
 TABLE = """\
