@@ -52,12 +52,13 @@ void bind_flow(nb::module_& m) {
         });
     nb::class_<OpenTerm, Term>(m, "OpenTerm")
         .def("__init__",
-             [](OpenTerm* t, double density, double viscosity, const Ints& index, const Doubles& N,
-                const Doubles& G, const Doubles& normal) {
+             [](OpenTerm* t, double density, double viscosity, bool directional, const Ints& index,
+                const Doubles& N, const Doubles& G, const Doubles& normal) {
                  OpenData d{};
                  d.n = extent(N, 0), d.n_points = extent(N, 1), d.n_nodes = extent(N, 2),
                  d.dim = extent(G, 3);
-                 d.density = density, d.viscosity = viscosity, d.index = index.data();
+                 d.density = density, d.viscosity = viscosity, d.directional = directional;
+                 d.index = index.data();
                  d.N = N.data(), d.G = G.data(), d.normal = normal.data();
                  new (t) OpenTerm(d);
              })

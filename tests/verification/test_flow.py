@@ -296,13 +296,35 @@ def test_energy_of_eddies_decays_as_it_should() -> None:
 
 
 # --- open boundaries ----------------------------------------------------------------------------------------
+def test_tractions_that_drive_a_channel_are_those_of_cauchy() -> None:
+    """Poiseuille flow between exact tractions on both ends is in the space of the elements."""
+    fluid = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4), cell="quad9"), density=1.0, viscosity=0.05
+    )
+
+    def stress(side: float, pressure: float) -> Any:
+        return lambda t, X: np.stack(
+            [pressure + 0 * X[:, 1], side * 0.2 * (1 - 2 * X[:, 1]), 0 * X[:, 1]], axis=1
+        )
+
+    ends = [
+        vv.FluidTraction(fluid=fluid, faces="x0", traction=stress(-1, 0.4)),
+        vv.FluidTraction(fluid=fluid, faces="x1", traction=stress(1, 0.0)),
+    ]
+    system = vv.System([fluid, *ends, *(vv.NoSlip(fluid=fluid, faces=side) for side in ("y0", "y1"))])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    assert vv.FlowRate(fluid=fluid, faces="x1")(system) == pytest.approx(2 / 3, rel=1e-9)
+
+
 @pytest.mark.parametrize("cell", ["quad9", "tri6"])
 def test_backflow_brings_no_energy(cell: str) -> None:
     """Eddies on a box that is open all around, hardly viscous: half of its boundary sucks, and energy only falls."""
     mesh = vv.RectangleMesh(size=(2.0, 2.0), counts=(6, 6), cell=cell, origin=(0.5, 0.7))
     start = eddies(0.0, 0.0)
     fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=1e-6, velocity=lambda X: 5.0 * start(X)[0])
-    system = vv.System([fluid, vv.FluidTraction(fluid=fluid, faces="all", traction=(0, 0, 0))])
+    system = vv.System(
+        [fluid, vv.FluidTraction(fluid=fluid, faces="all", traction=(0, 0, 0), directional=True)]
+    )
     into = [vv.FlowRate(fluid=fluid, faces=side)(system) for side in ("x0", "x1", "y0", "y1")]
     assert min(into) < -0.5
     result = vv.simulate(system, until=1.0, step=0.05)

@@ -4,22 +4,28 @@
 
 namespace visviva {
 
-// At a point of a face: velocity, its gradient, the traction, and what leaves (v . n times the area).
+// At a point of a face: velocity, its gradient, the traction, and what leaves (v . n times the area), and the
+// part of it that carries kinetic energy.
 struct OpenTerm::Point {
     const double *N, *G, *n;
-    double area, v[3], L[9], t[3], leaving;
+    double area, v[3], L[9], t[3], leaving, carried;
 
-    double out() const { return leaving > 0 ? leaving : 0; }
     // Force on the fluid per shape function, taken off: outflow, viscosity and, apart, the traction
     double through(int i, double rho, double mu, int dim) const {
-        double sum = 0.5 * rho * out() * v[i];
+        double sum = 0.5 * rho * carried * v[i];
         for (int j = 0; j < dim; ++j) sum -= mu * L[j * dim + i] * n[j];
         return sum;
     }
 };
 
 OpenTerm::OpenTerm(const OpenData& d)
-    : n_(d.n), nodes_(d.n_nodes), points_(d.n_points), dim_(d.dim), rho_(d.density), mu_(d.viscosity) {
+    : n_(d.n),
+      nodes_(d.n_nodes),
+      points_(d.n_points),
+      dim_(d.dim),
+      rho_(d.density),
+      mu_(d.viscosity),
+      directional_(d.directional) {
     const auto points = static_cast<std::size_t>(d.n) * d.n_points;
     index_.assign(d.index, d.index + static_cast<std::size_t>(d.n) * d.n_nodes);
     N_.assign(d.N, d.N + points * d.n_nodes), G_.assign(d.G, d.G + points * d.n_nodes * d.dim);
@@ -51,7 +57,7 @@ void OpenTerm::update_load(double t) {
 
 OpenTerm::Point OpenTerm::at(const Context& c, int face, int point) const {
     const std::size_t k = static_cast<std::size_t>(face) * points_ + point;
-    Point p{&N_[k * nodes_], &G_[k * nodes_ * dim_], &normal_[k * dim_], 0, {}, {}, {}, 0};
+    Point p{&N_[k * nodes_], &G_[k * nodes_ * dim_], &normal_[k * dim_], 0, {}, {}, {}, 0, 0};
     for (int a = 0; a < nodes_; ++a)
         for (int i = 0; i < dim_; ++i) {
             const int u = index_[face * nodes_ + a] + i;
@@ -60,7 +66,7 @@ OpenTerm::Point OpenTerm::at(const Context& c, int face, int point) const {
             for (int j = 0; j < dim_; ++j) p.L[i * dim_ + j] += v * p.G[a * dim_ + j];
         }
     for (int i = 0; i < dim_; ++i) p.area += p.n[i] * p.n[i], p.leaving += p.v[i] * p.n[i];
-    p.area = std::sqrt(p.area);
+    p.area = std::sqrt(p.area), p.carried = directional_ && p.leaving < 0 ? 0 : p.leaving;
     for (int i = 0; i < dim_; ++i) p.t[i] = p.area * traction_[k * dim_ + i];
     return p;
 }
@@ -86,7 +92,7 @@ void OpenTerm::tangent(const Context& c, double* values) {
     const double theta = c.step.theta;
     each_point([&](int face, int point) {
         const Point p = at(c, face, point);
-        const double open = p.leaving > 0 ? 0.5 * rho_ * theta : 0;
+        const double open = directional_ && p.leaving < 0 ? 0 : 0.5 * rho_ * theta;
         for (int a = 0; a < nodes_; ++a)
             for (int b = 0; b < nodes_; ++b) {
                 const std::size_t k = (static_cast<std::size_t>(face) * nodes_ + a) * nodes_ + b;

@@ -10,14 +10,15 @@ namespace visviva {
 struct OpenData {
     int n, n_nodes, n_points, dim;
     double density, viscosity;  // viscosity 0: the traction is that of Cauchy's stress
+    bool directional;           // whether what enters brings no kinetic energy
     const int* index;           // first unknown of the cell's nodes
     const double *N, *G;        // [node], [node][dim]
     const double* normal;       // [dim] outward, times the area of the point
 };
 
-// sigma n = t - rho/2 max(-v.n, 0) v: with the skew-symmetric convection, no kinetic energy enters with a
-// backflow. With a viscosity, sigma n - mu (grad v)^T n instead: what leaves in parallel streams goes on
-// undisturbed.
+// sigma n = t; directional, sigma n = t - rho/2 max(-v.n, 0) v: no kinetic energy enters with a backflow.
+// With the skew-symmetric convection that takes rho/2 (v.n) v, or its outgoing part. With a viscosity, sigma
+// n - mu (grad v)^T n instead: what leaves in parallel streams goes on undisturbed.
 class OpenTerm : public Term {
   public:
     explicit OpenTerm(const OpenData& data);
@@ -42,6 +43,7 @@ class OpenTerm : public Term {
 
     int n_, nodes_, points_, dim_;
     double rho_, mu_;
+    bool directional_;
     std::vector<int> index_;
     std::vector<double> N_, G_, normal_, traction_;
     FlowLoad load_;

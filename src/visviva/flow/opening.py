@@ -29,11 +29,13 @@ faster still, the iteration has lost its way, and an opening is not known to be 
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Open(FluidBoundary):
-    """Base of faces with tractions; kinetic energy leaves through them, and none enters."""
+    """Base of faces with tractions, through which fluid carries its kinetic energy."""
 
     rank: ClassVar[int] = 3
     is_developed: ClassVar[bool] = False
     """Whether parallel streams pass undisturbed."""
+    directional: ClassVar[bool]
+    """Whether fluid that comes in brings no kinetic energy."""
 
     @property
     def is_open(self) -> bool:
@@ -68,7 +70,7 @@ class Open(FluidBoundary):
             viscosity = self.fluid.viscosity if self.is_developed else 0.0
             index = np.ascontiguousarray(self.fluid.node_unknowns(p.nodes))
             carried = self.fluid.density if self.fluid.convection else 0.0
-            term = _core.OpenTerm(carried, viscosity, index, p.N, p.gradients, p.normal)
+            term = _core.OpenTerm(carried, viscosity, self.directional, index, p.N, p.gradients, p.normal)
             load = self._loader(p)
             self._loads.append(load)
             term.set_load(load, p.normal.size)
@@ -100,7 +102,8 @@ class Outlet(Open):
     ``mu dv/dn - p n = -pressure n``, and where fluid comes back ``- rho/2 (v.n)- v`` besides, which takes off the
     kinetic energy that it would bring (the directional do-nothing condition of Braack & Mucha 2014). Where fluid comes
     in through such an opening for good, a part ``rho v^2/2`` of the pressure accelerates it: a channel between two
-    outlets carries less than one between given pressures. `FluidTraction` gives the pressure alone.
+    outlets carries less than one between given pressures. `FluidTraction` gives Cauchy's stress alone, of which the
+    viscous part at the end of a channel is a shear that varies across it.
 
     Examples
     --------
@@ -112,6 +115,7 @@ class Outlet(Open):
     """
 
     pressure: OfTime = 0.0
+    directional: ClassVar[bool] = True
     is_developed: ClassVar[bool] = True
 
     def traction_at(self, time: float, p: FlowFaces) -> Array:
@@ -132,6 +136,14 @@ class FluidTraction(Open):
         Name of a set of faces, or 'all'.
     traction : (3,) or callable
         Force per area; or ``f(t, X)`` of time and positions (n, 3) with values (n, 3).
+    directional : bool
+        Where fluid comes in, act by ``rho/2 (v.n) v`` besides, as `Outlet` does: it then brings no kinetic energy, and
+        eddies that cross the boundary cannot feed themselves (Braack & Mucha 2014). That is no longer Cauchy's stress:
+        a channel between given tractions carries less.
+
+    Notes
+    -----
+    Fluid that comes in brings its kinetic energy, which the ledger books as work of the outflow.
 
     Examples
     --------
@@ -141,6 +153,7 @@ class FluidTraction(Open):
     """
 
     traction: VectorOrFunction
+    directional: bool = False  # type: ignore[misc]
 
     def __post_init__(self) -> None:
         super().__post_init__()
