@@ -290,3 +290,24 @@ def test_solids_in_space_have_no_thickness() -> None:
     mesh, rubber = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), vv.NeoHooke(young=1.0, poisson=0.3)
     with pytest.raises(vv.InputError, match="Solid 'block': thickness is for plane meshes; leave it out"):
         vv.Solid(mesh=mesh, material=rubber, density=1.0, thickness=3.0, name="block")
+
+
+@pytest.mark.parametrize(
+    ("plane", "acceleration", "message"),
+    [
+        ("strain", (0, 0, -9.81), r"acts along z, .*\(0, -9.81, 0\)"),
+        ("axisymmetric", (1.0, 0, 0), "is axisymmetric about y"),
+    ],
+)
+def test_weights_that_act_on_nothing_are_refused(plane: Any, acceleration: Any, message: str) -> None:
+    grid = vv.RectangleMesh(size=(1, 1), counts=(1, 1), origin=(0.5, 0))
+    body = vv.Solid(mesh=grid, material=vv.LinearElastic(young=1.0, poisson=0.3), density=1.0, plane=plane)
+    with pytest.raises(vv.InputError, match=message):
+        vv.System([body, vv.Gravity(acceleration=acceleration)])
+
+
+def test_the_centre_of_mass_of_a_ring_is_on_its_axis() -> None:
+    grid = vv.RectangleMesh(size=(1, 2), counts=(1, 1), origin=(0.5, 0))
+    steel = vv.LinearElastic(young=1.0, poisson=0.3)
+    body = vv.Solid(mesh=grid, material=steel, density=1.0, plane="axisymmetric")
+    assert vv.CentreOfMass(of=body)(vv.System([body])) == pytest.approx([0, 1, 0], abs=1e-12)

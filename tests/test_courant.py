@@ -44,6 +44,6 @@ def test_audit_and_summary_show_it(tmp_path: Path) -> None:
 
 def test_steady_flow_has_none() -> None:
     fluid = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), density=1.0, viscosity=1.0)
-    system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity()])
+    system = vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all"), vv.Gravity(acceleration=(0, -9.81, 0))])
     vv.quasi_static(system, until=1.0, step=1.0)
     assert system.gauges() == {}

@@ -80,6 +80,8 @@ class Contact(Component):
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
         of rigid bodies, by default that of a facet of the layer. Between rigid bodies alone there is no such layer, and
         it has to be given, with multipliers too: about the weight over the penetration that one would call none.
+        Areas of plane solids are lengths of their edges, whatever their thickness: pressures, also those of
+        `pressures` and probes, are forces per length.
     damping : float
         With a penalty in dynamics: pressure per rate of penetration. Impacts then lose energy at a rate that is chosen,
         booked as work of contact: of a body of mass m on a spring k alone, the share of velocity that is left follows

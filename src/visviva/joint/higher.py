@@ -27,6 +27,8 @@ class RopeOverWinch(Joint):
 
     `winch` is the revolute joint whose angle counts; the rope leaves at the point `a`. Written quadratically,
     ``(|p|^2 - (length + radius angle)^2) / (2 length)``, so that its multiplier is about the rope's tension.
+    The rope is always taut: where one would go slack, it pushes, and `ReactionForce` has the sign of that. A rope that
+    can go slack is a `Beam` of little bending stiffness, or a `Spring` whose `energy` is zero below the rope's length.
     """
 
     winch: Joint
