@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LARGEST, FULL = 6000, 600
-"""Equations up to which a tangent is factored for its signs alone, and as a full matrix."""
+LARGEST, CONFIRMED, FULL = 6000, 2000, 600
+"""Equations up to which a tangent is factored for its signs alone, and as a full matrix where directions seem to fall,
+as factors without exchange of rows lose signs of what is soft, and at once."""
 UNSYMMETRIC, BY_DIFFERENCES = 1e-11, 1e-7
 """Allowed difference of entries of an equilibrated tangent across the diagonal; the latter where derivatives may be
 differences."""
@@ -90,11 +91,17 @@ def count_falling(system: System, step: Any) -> int | None:
     element = system.local[free]  # these are as stiff or soft as their element makes them
     left = np.flatnonzero(element < 0)
     pressed = bears(system)[free][left]
-    pivots = pivots_of(condensed(K, element)[left][:, left], pressed, system.scale[free][left])
-    if pivots is None:
-        return None
     tiny = ROUNDING if pressed.any() else NEUTRAL
-    return judged(system, int(np.sum(pivots < -tiny)) - int(pressed.sum()))
+
+    def count(largest: int) -> int | None:
+        K_left, scale = condensed(K, element)[left][:, left], system.scale[free][left]
+        pivots = pivots_of(K_left, pressed, scale, largest)
+        return None if pivots is None else int(np.sum(pivots < -tiny)) - int(pressed.sum())
+
+    falling = count(FULL)
+    if falling and FULL < len(left) <= CONFIRMED:
+        falling = count(CONFIRMED)
+    return None if falling is None else judged(system, falling)
 
 
 def lack_of_rounding(system: System) -> float:
@@ -118,13 +125,16 @@ def bears(system: System) -> NDArray[np.bool_]:
     return np.concatenate([~f.fixed & f.role.bears for f in fields])
 
 
-def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_], scale: Array) -> Array | None:
-    """Numbers (n,) with the signs of the eigenvalues of a symmetric matrix; None where they are not found."""
+def pivots_of(K: sp.csr_array, pressed: NDArray[np.bool_], scale: Array, full: int = FULL) -> Array | None:
+    """Numbers (n,) with the signs of the eigenvalues of a symmetric matrix; None where they are not found.
+
+    Matrices of up to `full` rows are factored with exchange of rows.
+    """
     import scipy.sparse as sp
 
     s = equilibration(K, scale)
     compliance = np.where(pressed & (K.diagonal() == 0), COMPLIANCE, 0.0)
-    if len(scale) <= FULL:
+    if len(scale) <= full:
         return full_pivots(s[:, None] * K.toarray() * s - np.diag(compliance))
     return sparse_pivots(sp.diags_array(s) @ K @ sp.diags_array(s) - sp.diags_array(compliance))
 
