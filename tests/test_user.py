@@ -461,7 +461,7 @@ def test_what_raises_at_the_start_is_not_tried_again() -> None:
     with pytest.raises(vv.RunError, match="raised ValueError: ") as found:
         vv.simulate(system, until=1.0, step=0.5)
     assert not isinstance(found.value, vv.StepFailure)
-    assert system.rejected == 0
+    assert system.stepper.rejected == 0
 
 
 def test_terms_without_value_are_named_when_no_step_helps() -> None:

@@ -164,6 +164,7 @@ class UserTerm(Component):
         self.term.unknowns = unknowns[None, :]
         self.term.order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
         for what in ("residual", "tangent", "energy", "work", "momentum", "accept"):
-            if type(self.term).__dict__.get(what) is not None:
-                setattr(self.term, what, guarded(self.label, what, getattr(self.term, what)))
+            method = type(self.term).__dict__.get(what)
+            if method is not None:
+                setattr(self.term, what, guarded(self.label, what, method.__get__(self.term)))
         model.term(self, self.term)
