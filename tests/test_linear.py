@@ -266,7 +266,7 @@ def test_multigrid_needs_few_iterations_whatever_the_mesh() -> None:
 @needs_pardiso
 def test_iterations_that_do_not_converge_give_way_to_factors(monkeypatch: pytest.MonkeyPatch) -> None:
     """The automatic choice for large solids, here for a small one that is not definite."""
-    monkeypatch.setattr(linear, "LARGE", 100)
+    monkeypatch.setattr(linear, "LARGE_SOLID", 100)
     body = block(6)
     A = shifted(body.matrix, -0.02)
     choice = Automatic().choose(problem(A, symmetric=True, definite=True, has_modes=True))

@@ -48,8 +48,11 @@ DENSE_ROWS_OF_HEAT = 12
 DENSE_ROWS_OF_FLOWS = 50
 """The same for velocities with pressures."""
 
+LARGE_SOLID = 5000
+"""From this many equations of a solid in space multigrid takes a half (plates, rods) to a sixth (cubes) of factors."""
+
 LARGE = 15_000
-"""From this many equations of a mesh in space multigrid is as fast as factors, and faster in compact bodies."""
+"""From this many equations of a mesh in space iterations are as fast as factors in mixtures and in steps in contact."""
 
 LARGE_FOR_EIGEN = 5000
 """The same, where the factors are Eigen's."""
@@ -459,9 +462,9 @@ class Automatic(LinearOptions):
             first.append(
                 Iterative(method="bicgstab", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
             )
-        if problem.is_solid and problem.n >= large and has_multigrid():
+        is_linear = problem.temperatures is Temperatures.ALONE  # then factors serve all steps of a length
+        if problem.is_solid and problem.n >= (large if is_linear else LARGE_SOLID) and has_multigrid():
             limit = 100  # beyond it factors are cheaper
-            is_linear = problem.temperatures is Temperatures.ALONE
             method: Literal["cg", "gmres"] = "gmres" if problem.nearly else "cg"
             first.append(
                 Iterative(
