@@ -114,3 +114,27 @@ def test_stress_drives_diffusion() -> None:
 def test_refusals(options: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         solid(vv.RectangleMesh(size=(4, 4), counts=(4, 4)), **options)
+
+
+def test_phases_near_the_ends_of_logarithms_are_remarked_on_with_a_cure_that_is_one() -> None:
+    """Corners are no points of quadrature here, whatever the cells: nodes go beyond on those without middle nodes."""
+    mesh = vv.RectangleMesh(size=(6, 6), counts=(12, 12))
+    start: dict[str, Any] = {"gradient_energy": 6.0, "name": "gel"}
+
+    def remarks(energy: Any) -> str:
+        body = solid(mesh, free_energy=energy, **start)
+        return str(vv.System([body, vv.Fixed(solid=body, nodes="x0")]).check())
+
+    deep = remarks(vv.FloryHuggins(chi=7.0))
+    assert "MixtureSolid 'gel': its phases are of 0.00" in deep
+    assert "nodes may go beyond, and steps stay short; take a free energy whose phases are less pure" in deep
+    assert "cells without nodes" not in deep
+    for cure in (vv.FloryHuggins(chi=2.5), vv.DoubleWell(barrier=5.0, low=0.01, high=0.99)):
+        assert "logarithms" not in remarks(cure)
+
+
+def test_what_is_refused_of_the_mixture_names_the_solid() -> None:
+    mesh = vv.RectangleMesh(size=(6, 6), counts=(12, 12))
+    for name, label in (("gel", "MixtureSolid 'gel': "), (None, "MixtureSolid: ")):
+        with pytest.raises(vv.InputError, match=f"^{label}an interface is"):
+            solid(mesh, gradient_energy=1e-6, name=name)

@@ -65,9 +65,14 @@ class StressedCells:
 
 
 class Chemistry(CahnHilliard):
-    """The mixture of a solid, integrated where the solid's strains are."""
+    """The mixture of a solid, whose label is its name, integrated where the solid's strains are."""
 
     lumps = False
+    cure = "take a free energy whose phases are less pure, or a polynomial such as vv.DoubleWell(low=..., high=...)"
+
+    @property
+    def label(self) -> str:
+        return str(self.name)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -127,7 +132,7 @@ class MixtureSolid(Solid):
         super().__post_init__()
         self._refuse_others()
         self.chemistry = Chemistry(
-            name=self.name or type(self).__name__,
+            name=self.label,
             mesh=self.grid,
             free_energy=self.free_energy,
             gradient_energy=self.gradient_energy,
@@ -174,6 +179,9 @@ class MixtureSolid(Solid):
     def interface(self) -> Interface | None:
         """The flat interface between its phases, without stress."""
         return self.chemistry.interface()
+
+    def remarks(self) -> list[str]:
+        return [*super().remarks(), *self.chemistry.remarks()]
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:

@@ -57,6 +57,8 @@ class PhaseBody(Meshed):
     quantity: str
     potential: Field | None = None
     level_at_sides = False
+    cure = "take a mesh of cells without nodes between their corners"
+    """Of logarithms that act inside of elements only."""
     lumps = True
     """Whether logarithms are summed at the corners of cells, where they keep the field inside of their domain."""
 
@@ -144,8 +146,7 @@ class PhaseBody(Meshed):
             return []
         return [
             f"{self.label}: its phases are of {found.low:.2g} and {found.high:.6g}, near the ends of logarithms, which "
-            "here act inside of elements only: nodes may go beyond, and steps stay short; take a mesh of cells without "
-            "nodes between their corners"
+            f"here act inside of elements only: nodes may go beyond, and steps stay short; {self.cure}"
         ]
 
     # --- its mesh ------------------------------------------------------------------------------------------
