@@ -58,6 +58,31 @@ def test_what_rounding_hides_is_refused(slenderness: float, length: float) -> No
         vv.modes(wire(slenderness, length), 4)
 
 
+@pytest.mark.parametrize("slenderness", [1e-6, 1e-8])
+@pytest.mark.parametrize("spins", [False, True])
+def test_what_rounding_hides_is_refused_after_steps_too(slenderness: float, *, spins: bool) -> None:
+    """A step of dynamics makes no zero of it; a sheet likewise."""
+    wires, sheet = spinning(slenderness) if spins else wire(slenderness, 1.0), strip(1e-7)
+    for system, label in ((wires, "Beam 'beam-1'"), (sheet, "Shell 'shell-1'")):
+        vv.simulate(system, until=1e-9, step=1e-9)
+        with pytest.raises(vv.InputError, match=f"{label} is lost in rounding"):
+            vv.modes(system, 2)
+
+
+@pytest.mark.parametrize("load", [1 - 1e-5, 1.0, 1 + 1e-5])
+def test_zero_is_the_answer_at_the_critical_load(load: float) -> None:
+    """Euler's, of a wire whose other squares stay, and whose least would be lost without the load's stress."""
+    beam = deepcopy(wire(1e-3, 1.0)["beam-1"])
+    end = np.array([1.0, 2.0, 2.0]) / 3
+    force = -load * end * np.pi**2 / 4 * YOUNG * np.pi / 4 * 1e-12
+    push = vv.Force(on=beam, at=tuple(end), force=tuple(force), times="t")
+    system = vv.System([beam, vv.Clamped(solid=beam, nodes="start"), push])
+    vv.quasi_static(system, until=1.0, step=1.0, scheme=vv.Static(unstable=True))
+    squared = vv.modes(system, 4).squared / bernoulli(1e-3, 1.0) ** 2
+    assert np.abs(squared[:2]).max() < 1e-4 * CANTILEVER[0] ** 2
+    assert squared[2:].min() > 100
+
+
 def test_thin_sheets_and_coarse_meshes_are_refused_too() -> None:
     with pytest.raises(vv.InputError, match="Shell 'shell-1' is lost in rounding"):
         vv.modes(strip(1e-7), 2)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from visviva.analysis.linearized import Linearized
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
+from visviva.mesh.cells import CELLS
 from visviva.system.freedom import null_space, rigid_motions
 
 Array = NDArray[np.float64]
@@ -38,16 +39,37 @@ def refuse_lost(linear: Linearized, squared: Array, z: Array, doubt: Array) -> N
     ------
     Lost
     """
-    if linear.at.system.time > 0:  # where load steps have led to zero is the answer at a bifurcation
-        return
     lost = np.flatnonzero(LOST * np.abs(squared) <= doubt)
     for k, body in zip(lost, bent(linear, z[:, lost]), strict=True):
-        if body is not None:
+        if body is not None and LOST * loading(linear, body, z[:, k]) <= doubt[k]:
             raise Lost(
                 f"modes: the frequency of a mode that bends {body.label} is lost in rounding, as all below "
                 f"{np.sqrt(doubt[k] / LOST):.2g} rad per time are: the body is too slender or thin for its length, or "
                 "for so small cells; take fewer and longer ones, a thicker section, or let it be rigid"
             )
+
+
+def loading(linear: Linearized, body: MeshBody, z: Array) -> float:
+    """About what load steps have changed the square of a motion (n,) by: where that is known zero may be the answer.
+
+    At a bifurcation stress takes from the stiffness all that there is. It is the strain times the stiffness against
+    stretching, by the energy stored, and acts on slopes; energy that motion has brought counts for nothing.
+    """
+    system, grid, found = linear.at.system, body.grid, body.vectors(linear.at.system.model)
+    if system.has_inertia or found is None:
+        return 0.0
+    starts, is_position, width = found
+    index, (stretch, motion) = starts[is_position][:, None] + np.arange(width), np.zeros((2, len(system.x)))
+    motion[linear.at.coordinates], place = z, system.x[index]
+    stretch[index] = place - place.mean(axis=0)
+    u, owner = stretch[linear.at.coordinates], system.model.index(body)
+    stored = sum(system.core.energy[k] for k, a in enumerate(system.model.accounts) if a.component == owner)
+    slopes = np.zeros(0)
+    for name, nodes in grid.cells.items():
+        corners = nodes[:, : CELLS[name].n_corners]
+        along, moved = (a[corners] - a[np.roll(corners, 1, axis=1)] for a in (place, motion[index]))
+        slopes = np.append(slopes, (moved**2).sum(axis=2) / (along**2).sum(axis=2))
+    return float(np.sqrt(2 * abs(stored * float(u @ (linear.K @ u)))) * slopes.mean())
 
 
 def bent(linear: Linearized, z: Array) -> list[MeshBody | None]:
