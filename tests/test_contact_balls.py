@@ -43,10 +43,10 @@ def test_what_formulation_is_taken_by_default() -> None:
     rod = vv.RigidBody(shape=vv.Capsule(radius=0.1, length=1), mass=1.0)
     for first in (ball(0.1), vv.PointMass(mass=1.0)):
         for second in (cube, solid, ball(0.2)):
-            assert vv.Contact(first=first, second=second).formulation == "node-to-segment"
+            assert not vv.Contact(first=first, second=second).is_mortar
     for other in (cube, rod, solid):
-        assert vv.Contact(first=other, second=ball(0.2)).formulation == "mortar"
-    assert vv.Contact(first=ball(0.1), second=solid, multipliers="dual").formulation == "mortar"
+        assert vv.Contact(first=other, second=ball(0.2)).is_mortar
+    assert vv.Contact(first=ball(0.1), second=solid, multipliers="dual").is_mortar
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-3])

@@ -199,6 +199,19 @@ def test_differences_confirm_tangents_of_any_size(size: float) -> None:
     assert "agree" in str(error)
 
 
+@pytest.mark.parametrize("size", [1e-7, 1.0, 1e7])
+def test_what_gravity_holds_at_rest_stays_so_in_all_units(size: float) -> None:
+    """Velocities were judged against 1, which rounding of the pressures came near to in small units of length."""
+    mesh = vv.RectangleMesh(size=(size, size), counts=(8, 8), cell="quad9")
+    water = vv.Fluid(mesh=mesh, density=1 / size**2, viscosity=0.1)
+    gravity = vv.Gravity(acceleration=(0, -size, 0))
+    system = vv.System([water, vv.NoSlip(fluid=water, faces="all"), gravity])
+    result = vv.simulate(system, until=0.1, step=0.05)
+    assert result.statistics.rejected == 0
+    assert np.abs(system.x[water.flow.unknowns]).max() < 1e-12 * size
+    assert np.ptp(water.pressures(system.x)) == pytest.approx(1.0, rel=1e-9)  # force by length
+
+
 @pytest.mark.parametrize("speed", [1e-5, 1e5])
 def test_flows_start_at_any_speed(speed: float) -> None:
     reference = np.array(channel(Units()))

@@ -69,8 +69,9 @@ class Fluid(Meshed):
         Allow solids, beams, shells, rigid bodies and thermal bodies that lie within the mesh and take no part in the
         flow; else they are refused.
     speed : float, optional
-        A velocity that is large in it, by which those found are judged. By default the largest at the start, or 1 (in
-        the units of the model) where nothing flows then: give it if they will be far from that.
+        A velocity that is large in it, by which those found are judged. By default the largest at the start; where
+        nothing flows then that of a fall across its mesh by gravity and a constant `body_force`, or 1 (in the units of
+        the model) without these: give it if they will be far from that.
     convection : bool
         Without it the flow is that of Stokes: so slow that fluid carries no momentum along. The equations are linear
         then, and one factorisation serves all steps of a length.
@@ -196,12 +197,25 @@ class Fluid(Meshed):
         v = np.zeros((self.n_numbers, self.dimension))
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
-        speed = self.speed or self._starts_at or 1.0
+        self._falls_at = self._speed_of_fall(model)
+        speed = self.speed or self._starts_at or self._falls_at or 1.0
         self.flow = model.field(self, "velocity", v, role=Role.VELOCITY, scale=speed, node=self.dimension)
         role = Role.FLUID_PRESSURE if self.is_stabilised else Role.MULTIPLIER
         self.pressure = model.field(self, "pressure", np.zeros(self._n_pressures), role=role, stage=1)
         if self.conditions.closed:
             model.hold(self.pressure, [0])
+
+    def _speed_of_fall(self, model: Model) -> float:
+        """Of what falls across the fluid by the forces on its volume that do not change.
+
+        At rest pressures balance them to rounding, which is far less than this in all units.
+        """
+        pulls = [np.asarray(gravity.acceleration, dtype=float) for gravity in model.announced(self, Gravity)]
+        if self._force is None:
+            pulls.append(np.asarray(self.body_force, dtype=float) / self.density)
+        size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        pull = np.sum(pulls, axis=0)[: self.dimension] if pulls else 0.0
+        return float(np.sqrt(np.linalg.norm(pull) * size))
 
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
@@ -306,7 +320,7 @@ class Fluid(Meshed):
 
     def remarks(self) -> list[str]:
         found = []
-        if self.speed is None and not self._starts_at:
+        if self.speed is None and not self._starts_at and not self._falls_at:
             found.append(
                 f"{self.label}: nothing flows at the start, and velocities are judged against 1; give speed=... if "
                 "they will be far from that"
