@@ -64,6 +64,13 @@ def two_bodies(**options: Any) -> list[Component]:
     return [a, b, vv.Contact(first=a, second=b, **options)]
 
 
+def ball_on_plate(shape: Any, **options: Any) -> list[Component]:
+    """In an order in which the ball, or what else is small, falls between the vertices of the plate."""
+    plate = vv.RigidBody(shape=vv.Box(size=(2, 2, 0.05)), density=1.0, name="plate")
+    ball = vv.RigidBody(shape=shape, density=1.0, position=(0, 0, 0.2), name="ball")
+    return [plate, ball, vv.Contact(first=plate, second=ball, stiffness=1e6, **options)]
+
+
 def against(second: Component, **options: Any) -> list[Component]:
     a = side()
     return [a, second, vv.Contact(first=a, second=second, **options)]  # type: ignore[arg-type]
@@ -120,6 +127,14 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
     "condensing at a rigid body": (
         partial(two_bodies, stiffness=1.0, formulation="node-to-segment", condensed=True),
         "condensed=True needs nodes of a solid on the first surface",
+    ),
+    "a ball between vertices": (
+        partial(ball_on_plate, vv.Sphere(radius=0.05)),
+        "'plate' has facets of up to 2.83, larger than all of RigidBody 'ball', .*; exchange first and second",
+    ),
+    "a cube between vertices": (
+        partial(ball_on_plate, vv.Box(size=(0.1, 0.1, 0.1)), enforcement="penalty"),
+        "exchange first and second, or give RigidBody 'plate' finer facets",
     ),
     "negative stiffness": (partial(pair, stiffness=-1.0), "stiffness = -1 is not positive"),
     "another dimension": (

@@ -51,7 +51,8 @@ class Contact(Component):
     Parameters
     ----------
     first : Solid, Shell, Beam, RigidBody or PointMass
-        Gaps belong to the vertices of this surface, which should be the finer one.
+        Gaps belong to the vertices of this surface, which should be the finer one: facets of a rigid body that are
+        larger than all of `second` are refused.
     second : Solid, Shell, Beam, RigidBody, Plane or Obstacle, optional
         What it touches; if left out the first surface touches itself, by vertices and with a penalty.
     first_faces, second_faces : str or Faces

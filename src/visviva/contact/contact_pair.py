@@ -165,6 +165,7 @@ class Pair:
             raise InputError(f"{self.label}: {self._opponent} has no surface")
         opposite = surface_of(self.second, self.second_faces, self.label)
         frames, turns = self._turning(surface, radius, length, len(surface.forms) + len(opposite.forms))
+        self._check_finer(surface, float(np.linalg.norm(np.ptp(opposite.places, axis=0))))
         size = max(surface.size, opposite.size)
         reach = self.reach or size
         pair = self._paired(surface, opposite, *frames)
@@ -174,6 +175,18 @@ class Pair:
             areas, behind, rubs = surface.areas, surface.behind, self.rubs
             gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length)
         return GapFunctions(gaps, size, reach, opposite, turns)
+
+    def _check_finer(self, surface: Surface, across: float) -> None:
+        """Refuse a rigid first surface with a facet larger than all of the second one, which has this diagonal.
+
+        By mortar the gap is a mean over all of that; otherwise there is no vertex where it touches.
+        """
+        if self.is_rigid and surface.size > across:
+            raise InputError(
+                f"{self.label}: {self.first.label} has facets of up to {surface.size:.3g}, larger than all of "
+                f"{self._opponent}, which falls between its vertices; exchange first and second, or give "
+                f"{self.first.label} finer facets"
+            )
 
     @property
     def _opponent(self) -> str:
