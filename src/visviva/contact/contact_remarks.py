@@ -35,6 +35,11 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
             f"{label}: where more than three vertices of {first} press, pressures, tractions and forces at single ones "
             "are not determined, and depend on the motion before; their sum and its torque are"
         )
+    if contact.collides and contact.impact == "dissipative" and not contact.restitution:
+        found.append(
+            f"{label}: an impact leaves {first} overlapping by up to one and a half of the way of a step, with no "
+            "force once nothing presses; shorter or adaptive steps leave less, and enforcement='penalty' parts them"
+        )
     if contact.friction > 0 and contact.collides and contact.tangential == "penalty":
         found.append(
             f"{label}: elastic slip has no time to rub in an impact by multipliers; steps in which that would be felt "
