@@ -358,33 +358,6 @@ class Solid(MeshBody):
         F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
         return Fields(F, S, W, self.body_material.small)
 
-    def nodal(self, name: str, x: Array) -> Array:
-        """A field smoothed to the nodes, (n,) or (n, components), at the unknowns `x`.
-
-        Parameters
-        ----------
-        name : str
-            'von_mises', 'pressure', 'cauchy' (six components 11, 22, 33, 12, 23, 31), 'principal_stresses',
-            'second_piola', 'first_piola', 'green', 'stretches', 'J' or 'energy'; see `visviva.body.solid_fields`.
-
-        Examples
-        --------
-        >>> import visviva as vv
-        >>> steel = vv.LinearElastic(young=2.0, poisson=0.0)
-        >>> bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), material=steel)
-        >>> system = vv.System([bar])
-        >>> stretched = system.x.copy()
-        >>> stretched[bar.node_unknowns(range(bar.grid.n_nodes))] *= 1.1
-        >>> float(bar.nodal("von_mises", stretched).round(12).max())
-        0.2
-        """
-        if not isinstance(name, str):
-            raise InputError(
-                f"{self.label}.nodal: the name of the field comes first, then the unknowns: "
-                "nodal('von_mises', system.x)"
-            )
-        return self.smoothed([name], x)[name]
-
     def at_points(self, name: str, x: Array) -> Array:
         width, function = quantity(name)
         return np.concatenate([function(part).reshape(-1, width) for *_, part in self._evaluated(x)])

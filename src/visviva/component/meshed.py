@@ -71,6 +71,33 @@ class Meshed(Component):
         """Fields at the nodes, (n,) or (n, components) each."""
         raise NotImplementedError
 
+    def nodal(self, name: str, x: Array) -> Array:
+        """A field smoothed to the nodes, (n,) or (n, components), at the unknowns `x`.
+
+        Parameters
+        ----------
+        name : str
+            One of `widths`; of solids 'von_mises', 'pressure', 'cauchy' (six components 11, 22, 33, 12, 23, 31),
+            'principal_stresses', 'second_piola', 'first_piola', 'green', 'stretches', 'J' or 'energy'.
+
+        Examples
+        --------
+        >>> import visviva as vv
+        >>> steel = vv.LinearElastic(young=2.0, poisson=0.0)
+        >>> bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), material=steel)
+        >>> system = vv.System([bar])
+        >>> stretched = system.x.copy()
+        >>> stretched[bar.node_unknowns(range(bar.grid.n_nodes))] *= 1.1
+        >>> float(bar.nodal("von_mises", stretched).round(12).max())
+        0.2
+        """
+        if not isinstance(name, str):
+            raise InputError(
+                f"{self.label}.nodal: the name of the field comes first, then the unknowns: "
+                "nodal('von_mises', system.x)"
+            )
+        return self.smoothed([name], x)[name]
+
     # --- what is drawn of it: by default its cells ---------------------------------------------------------
     def drawn(self) -> Surface:
         """Cells that are drawn and stored, at their reference positions."""

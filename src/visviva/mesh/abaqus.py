@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Ints
@@ -241,6 +240,8 @@ def placed(points: NDArray[np.float64], rows: list[list[float]]) -> NDArray[np.f
     moved[:, : points.shape[1]] = points
     moved[:, : len(rows[0])] += rows[0]
     if len(rows) > 1:
+        from scipy.spatial.transform import Rotation
+
         first, second, degrees = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
         axis = (second - first) / np.linalg.norm(second - first)
         moved = first + Rotation.from_rotvec(np.radians(degrees) * axis).apply(moved - first)
