@@ -323,3 +323,45 @@ def test_modes_that_stand_several_times_are_all_found(missed: int, monkeypatch: 
 
     monkeypatch.setattr(spl, "eigsh", forgetful)
     assert angular(3, 9) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("stiff", [1e10, 1e13, 1e15])
+@pytest.mark.parametrize("extra", [0, 1, 4])
+@pytest.mark.parametrize("n", [1, 3, 6])
+def test_low_modes_of_a_few_coordinates_stand_beside_very_stiff_ones(
+    stiff: float, extra: int, n: int
+) -> None:
+    """Balls that know nothing of each other: their squares, in order, and what grows."""
+
+    def held(ball: vv.PointMass, *stiffness: float) -> vv.Potential:
+        place = np.array(ball.position)[:, None]
+        k = np.array(stiffness)[:, None]
+        return vv.Potential(of=[ball], energy=lambda e: 0.5 * (k * (e - place) ** 2).sum(axis=0))
+
+    balls = [vv.PointMass(mass=1.0, position=(k, 0, 0)) for k in range(2 + extra)]
+    springs = [held(balls[0], stiff, stiff, stiff), *(held(b, 0.3, 0.5, -0.01) for b in balls[1:])]
+    modes = vv.modes(vv.System([*balls, *springs]), n)
+    exact = sorted([stiff] * 3 + [0.3, 0.5, -0.01] * (1 + extra))[:n]
+    assert modes.squared == pytest.approx(exact, rel=1e-6)
+    assert not modes.stable
+
+
+@pytest.mark.parametrize("stiff", [1e2, 1e13])
+def test_a_single_ball_grows_beside_a_very_stiff_spring(stiff: float) -> None:
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=stiff, free_length=1.0)
+    hill = vv.Potential(of=[ball], energy=lambda e: 0.25 * e[1] ** 2 - 0.005 * e[2] ** 2)
+    modes = vv.modes(vv.System([ground, ball, spring, hill]), 3)
+    assert modes.squared == pytest.approx([-0.01, 0.5, stiff], rel=1e-6)
+    assert not modes.stable
+
+
+@pytest.mark.parametrize("length", [0.3, 0.7, 1.1, 1 / 3, 1e-6 / 3])
+def test_a_spring_at_rest_holds_nothing_across(length: float) -> None:
+    """Rounding of its length is neither growth nor frequency."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(length, 0, 0))
+    parts = [vv.Spring(a=ground.point(), b=ball.point(), stiffness=s, free_length=length * (1 + d)) for s, d in
+             ((1e4, 0.0), (3e3, 2e-16))]  # fmt: skip
+    modes = vv.modes(vv.System([ground, ball, *parts]), 3)
+    assert modes.squared[:2].tolist() == [0.0, 0.0]
+    assert modes.stable

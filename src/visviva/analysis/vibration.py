@@ -26,6 +26,10 @@ DENSE = 600
 """Up to this many coordinates all modes are computed at once."""
 ROUNDED = 64 * float(np.finfo(float).eps)
 """Squares of frequencies are zero that are smaller than this part of the terms that they are the sums of."""
+COUPLED = 1e6
+"""Condition of a stiffness of unit diagonal, beyond which its inverse is no better than itself."""
+OWN = 4 * float(np.finfo(float).eps)
+"""Part of the stiffness of a component that rounding may leave where it has none."""
 WEIGHTLESS = 1e-13
 """A direction weighs nothing with so little of what its coordinates weigh."""
 
@@ -95,11 +99,49 @@ def dense_modes(linear: Linearized, n: int) -> tuple[Array, Array, Array]:
     if light[0] <= WEIGHTLESS:
         raise massless(at, int(np.argmax(np.abs(Z @ direction[:, 0]) / at.scale)))
     squared, y = sla.eigh(free.T @ K @ free, M)
-    least = ROUNDED * max(float(np.abs(squared).max()), float(np.abs(K).sum(axis=1).max()))
+    least = np.full(len(M), ROUNDED * max(float(np.abs(squared).max()), float(np.abs(K).sum(axis=1).max())))
+    if n > q // 2 - 1:  # more than inverse iteration finds
+        squared, y, low = by_inverse(free.T @ K @ free, M, squared, y)
+        least[low] = of_own(linear, Z @ y[:, low])
     z = Z @ y
     squared[np.abs(squared) <= np.maximum(rounding(K, free @ y), least)] = 0.0
     doubt = np.maximum(noise(symmetric(linear.K), z), least / 32)
     return squared[:n], z[:, :n], doubt[:n]
+
+
+def by_inverse(K: Array, M: Array, squared: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Modes whose lower ones, which are marked, are those of the inverse, where scaling leaves K far from singular."""
+    import scipy.linalg as sla
+
+    low = np.zeros(len(M), dtype=bool)
+    if not np.all(K.diagonal()):
+        return squared, y, low
+    r = 1 / np.sqrt(np.abs(K.diagonal()))
+    scaled = r[:, None] * K * r
+    if np.linalg.cond(scaled) > COUPLED:
+        return squared, y, low
+    flexibility = r[:, None] * np.linalg.inv(scaled) * r
+    theta, x = sla.eigh(M @ flexibility @ M, M)
+    size = np.sort(np.abs(theta))
+    high = np.argsort(-np.abs(squared))[: int(np.sum(size**2 < size[0] * size[-1]))]
+    lower = np.argsort(-np.abs(theta))[: len(M) - len(high)]
+    low = np.arange(len(M)) >= len(high)
+    squared, y = np.r_[squared[high], 1 / theta[lower]], np.c_[y[:, high], x[:, lower]]
+    order = np.argsort(squared, kind="stable")
+    return squared[order], y[:, order], low[order]
+
+
+def of_own(linear: Linearized, z: Array) -> Array:
+    """Rounding (k,) of squares of motions (n, k) where components know nothing of each other's stiffness.
+
+    That of a spring across its length is a difference of numbers as large as that along it.
+    """
+    at, rows = linear.at, np.ravel(abs(symmetric(linear.K)).sum(axis=1))
+    found = np.zeros(z.shape[1])
+    for f in at.system.model.fields:
+        own = (at.coordinates >= f.start) & (at.coordinates < f.start + f.size)
+        found += OWN * rows[own].max(initial=0.0) * (z[own] ** 2).sum(axis=0)
+    return found
 
 
 def rounding(K: Any, z: Array) -> Array:
