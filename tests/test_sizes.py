@@ -10,11 +10,11 @@ MOST = 25  # public names that a class adds
 WIDE = {
     "component.component.Component": 33,
     "mesh.mesh.Mesh": 34,
-    "model.model.Model": 44,
+    "model.model.Model": 43,
     "system.system.System": 48,
     "flow.fluid.Fluid": 31,
-    "body.director_body.DirectorBody": 27,
-    "contact.contact.Contact": 30,
+    "body.director_body.DirectorBody": 26,
+    "contact.contact.Contact": 27,
     "results.ledger.Ledger": 30,
     "output.directory.RunDirectory": 28,
 }

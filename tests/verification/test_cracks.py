@@ -38,7 +38,7 @@ def pulled(solid: vv.FracturingSolid, *more: vv.Component) -> vv.System:
     return vv.System([solid, held, *more, vv.Prescribed(solid=solid, nodes="y1", motion=(0, "3e-3*t", None))])
 
 
-@pytest.mark.parametrize("floor", [0.0, 1e3, -1e6])
+@pytest.mark.parametrize("floor", [-0.5, 1e3, -1e6])
 def test_to_and_fro_ends_where_it_does_wherever_heights_are_measured_from(floor: float) -> None:
     """The potential of the weight has any constant; gone to and fro by it, the crack stopped half way."""
     ends = []
