@@ -103,3 +103,18 @@ def test_deep_quenches_are_told_where_nodes_may_leave(cell: str, told: bool) -> 
     remarks = body(mesh=mesh, free_energy=vv.FloryHuggins(chi=7.0), gradient_energy=6.0).remarks()
     assert bool(remarks) == told
     assert all("take a mesh of cells without nodes between their corners" in r for r in remarks)
+
+
+@pytest.mark.parametrize("corner", [0.4999, 0.496])
+def test_corners_that_are_nearly_straight_are_no_points_of_quadrature(corner: float) -> None:
+    """Energies without logarithms do not need them; neither do triangles."""
+    points = np.array([(0.0, 0.0), (1.0, 0.0), (1 - corner, 1 - corner), (0.0, 1.0)])
+    quad = vv.Mesh(points, {"quad4": np.array([[0, 1, 2, 3]])})
+    halves = vv.Mesh(points, {"tri3": np.array([[0, 1, 2], [0, 2, 3]])})
+    given: dict[str, Any] = {"gradient_energy": 20.0, "concentration": 0.5, "name": "blend"}
+    with pytest.raises(
+        vv.InputError, match=r"'blend': the mesh has a quad4 whose corner at \[0.5.* nearly straight"
+    ):
+        vv.CahnHilliard(mesh=quad, free_energy=vv.FloryHuggins(chi=3.0), **given)
+    vv.CahnHilliard(mesh=quad, free_energy=vv.DoubleWell(barrier=5.0), **given)
+    vv.CahnHilliard(mesh=halves, free_energy=vv.FloryHuggins(chi=3.0), **given)

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.body.element import depth
 from visviva.body.mesh_points import face_points, in_space
 from visviva.mesh.cells import CELLS
@@ -21,6 +22,9 @@ from visviva.mesh.quadrature import corner_rule, mass_rule
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+FLAT = 0.02
+"""Part of a cell's mean size that it has at least at a corner for quadrature."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,8 +151,23 @@ class MeshSpace:
         self.grid, self.thickness, self.axisymmetric = grid, thickness, axisymmetric
         self.at_corners = at_corners
         self.is_lumped = at_corners and not any(CELLS[cell].middles for cell in grid.cells)
+        self._refuse_flat()
         self.number, self.size = numbering(grid, periodic, label)
         self._first = np.unique(self.number, return_index=True)[1]
+
+    def _refuse_flat(self) -> None:
+        """Refuse corners that are points of quadrature and nearly straight: gradients there are without bound."""
+        for cell, nodes in self.grid.cells.items() if self.at_corners else ():
+            kind = CELLS[cell]
+            if not kind.middles and len(nodes):
+                size = measure(jacobians(self.grid.points, nodes, kind.dN(corner_rule(cell).points)))
+                worst, corner = np.unravel_index(np.argmin(size / size.mean(axis=1)[:, None]), size.shape)
+                if size[worst, corner] < FLAT * size[worst].mean():
+                    raise InputError(
+                        f"the mesh has a {cell} whose corner at "
+                        f"{self.grid.points[nodes[worst, corner]].round(6).tolist()} is nearly straight, and energies "
+                        "with logarithms are summed at corners; move its nodes, or cut it into triangles or tetrahedra"
+                    )
 
     @property
     def spacing(self) -> float:
