@@ -261,7 +261,7 @@ def test_points_anywhere_on_a_shell_and_above_it() -> None:
 
 def test_a_panel_hangs_on_ball_joints_and_a_rope() -> None:
     """Joints and masses at any point of it; energy is conserved."""
-    flat = vv.RectangleMesh(size=(1.0, 0.8), counts=(4, 3))
+    flat = vv.RectangleMesh(size=(1.0, 0.8), counts=(8, 6))
     panel = vv.Shell(mesh=flat, section=sheet(0.02, 1e5, 0.3, density=50.0))
     ground, bob = vv.Ground(), vv.PointMass(mass=0.5, position=(0.9, 0.5, -0.6))
     hinges = [vv.Spherical(a=ground, b=panel, at=(0.0, y, 0.0)) for y in (0.1, 0.63)]

@@ -21,7 +21,7 @@ from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.memory import Trial
 from visviva.system.newton import trouble_of
 from visviva.system.stability import falling_directions, instability
-from visviva.system.steps import Attempt
+from visviva.system.steps import Attempt, invalid
 from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -251,6 +251,8 @@ class Equilibrium:
         """Make the trial state the new state."""
         step = self.at(time)
         if reason := self._refused(time):
+            raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
+        if reason := invalid(self.system):
             raise NoEquilibrium(f"at the load parameter {time:.6g} {reason}")
         falling = falling_directions(self.system, step)
         if falling and not self.options.unstable:

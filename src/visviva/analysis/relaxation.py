@@ -176,6 +176,8 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
         scheme = Relaxation(duration=duration)
         try:
             attempt = system.attempt(scheme.step(system.time, h))
+            moves = np.abs(system.core.dx) * inverse
+            system.accept(attempt, scheme)
         except StepFailure:
             failures += 1
             system.stepper.rejected += 1
@@ -183,9 +185,7 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
                 raise
             duration /= 4
             continue
-        moves = np.abs(system.core.dx) * inverse
         size, mover = float(moves.max()), int(np.argmax(moves))
-        system.accept(attempt, scheme)
         h = 0.0
         record(result, books, attempt.report.iterations, attempt.report.factorizations)
         if size <= AT_REST and duration >= min(first * 30, LONGEST * first):

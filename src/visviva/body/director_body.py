@@ -245,7 +245,12 @@ class DirectorBody(MeshBody):
             found[what.nodes] = True
         return found
 
+    def invalid(self, x: Array) -> str:
+        """Cells whose interpolated directors are none at the unknowns `x`, in a sentence; empty if there are none."""
+        return ""
+
     def declare(self, model: Model) -> None:
+        model.limits.append(self.invalid)
         d = self.dimension
         q = np.concatenate([self.points[:, None, :d], self.triads], axis=1)
         turning = np.cross(self.angular_velocity, np.pad(self.triads, ((0, 0), (0, 0), (0, 3 - d))))

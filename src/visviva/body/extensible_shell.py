@@ -123,6 +123,10 @@ class ExtensibleShell(Shell):
     def _surface(self) -> ShellSurface:
         return self.parts[0]
 
+    def invalid(self, x: Array) -> str:
+        """Directors that get short press the material together, which resists."""
+        return ""
+
     # --- sections ------------------------------------------------------------------------------------------
     @cached_property
     def _stacks(self) -> tuple[Stack, ...]:

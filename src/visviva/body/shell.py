@@ -20,6 +20,7 @@ from visviva.body.shell_section import ShellSection
 from visviva.body.shell_skin import shell_skin
 from visviva.body.shell_surface import ShellSurface, place, shell_surfaces, unit
 from visviva.body.touching import Skin, looks_up
+from visviva.body.turned_cells import most_turned, turn
 from visviva.component.component import settings
 from visviva.component.values import Number, Vector3, VectorOrFunction
 from visviva.mesh.cells import CELLS
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+MOST = 0.5
+"""Change of the square of an interpolated director up to which strains are believed: four-node cells turn by 90 degrees
+then, and bending is wrong by a tenth."""
 SIDES = ("lower", "upper")
 FIELDS = {"membrane_force": 3, "bending_moment": 3, "shear_force": 2}
 FACES = {"lower_stress": (0, 0), "upper_stress": (-1, 1)}
@@ -207,14 +211,34 @@ class Shell(DirectorBody):
     # --- strains -------------------------------------------------------------------------------------------
     def strains_of_parts(self, x: Array) -> list[Array]:
         """Strains (m, q, 8) along the directions of the section of the cells of each type."""
-        at = self.vector_unknowns()[:, None] + np.arange(3)
-        n = 2 * self.grid.n_nodes
-        vectors = x[at]
-        directors = np.concatenate([vectors[1:n:2], vectors[n:]])
-        changes = [part.change(vectors[:n:2], directors) for part in self.parts]
+        phi, directors = self._positions_directors(x)
+        changes = [part.change(phi, directors) for part in self.parts]
         return [
             (A @ e[:, None, :, None])[..., 0] for A, e in zip(self._strains_of_samples, changes, strict=True)
         ]
+
+    def _positions_directors(self, x: Array) -> tuple[Array, Array]:
+        """Positions (n, 3), and directors numbered as in `turns_of_edges`."""
+        vectors, n = x[self.vector_unknowns()[:, None] + np.arange(3)], 2 * self.grid.n_nodes
+        return vectors[:n:2], np.concatenate([vectors[1:n:2], vectors[n:]])
+
+    def invalid(self, x: Array) -> str:
+        """Cells that turn so far that they bend and shear with little force."""
+        directors, first = self._positions_directors(x)[1], 0
+        for part in self.parts:
+            own, reference = (d[part.turns][:, :, None] for d in (directors, part.directors))
+            k, change = most_turned(part.N, own, reference)
+            if change > MOST:
+                return (
+                    f"cell {first + k} of {self.label} turns by {turn(own[k]):.0f} degrees from node to node, so that "
+                    f"squares of its interpolated directors are wrong by {change:.0%} and it bends without force; mesh "
+                    "it finer: cells of four nodes turn by 90 degrees at most"
+                )
+            first += len(part.cells)
+        return ""
+
+    def trouble(self, x: Array) -> str:
+        return self.invalid(x)
 
     def resultants_of_parts(self, x: Array) -> list[Array]:
         """Membrane forces, moments and shear forces (m, q, 8) per length, of the cells of each type."""

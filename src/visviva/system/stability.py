@@ -38,25 +38,40 @@ NEUTRAL, ROUNDING = 1e-13, 1e-10
 
 @dataclass
 class Stability:
-    """Counts of equilibria that a run found: all, unstable ones, and those whose stability is not known."""
+    """Counts of equilibria that a run found: all, unstable ones, and those whose stability is not known.
+
+    `critical` counts the steps across which the number of `falling` directions changed.
+    """
 
     equilibria: int = 0
     unstable: int = 0
     unchecked: int = 0
     first: float = 0.0  # load parameter of the first unstable one
+    falling: int = 0  # directions in which energy falls from the last one
+    critical: int = 0
 
     def record(self, falling: int | None, time: float) -> None:
         """Enter an equilibrium with its number of directions in which energy falls, None where that is not known."""
         self.equilibria += 1
         if falling is None:
             self.unchecked += 1
-        elif falling:
+            return
+        self.critical += int(falling != self.falling)
+        self.falling = falling
+        if falling:
             self.first = self.first if self.unstable else time
             self.unstable += 1
 
     def __str__(self) -> str:
         if self.unstable:
-            return f"unstable from the load parameter {self.first:.6g} on, in {self.unstable} load steps"
+            passed = (
+                "one limit point or bifurcation" if self.critical == 1 else "limit points or bifurcations"
+            )
+            count = "" if self.critical == 1 else f"{self.critical} "
+            return (
+                f"unstable from the load parameter {self.first:.6g} on, in {self.unstable} load steps, "
+                f"with {count}{passed} passed"
+            )
         return "stability not checked" if self.unchecked else "stable"
 
 

@@ -16,7 +16,7 @@ from visviva.system.stability import Stability
 
 Array = NDArray[np.float64]
 
-NAME, VERSION = "stepper", 1
+NAME, VERSION = "stepper", 2
 """Of its record."""
 
 

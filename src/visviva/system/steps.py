@@ -40,7 +40,7 @@ def next_kink(system: System, until: float) -> float:
 def take(system: System, h: float, scheme: Scheme) -> Any:
     """Advance by one step of length `h`; returns the core's report."""
     step = system.stepper.step_of(scheme, h)
-    if system.projects(scheme):
+    if system.projects(scheme) or system.model.limits:
         attempt = solved(system, step)
         accept(system, attempt, scheme)
         return attempt.report
@@ -61,10 +61,23 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
     project = system.projects(scheme)
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
     with Trial(system), _failing(system, attempt.step):
+        refuse_invalid(system, attempt.step)
         system.core.accept(attempt.step, attempt.signals, True)
     _arrive(system, attempt.step, attempt.signals, scheme)
     if project:
         _project(system, attempt.step, scheme, x0, dx)
+
+
+def invalid(system: System) -> str:
+    """What makes equations of components mean nothing at the trial state, in words; empty if nothing does."""
+    trial = system.x + system.core.dx if system.model.limits else system.x
+    return "; ".join(found for invalid in system.model.limits if (found := invalid(trial)))
+
+
+def refuse_invalid(system: System, step: Any) -> None:
+    """Fail a step whose equations are solved by a state at which they mean nothing."""
+    if invalid(system):
+        raise StepFailure(system, system.time, step.h, GivenUp("it ends where equations mean nothing"))
 
 
 def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array | None) -> Any:
