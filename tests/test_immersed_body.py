@@ -179,5 +179,5 @@ def test_bad_input(name: str) -> None:
 
 @pytest.mark.parametrize(("spacing", "cell", "said"), [(1.2, "quad9", True), (1.5, "quad9", False)])
 def test_marks_that_are_nearly_too_close_are_remarked_on(spacing: float, cell: Any, said: bool) -> None:
-    wet = vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=part(box(cell), vv.Fluid), spacing=spacing)
+    wet = vv.ImmersedBody(body=part(body(), vv.RigidBody), fluid=box(cell), spacing=spacing)
     assert bool(wet.remarks()) == said

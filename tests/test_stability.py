@@ -137,7 +137,9 @@ def test_resumed_runs_remember_what_they_found(tmp_path: Path) -> None:
 
     run(study(0.75), tmp_path / "run", pictures=False)
     result = run(study(1.0), tmp_path / "run", resume=True, pictures=False)
-    assert result.system.stepper.stability == Stability(equilibria=4, unstable=2, first=0.75)
+    assert result.system.stepper.stability == Stability(
+        equilibria=4, unstable=2, first=0.75, falling=2, critical=1
+    )
 
 
 CRITICAL = np.pi**2 * 1e6 * 0.2 * 0.1**3 / 12 / (4 * 2.0**2)
