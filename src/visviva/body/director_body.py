@@ -15,6 +15,7 @@ from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import in_space
 from visviva.component.announcements import Clamping, Guiding
+from visviva.component.limited import Limited
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.model.field import Field, Vectors
@@ -31,7 +32,7 @@ DEPENDENT = 1e-7
 """Remainder of a unit gradient without those of other constraints, above which a constraint counts as independent."""
 
 
-class DirectorBody(MeshBody):
+class DirectorBody(MeshBody, Limited):
     """Base of bodies whose nodes have a position and some directors, one after the other, all interpolated alike.
 
     What derives from it says where the directors are at first, how heavy its cells are, and what holds its directors
@@ -245,12 +246,7 @@ class DirectorBody(MeshBody):
             found[what.nodes] = True
         return found
 
-    def invalid(self, x: Array) -> str:
-        """Cells whose interpolated directors are none at the unknowns `x`, in a sentence; empty if there are none."""
-        return ""
-
     def declare(self, model: Model) -> None:
-        model.limits.append(self.invalid)
         d = self.dimension
         q = np.concatenate([self.points[:, None, :d], self.triads], axis=1)
         turning = np.cross(self.angular_velocity, np.pad(self.triads, ((0, 0), (0, 0), (0, 3 - d))))

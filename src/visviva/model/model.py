@@ -67,7 +67,6 @@ class Model:
     reductions: Reductions = field(default_factory=Reductions)
     entropies: Entropies = field(default_factory=Entropies)
     growing: list[tuple[Field, Array]] = field(default_factory=list)  # never shrink; sizes of their unknowns
-    limits: list[Callable[[Array], str]] = field(default_factory=list)  # why a step must not end at unknowns
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import NotFinite
+from visviva.component.limited import Limited
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
 
@@ -40,7 +41,7 @@ def next_kink(system: System, until: float) -> float:
 def take(system: System, h: float, scheme: Scheme) -> Any:
     """Advance by one step of length `h`; returns the core's report."""
     step = system.stepper.step_of(scheme, h)
-    if system.projects(scheme) or system.model.limits:
+    if system.projects(scheme) or any(isinstance(c, Limited) for c in system.components):
         attempt = solved(system, step)
         accept(system, attempt, scheme)
         return attempt.report
@@ -70,8 +71,11 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
 
 def invalid(system: System) -> str:
     """What makes equations of components mean nothing at the trial state, in words; empty if nothing does."""
-    trial = system.x + system.core.dx if system.model.limits else system.x
-    return "; ".join(found for invalid in system.model.limits if (found := invalid(trial)))
+    limited = [c for c in system.components if isinstance(c, Limited)]
+    if not limited:
+        return ""
+    trial = system.x + system.core.dx
+    return "; ".join(found for c in limited if (found := c.invalid(trial)))
 
 
 def refuse_invalid(system: System, step: Any) -> None:
