@@ -40,7 +40,7 @@ def stiffening(e: Any) -> Any:
 def twisted() -> Components:
     """A clamped beam turned at its end."""
     beam, clamp = held(vv.Clamped)
-    return [beam, clamp, vv.SemitangentialTorque(on=beam.frame(2.0), torque=(0.5, 1.0, 0.3))]
+    return [beam, clamp, vv.SemitangentialTorque(on=beam.frame(2.0), torque=(0.25, 0.5, 0.15))]
 
 
 def heated() -> Components:
@@ -159,7 +159,7 @@ def folded() -> Components:
 
 def clamped_panel() -> Components:
     """A plate that hangs at an edge and is blown at."""
-    section = vv.HomogeneousSection(thickness=0.05, young=2e3, poisson=0.3, density=10.0)
+    section = vv.HomogeneousSection(thickness=0.05, young=1e5, poisson=0.3, density=10.0)
     shell = vv.Shell(mesh=vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 2)), section=section)
     edge = vv.Clamped(solid=shell, nodes="x0")
     return [shell, edge, vv.Gravity(), vv.Pressure(solid=shell, faces="upper", pressure="0.5*sin(3*t)")]
@@ -206,13 +206,13 @@ def flat_pendulum() -> Components:
         beam,
         vv.Revolute(a=ground, b=beam, at=(0, 0, 0), axis=(0, 0, 1)),
         vv.LineLoad(beam=beam, force=(0, 0.2, 0.1), moment=(0.1, 0, 0), follower=True),
-        vv.Gravity(acceleration=(0, -9.81, 0)),
+        vv.Gravity(acceleration=(0, -3.0, 0)),
     ]
 
 
 def jointed() -> Components:
     """A rigid body on a hinge in the middle of a cell of a beam that hangs on a ball joint."""
-    beam = vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (2, 0, 0)], count=3), section=BLADE)
+    beam = vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (2, 0, 0)], count=7), section=BLADE)
     body = vv.RigidBody(shape=vv.Box(size=(0.4, 0.2, 0.6)), density=5.0, position=(1.0, 0, -0.3))
     hinge = vv.Revolute(a=beam, b=body, at=(1.0, 0, 0), axis=(1, 0, 0))
     ground = vv.Ground()

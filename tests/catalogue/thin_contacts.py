@@ -13,21 +13,24 @@ from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Components, Entry
 RUBBER = vv.NeoHooke(young=200.0, poisson=0.3)
 ROD = vv.TubeSection(radius=0.05, young=2e3, poisson=0.3, density=10.0)
 SHEET = vv.HomogeneousSection(thickness=0.05, young=2e3, poisson=0.3, density=10.0)
+STIFF_ROD = vv.TubeSection(radius=0.05, young=9e3, poisson=0.3, density=10.0)
+STIFF_SHEET = vv.HomogeneousSection(thickness=0.05, young=2e4, poisson=0.3, density=10.0)
 THROWN = (0.2, 0.1, -1.0)
 PENALTY: dict[str, Any] = {"enforcement": "penalty"}
 ELASTIC: dict[str, Any] = {**PENALTY, "friction": 0.3, "tangential": "penalty"}
 
 
 def rod(*points: Any, count: int = 3, velocity: Any = THROWN, **options: Any) -> vv.Beam:
-    return vv.Beam(mesh=vv.LineMesh(points=points, count=count), section=ROD, velocity=velocity, **options)
+    given = {"section": ROD, "velocity": velocity, **options}
+    return vv.Beam(mesh=vv.LineMesh(points=points, count=count), **given)
 
 
-def sheet(z: float, velocity: Any = THROWN) -> vv.Shell:
+def sheet(z: float, velocity: Any = THROWN, section: Any = SHEET) -> vv.Shell:
     """A bent sheet that leans over."""
     flat = vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 2)).build()
     x, y = flat.points.T
     points = [(a, b, z + 0.05 * a + 0.04 * a * b) for a, b in zip(x, y, strict=True)]
-    return vv.Shell(mesh=vv.Mesh(points, flat.cells), section=SHEET, velocity=velocity)
+    return vv.Shell(mesh=vv.Mesh(points, flat.cells), section=section, velocity=velocity)
 
 
 def block(size: float = 1.2, at: float = -0.3) -> vv.Solid:
@@ -36,7 +39,7 @@ def block(size: float = 1.2, at: float = -0.3) -> vv.Solid:
 
 
 def sheet_on_block(**options: Any) -> Components:
-    upper, lower = sheet(0.03), block()
+    upper, lower = sheet(0.03, section=STIFF_SHEET), block()
     contact = vv.Contact(first=upper, second=lower, first_faces="lower", second_faces="z1", **options)
     return [lower, upper, contact]
 
@@ -80,8 +83,8 @@ def clip() -> Components:
     return [shell, vv.Contact(first=shell, first_faces="upper", formulation="node-to-segment", **PENALTY)]
 
 
-def rod_on(other: Any, height: float = 0.06, **options: Any) -> Components:
-    bar = rod((0.0, 0.1, height), (1.0, 0.2, height + 0.05))
+def rod_on(other: Any, height: float = 0.06, section: Any = ROD, **options: Any) -> Components:
+    bar = rod((0.0, 0.1, height), (1.0, 0.2, height + 0.05), section=section)
     part = other()
     return [part, bar, vv.Contact(first=bar, second=part, **options)]
 
@@ -186,7 +189,13 @@ THIN_CONTACTS = [
         0.01,
         20,
     ),
-    Entry("contact, beam on ball, rubbing", partial(rod_on, ball, **ELASTIC), MOMENTA, 0.01, 20),
+    Entry(
+        "contact, beam on ball, rubbing",
+        partial(rod_on, ball, section=STIFF_ROD, **ELASTIC),
+        MOMENTA,
+        0.01,
+        20,
+    ),
     Entry(
         "contact, beam on shell",
         partial(rod_on, partial(sheet, 0.0, (0, 0, 0)), 0.13, second_faces="upper", **PENALTY),
