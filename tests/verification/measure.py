@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,9 +68,10 @@ def fresh(
     return vv.System(copy.deepcopy(list(components)), newton)
 
 
-def resolved(system: vv.System, newton: vv.Newton) -> vv.System:
-    """The same system with other options of the solver."""
-    return fresh(system.components, newton)
+def resolved(study: vv.Study, newton: vv.Newton) -> tuple[vv.System, dict[str, Any]]:
+    """The same system with other options of the solver, and the probes of it."""
+    components, probes = copy.deepcopy((list(study.system.components), dict(study.probes)))
+    return vv.System(components, newton), probes
 
 
 def follow(study: vv.Study, names: Sequence[str], times: ArrayLike) -> tuple[Array, vv.Result]:

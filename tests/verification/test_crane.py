@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +18,7 @@ from visviva.study.study import measure
 def run(step: float, winch: str = "free", null_space: bool | None = None) -> tuple[Array, vv.Result]:
     """Columns alpha, u, x, y, z (and theta where free) every 0.05 s, and the result; 2 s."""
     study = crane.study(step=step, winch=winch)
-    system = resolved(study.system, vv.Newton(null_space=null_space))
-    p: Any = study.probes
+    system, p = resolved(study, vv.Newton(null_space=null_space))
     forms = [p["crane_angle"], p["trolley_position"]] + ([p["winch_angle"]] if winch == "free" else [])
     times = np.arange(0.0, 2.0001, 0.25 if winch == "locked" else 0.05 if step < 0.02 else 0.1)
 

@@ -339,8 +339,12 @@ class Instant:
             K = S @ sp.block_array([[self.M, self.G.T], [self.G, None]], format="csr") @ S
             weightless = abs(self.M).sum(axis=1) == 0
             little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(len(g), -COMPLIANCE)])
-            solve = spl.splu((K + little).tocsc(), options={"Equil": False}).solve
-            return self.refined(self.M, f, g, lambda rest: self._s * solve(self._s * rest))
+            try:
+                solve = spl.splu((K + little).tocsc(), options={"Equil": False}).solve
+            except RuntimeError:  # exactly singular, as one little may take off the other
+                pass
+            else:
+                return self.refined(self.M, f, g, lambda rest: self._s * solve(self._s * rest))
         times = lambda z: np.concatenate([self.M @ z[:n] + self.G.T @ z[n:], self.G @ z[:n]])  # noqa: E731
         A = spl.LinearOperator((size, size), matvec=times, dtype=float)
         P = spl.LinearOperator((size, size), matvec=lambda r: self.soft(r[:n], r[n:]), dtype=float)
