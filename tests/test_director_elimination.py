@@ -44,7 +44,7 @@ def mirrored() -> Components:
 
 def hinged() -> Components:
     """A plate that hangs by ball joints at two corners from a free body: a hinge along its edge."""
-    shell = plate()
+    shell = plate(1e5)
     body = vv.RigidBody(shape=vv.Box(size=(0.2, 0.8, 0.2)), density=20.0, position=(-0.1, 0.4, 0.0))
     joints = [vv.Spherical(a=body, b=shell, at=(0.0, y, 0.0)) for y in (0.0, 0.8)]
     above = vv.Spherical(a=shell, b=vv.PointMass(mass=0.1, position=(1.0, 0.4, 0.02)), at=(1.0, 0.4, 0.02))
