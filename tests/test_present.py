@@ -190,3 +190,24 @@ def looked(solve: Callable[[vv.System], Any]) -> Callable[[vv.System], Any]:
             return solve(system)
 
     return look
+
+
+def test_reactions_beside_rigid_contact() -> None:
+    """A pad rubs on a turntable: the bearing takes mu N along the slip, and N, whatever the augmentation is."""
+
+    def bearing(stiffness: float, h: float) -> Any:
+        ground, pad = vv.Ground(), vv.PointMass(mass=1.0, position=(0.3, 0, 0))
+        disc = vv.RigidBody(mass=20.0, inertia=(1, 1, 1.6), angular_velocity=(0, 0, 30.0))
+        axis = vv.Revolute(a=ground, b=disc, at=(0, 0, 0), axis=(0, 0, 1))
+        guide = vv.PointOnLine(a=ground, b=pad, at=(0.3, 0, 0), axis=(0, 0, 1))
+        top = vv.Plane(on=disc)
+        rubs = vv.Contact(first=pad, second=top, friction=0.35, stiffness=stiffness)
+        press = vv.Force(on=pad, force=(0, 0, -100.0))
+        system = vv.System([ground, disc, axis, pad, guide, top, rubs, press])
+        vv.simulate(system, until=0.1, step=h)
+        return vv.reaction(system, axis)[0]
+
+    coarse, fine = bearing(1e4, 0.002), bearing(1e4, 0.001)
+    assert bearing(1e8, 0.002) == pytest.approx(coarse, rel=1e-8)
+    errors = [float(np.abs(found - (0, 35, 100)).max()) for found in (coarse, fine)]
+    assert errors[1] < 0.6 * errors[0] < 0.6 * 1.2  # the tangents are those of the middle of the step

@@ -10,6 +10,7 @@ from either side. What positions and rates ask of the forces at the instant is o
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from visviva.system.instant import NO_STEP, Instant, difference, instant
 from visviva.system.memory import undisturbed
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from visviva.model.model import Model
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -87,6 +91,8 @@ def by_the_equations(system: System) -> Found:
 
 # --- mechanisms, whose steps take a hundredth of the time of the above ----------------------------------------
 
+MASSES: WeakKeyDictionary[Model, tuple[NDArray[np.int64], sp.csr_array]] = WeakKeyDictionary()
+"""Coordinates and their masses by model."""
 AHEAD = 3e-3
 """Part of the fastest unknown's size by which it is moved along its rate to see how constraints change."""
 
@@ -137,13 +143,22 @@ def turn_rigidly(system: System) -> Array:
 
 
 def inertia(system: System, a: Array) -> Array:
-    """Inertia forces (n,) of accelerations, seen by increments that move next to nothing."""
+    """Inertia forces (n,) of accelerations: by masses, and where unknowns are held, by increments next to nothing.
+
+    Masses do not change as long as the model is the same. Differences of residuals alone would not do, as contact
+    answers to what is moved, however little.
+    """
+    if system.model not in MASSES:
+        at = Instant(system)
+        MASSES[system.model] = at.coordinates, at.M
     size = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
     step = instant(system.time, leading=size)
     without = system.residual(step)
     system.core.dx[:] = a / size
     force: Array = system.residual(step) - without
     system.core.dx[:] = 0.0
+    coordinates, masses = MASSES[system.model]
+    force[coordinates] = masses @ a[coordinates]
     return force
 
 
