@@ -223,3 +223,41 @@ def test_the_stream_function_follows_the_mesh() -> None:
 
 def channel(width: float) -> vv.RectangleMesh:
     return vv.RectangleMesh(size=(2, width), counts=(2, 2))
+
+
+def test_copies_know_the_forces_of_the_last_step() -> None:
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1)),
+        material=vv.NeoHooke(young=1e4, poisson=0.3),
+        density=1.0,
+        name="block",
+    )
+    system = vv.System([block, vv.Fixed(solid=block, nodes="x0"), vv.Gravity()])
+    vv.simulate(system, until=0.05, step=0.01)
+    twin = system.copy()
+    expected = vv.SupportForce(solid=block, nodes="x0")(system)
+    assert vv.SupportForce(solid=twin["block"], nodes="x0")(twin) == pytest.approx(expected, rel=1e-12)
+
+
+def test_steps_without_rates_at_their_end_have_failed() -> None:
+    """A beam without mass has no rates under schemes that project them; the step was taken for converged."""
+    section = vv.RectangleSection(width=0.1, height=0.1, young=1e6, poisson=0.3)
+    beam = vv.Beam(mesh=vv.LineMesh(points=((0, 0, 0), (1, 0, 0)), count=4), section=section)
+    ball = vv.PointMass(mass=1.0, position=(0, 0, 5))
+    system = vv.System([beam, vv.Clamped(solid=beam, nodes=[0]), ball, vv.Gravity()])
+    with pytest.raises(vv.StepFailure, match="no rates satisfy the constraints"):
+        vv.simulate(system, until=1.0, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
+    rod = vv.RigidBody(mass=1.0, inertia=(0, 0.1, 0.1), position=(1, 0, 0))
+    hinge = vv.Revolute(a=vv.Ground(), b=rod, at=(0, 0, 0), axis=(0, 1, 0))
+    system = vv.System([hinge.a, rod, hinge, vv.Gravity()])
+    with pytest.raises(vv.VisvivaError):
+        vv.simulate(system, until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
+
+
+def test_immersed_bodies_may_stand_before_their_fluid() -> None:
+    water = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(6, 6), cell="quad9"), density=1.0, viscosity=1.0
+    )
+    body = vv.RigidBody(shape=vv.Cylinder(radius=0.2, length=1.0), density=1.0, position=(0.5, 0.5, 0))
+    wet, walls = vv.ImmersedBody(body=body, fluid=water), vv.NoSlip(fluid=water, faces="all")
+    vv.System([wet, body, walls, water])

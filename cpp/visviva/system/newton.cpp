@@ -70,6 +70,7 @@ bool System::renew_tangent(const Context& context, bool assembled) {
 }
 
 Report System::failed(Report report, const std::string& reason, int unknown) {
+    report.converged = false;
     report.reason = reason;
     report.worst_unknown = unknown;
     stale_factor_ = true;

@@ -390,6 +390,7 @@ int System::find_redundant(const Step& step, const Signals& signals, bool on) {
 }
 
 void System::forces(const Step& step, const Signals& signals, double* residual) {
+    if (last_[0].empty()) throw std::logic_error("no step was taken yet");
     const std::vector<std::any> evaluated = evaluations();
     restore_evaluations(accepted_);  // those of the step, and not of looks or failed steps since then
     const auto exchange = [&] {

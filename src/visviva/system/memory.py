@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -195,7 +195,11 @@ def take_over(system: System, other: System) -> None:
     for name in ("x", "v", "a", "w"):
         getattr(system.core, name)[:] = getattr(other.core, name)
     bring_back(system, Records.of(memory_of(other)))
+    told = None
+    with suppress(Exception):  # functions of the user may raise; then nobody knows the forces
+        told = other.forces_of_step()
     system.stepper = other.stepper.copy()
+    system.stepper.last, system.stepper.told_forces = None, told
 
 
 def _give(term: Term, history: Arrays, trial: Arrays, at_tangent: Arrays, before: Arrays) -> None:

@@ -63,7 +63,12 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
     with Trial(system), _failing(system, attempt.step):
         refuse_invalid(system, attempt.step)
-        system.core.accept(attempt.step, attempt.signals, True)
+        try:
+            system.core.accept(attempt.step, attempt.signals, True)
+        except RuntimeError as error:
+            if type(error) is not RuntimeError:  # of a function of the user
+                raise
+            raise StepFailure(system, system.time, attempt.step.h, GivenUp(str(error))) from None
     _arrive(system, attempt.step, attempt.signals, scheme)
     if project:
         _project(system, attempt.step, scheme, x0, dx)

@@ -111,9 +111,8 @@ class System(metaclass=Named):
             )
             for c in self.components:
                 c.announce(self.model)
-            for c in sorted(
-                self.components, key=lambda c: not isinstance(c, Attachable)
-            ):  # joints attach to bodies
+            rank = lambda c: (not isinstance(c, Attachable), c.contributes_last)  # noqa: E731
+            for c in sorted(self.components, key=rank):  # joints attach to bodies
                 c.declare(self.model)
             for c in sorted(self.components, key=lambda c: c.contributes_last):
                 c.contribute(self.model)
