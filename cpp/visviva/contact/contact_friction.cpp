@@ -1,6 +1,5 @@
 // Friction of a contact: tractions, their tangent, memory and books.
 #include <algorithm>
-#include <cmath>
 
 #include "visviva/contact/contact_term.hpp"
 
@@ -20,7 +19,7 @@ void ContactTerm::find_traction(int A, const Context& c) {
     base_[A] = elastic_.at_start(A);
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
-    traction_[A] = {}, slips_[A] = 0, rests_[A] = 0;
+    traction_[A] = {}, slips_[A] = 0;
     if (!active_[A]) return;
     const double limit = o.coefficient * std::max(S_[A], 0.0);  // negative while the active set settles
     traction_[A] = coulomb(c.backwards ? base_[A] : trial(A, c), limit);
@@ -59,25 +58,10 @@ bool ContactTerm::rubs_in_impact(const Context& c) const {
     return false;
 }
 
-// What stuck in the last step with a velocity that mattered has it thrown back from step to step, as no slip
-// in a step leaves v1 = -v0: it comes to rest at the end of this one, unless friction would give energy then.
-bool ContactTerm::rests(int A, const Context& c) const {
-    constexpr double felt = 1e-3, below = 1 - 1e-9;
-    if (c.step.motion[2][1] == 0 || !has_tangential() || !rebounds() || !holds(c)) return false;
-    if (retried_ || !c.step.has_length()) return false;
-    const FrictionOptions& o = options_.friction;
-    const double limit = o.coefficient * c.vectors.x0[options_.multiplier[A]];
-    double sum = 0;
-    for (int i = 0; i + 1 < gaps_->skin().dim; ++i) sum += std::pow(c.vectors.x0[o.multiplier[A] + i], 2);
-    if (!(std::sqrt(sum) < below * limit)) return false;
-    return tangential(A, c) / c.step.motion[2][0] * slides_[A].norm() > felt * limit;
-}
-
 // Vertices that stick without having closed may be dragged along by the impact of others.
 bool ContactTerm::gives_energy(const Context& c) {
     constexpr double rounding = 1e-9;
-    const bool rest = std::any_of(rests_.begin(), rests_.end(), [](char r) { return r != 0; });
-    if (!rest && (!impacts_ || !has_several())) return false;
+    if (!impacts_ || !has_several()) return false;
     find_gradients();
     double sum = 0, size = 0;
     Eigen::VectorXd f;
@@ -85,7 +69,7 @@ bool ContactTerm::gives_energy(const Context& c) {
         if (!active_[A]) continue;
         force(A, c, f);
         const double pressed = S_[A] * f.dot(stencil_of(A, D_)), rubbed = slip_work(A, D_);
-        sum += rest ? rubbed : pressed + rubbed, size += std::abs(pressed) + std::abs(rubbed);
+        sum += pressed + rubbed, size += std::abs(pressed) + std::abs(rubbed);
     }
     return sum > rounding * size;
 }
@@ -100,10 +84,7 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     constexpr double by_traction = 1.0 / 8;
     const double k = tangential(A, c), *v1 = c.step.motion[2];
     carried_[A] = 0, free_[A].setZero();
-    rests_[A] = !impacts_ && rests(A, c);
-    Eigen::Vector2d stops = Eigen::Vector2d::Zero();
-    if (rests_[A]) stops = v1[1] / v1[0] * grips_[A].tangent.transpose() * slides_[A];
-    if (!impacts_) return base_[A] + k * (slip(A).displacement() + stops);
+    if (!impacts_) return base_[A] + k * slip(A).displacement();
     carried_[A] = v1[1] / v1[0];
     if (has_several()) return base_[A] + k * slip(A).displacement();
     const Eigen::Vector2d stopped = k * slip(A).displacement(), told = by_traction * base_[A] + stopped,

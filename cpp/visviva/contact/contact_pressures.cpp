@@ -35,20 +35,6 @@ void ContactTerm::find_rates(const Context& c) {
     segments([&] { gaps_->gradients(X0_.data(), wanted, at_start_); });
     for (int A = 0; A < gaps_->n(); ++A)
         rate0_[A] = wanted[A] ? as_vector(at_start_[A].gradient).dot(stencil_of(A, V0_)) : 0.0;
-    if (has_tangential()) find_slides(wanted);
-}
-
-// What touches at the start of a step slides there; seen from the middle of the step, spin alone would seem
-// to.
-void ContactTerm::find_slides(const std::vector<char>& wanted) {
-    segments([&] { gaps_->grips(X0_.data(), wanted, false, grips_); });
-    for (int A = 0; A < gaps_->n(); ++A) {
-        slides_[A].setZero();
-        if (!wanted[A]) continue;
-        const Sliding sliding(grips_[A], stencil_of(A, X0_), stencil_of(A, V0_), grips_[A].turning,
-                              gaps_->skin().dim);
-        slides_[A] = grips_[A].tangent * sliding.displacement();
-    }
 }
 
 // Change of a gap for which the scheme's rate at the end is the restitution times that of closing.

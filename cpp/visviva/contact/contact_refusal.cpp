@@ -29,7 +29,7 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
-    if (gives_energy(c)) return refused(0, "what comes to rest by friction would give energy,");
+    if (gives_energy(c)) return refused(0, "an impact that sticks at several vertices would give energy,");
     if (const int A = rubs_too_late(c); A >= 0)
         return refused(A,
                        "an impact rubs, for which the elastic slip of tangential='penalty' has no time; take "

@@ -31,7 +31,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
-    carried_.assign(n, 0.0), slides_.assign(n, Eigen::Vector3d::Zero()), rests_.assign(n, 0);
+    carried_.assign(n, 0.0);
     elastic_.resize(gaps_->skin().constant.size(), gaps_->n()), stored_.assign(n, 0.0);
 }
 

@@ -151,7 +151,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
     bool rubs_in_impact(const Context&) const;
-    bool rests(int A, const Context&) const;
     bool has_several() const { return gaps_->n() > 1; }
     bool gives_energy(const Context&);
     int rubs_too_late(const Context&) const;
@@ -205,20 +204,17 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false;
     void find_roaming();
-    void find_slides(const std::vector<char>& wanted);
     std::vector<int> unsettled_gaps_, roaming_;
     std::vector<double> tried_at_;  // where the last attempt at a step began, and how long it was
     double tried_ = 0;
     bool retried_ = false;  // whether a longer step from here has been tried in vain
     std::vector<Gap> at_start_, at_theta_, at_end_;
     std::vector<Grip> grips_, masses_;
-    std::vector<double> massed_;           // the start of the step for which masses were made
-    std::vector<Eigen::Vector2d> base_;    // tractions before the step's slip: elastic ones or multipliers
-    std::vector<Eigen::Vector2d> free_;    // unit vectors along which an impact lets slip turn round, or 0
-    std::vector<double> carried_;          // of the velocities before the step in what must not slip
-    std::vector<Eigen::Vector3d> slides_;  // velocities of slip before the step, of closed gaps
-    std::vector<char> rests_;              // whether what slid so is to come to rest at the step's end
-    bool impacts_ = false;                 // whether what sticks does so in an impact
+    std::vector<double> massed_;         // the start of the step for which masses were made
+    std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
+    std::vector<Eigen::Vector2d> free_;  // unit vectors along which an impact lets slip turn round, or 0
+    std::vector<double> carried_;        // of the velocities before the step in what must not slip
+    bool impacts_ = false;               // whether what sticks does so in an impact
     std::vector<Traction> traction_;
     ElasticSlip elastic_;
     std::vector<double> stored_;  // energy of elastic slip at the end of the step last booked
