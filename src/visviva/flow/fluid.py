@@ -173,16 +173,15 @@ class Fluid(Meshed):
 
     @property
     def outside_axes(self) -> Axes:
-        across = by_forces(axes_along(self.periods.shifts))[
-            1
-        ]  # what leaves on one side comes in on the other
+        _, across = by_forces(
+            axes_along(self.periods.shifts)
+        )  # what leaves on one side comes in on the other
         return joined(by_forces(axes_along(self.body_force)), ("", across))
 
     @property
     def conserves_momenta(self) -> bool:
-        return (
-            not self.convection
-        )  # its skew form keeps energy whatever the mesh, momentum as the mesh gets finer
+        # the skew form of convection keeps energy whatever the mesh, and momentum as the mesh gets finer
+        return not self.convection
 
     # --- what it contributes -------------------------------------------------------------------------------
     def announce(self, model: Model) -> None:

@@ -143,7 +143,7 @@ def turn_rigidly(system: System) -> Array:
 
 
 def inertia(system: System, a: Array) -> Array:
-    """Inertia forces (n,) of accelerations: by masses, and where unknowns are held, by increments next to nothing.
+    """Inertia forces (n,) of accelerations: by masses, and at unknowns that are held by `inertia_of_held`.
 
     Masses do not change as long as the model is the same. Differences of residuals alone would not do, as contact
     answers to what is moved, however little.
@@ -151,14 +151,21 @@ def inertia(system: System, a: Array) -> Array:
     if system.model not in MASSES:
         at = Instant(system)
         MASSES[system.model] = at.coordinates, at.M
+    coordinates, masses = MASSES[system.model]
+    is_free = len(system.free_unknowns) == len(a)
+    force = np.zeros(len(a)) if is_free else inertia_of_held(system, a)
+    force[coordinates] = masses @ a[coordinates]
+    return force
+
+
+def inertia_of_held(system: System, a: Array) -> Array:
+    """The same (n,) by increments that move next to nothing, which serves unknowns without equations as well."""
     size = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
     step = instant(system.time, leading=size)
     without = system.residual(step)
     system.core.dx[:] = a / size
     force: Array = system.residual(step) - without
     system.core.dx[:] = 0.0
-    coordinates, masses = MASSES[system.model]
-    force[coordinates] = masses @ a[coordinates]
     return force
 
 
