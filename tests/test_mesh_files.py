@@ -168,16 +168,97 @@ def test_abaqus_file(tmp_path: Path) -> None:
 
 def test_an_instance_stands_where_its_part_was_moved_and_turned(tmp_path: Path) -> None:
     """A translation first, then a turn about the axis through (1, 0, 0) and (1, 2, 0)."""
-    instance = "*Instance, name=i, part=p\n 1., 0., 3.\n 1., 0., 0., 1., 2., 0., 90.\n*End instance\n"
-    part = vv.MeshFile(write_input(tmp_path)).build()
-    moved = vv.MeshFile(write_input(tmp_path, INPUT.replace("*Material", instance + "*Material"))).build()
+    instance = "*Instance, name=i, part=P\n 1., 0., 3.\n 1., 0., 0., 1., 2., 0., 90.\n*End instance\n"
+    part = vv.MeshFile(write_input(tmp_path, "*Part, name=p\n" + INPUT)).build()
+    assembled = "*Part, name=p\n" + INPUT.replace("*Material", "*End part\n" + instance + "*Material")
+    moved = vv.MeshFile(write_input(tmp_path, assembled)).build()
     x, y, z = (part.points + np.array([0.0, 0.0, 3.0])).T  # seen from the axis
     np.testing.assert_allclose(moved.points, np.column_stack([z + 1.0, y, -x]), atol=1e-14)
     assert moved.check().volume == pytest.approx(part.volume)
 
 
+ASSEMBLY = """*Part, name=Cube
+*Node
+ 1, 0., 0., 0.
+ 2, 1., 0., 0.
+ 3, 1., 1., 0.
+ 4, 0., 1., 0.
+ 5, 0., 0., 1.
+ 6, 1., 0., 1.
+ 7, 1., 1., 1.
+ 8, 0., 1., 1.
+*Element, type=C3D8, elset=Whole
+ 1, 1, 2, 3, 4, 5, 6, 7, 8
+*Nset, nset=Bottom, generate
+ 1, 4, 1
+*Surface, name=Top
+ 1, S2
+*End Part
+*Part, name=Pin
+*Node
+ 1, 0., 0., 0.
+ 2, .5, 0., 0.
+ 3, 0., .5, 0.
+ 4, 0., 0., .5
+*Element, type=C3D4
+ 1, 1, 2, 3, 4
+*End Part
+*Assembly, name=Assembly
+*Instance, name=Lower, part=Cube
+*End Instance
+*Instance, name=Upper, part=cube
+ 0., 0., 1.
+*End Instance
+*Instance, name=Pin-1, part=Pin
+ 3., 0., 0.
+*Node
+ 9, 1., 0., 0.
+*End Instance
+*Node
+ 1, 9., 9., 9.
+*Nset, nset=joined, instance=Upper
+ Bottom,
+*Nset, nset=joined, instance=Lower
+ 5, 6
+*Elset, elset=_outer_S1, internal, instance=lower
+ 1,
+*Surface, name=outer
+ _outer_S1, S1
+ Upper.Whole, S2
+*Nset, nset=tip
+ Pin-1.4,
+*End Assembly
+"""
+
+
+def test_several_instances(tmp_path: Path) -> None:
+    """Every instance where it stands, with numbers and sets of its own; sets of the assembly across them."""
+    (tmp_path / "mesh.inp").write_text(ASSEMBLY)
+    mesh = vv.MeshFile(tmp_path / "mesh.inp", drop_orphans=True).build().check()
+    assert mesh.volume == pytest.approx(2 + 0.5**3 / 6)
+    assert mesh.points[mesh.nodes("Lower.Bottom")][:, 2].tolist() == [0.0] * 4
+    assert mesh.points[mesh.nodes("Upper.Bottom")][:, 2].tolist() == [1.0] * 4
+    upper = mesh.points[8:12]
+    assert mesh.points[mesh.nodes("joined")].tolist() == [[0, 0, 1], [1, 0, 1], *upper.tolist()]
+    assert mesh.points[mesh.nodes("tip")].tolist() == [[3.0, 0.0, 0.5]]
+    assert mesh.faces("outer").centres(mesh.points).tolist() == [[0.5, 0.5, 0.0], [0.5, 0.5, 2.0]]
+    assert mesh.faces("Upper.Top").centres(mesh.points)[0, 2] == 2.0
+    volumes = {name: mesh.volumes[mesh.cell_set(name)].sum() for name in ("Lower", "Upper", "Pin-1")}
+    assert volumes == pytest.approx({"Lower": 1.0, "Upper": 1.0, "Pin-1": 0.5**3 / 6})
+
+
+def test_one_of_several_instances_is_a_mesh_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "mesh.inp").write_text(ASSEMBLY)
+    upper = vv.MeshFile(tmp_path / "mesh.inp", part="Upper").build().check()
+    assert upper.n_cells == 1
+    assert upper.faces("outer").centres(upper.points).tolist() == [[0.5, 0.5, 2.0]]
+    assert set(upper.node_sets) == {"Upper.Bottom", "joined"}
+    assert set(upper.face_sets) == {"Upper.Top", "outer"}
+
+
 def test_plane_parts_stay_in_their_plane(tmp_path: Path) -> None:
-    plane = "*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n*Element, type=CPE3\n 1, 1, 2, 3\n*Instance, name=i\n 1., 2.\n"
+    cell = "*Part, name=p\n*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n*Element, type=CPE3\n 1, 1, 2, 3\n*End part\n"
+    plane = cell + "*Instance, name=i, part=p\n 1., 2.\n"
     turned = vv.MeshFile(write_input(tmp_path, plane + " 1., 2., 0., 1., 2., 1., 90.\n")).build()
     np.testing.assert_allclose(turned.points, [[1, 2], [1, 3], [0, 2]], atol=1e-15)
     with pytest.raises(vv.InputError, match="out of its plane"):
@@ -194,8 +275,19 @@ BAD_INPUTS = {
     "unknown side": (("cube, S3", "cube, SPOS"), "takes side SPOS"),
     "no such side": (("8, S1", "8, S6"), "wedge6 has no side S6"),
     "word for a number": ((" 90, 0., .5", " 90, zero, .5"), "NODE.*zero"),
-    "two parts": (("*Material", "*Part, name=a\n*Part, name=b\n*Material"), "several parts"),
-    "two instances": (("*Material", "*Instance, name=a\n*Instance, name=b\n*Material"), "several instances"),
+    "parts without instances": (
+        ("*Material", "*Part, name=a\n*Part, name=b\n*Material"),
+        "no .INSTANCE says where",
+    ),
+    "unknown part": (
+        ("*Material", "*Part, name=a\n*Instance, name=i, part=aa\n*Material"),
+        "no part 'aa'.*mean 'a'",
+    ),
+    "instance twice": (
+        ("*Material", "*Part, name=a\n*Instance, name=i, part=a\n*Instance, name=i, part=a\n*Material"),
+        "an instance of this name already",
+    ),
+    "unknown instance": (("*Nset, nset=bottom", "*Nset, instance=i, nset=bottom"), "no instance 'i'"),
     "missing file": (("sets.inp", "nothing.inp"), "does not exist"),
     "no name": (("nset=bottom, ", ""), "NSET"),
 }

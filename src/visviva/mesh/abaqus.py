@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError, nearest
+from visviva.base.errors import InputError
+from visviva.mesh.abaqus_part import AbaqusPart, found, matching
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
 from visviva.mesh.source_files import existing, refuse_outside
@@ -78,19 +79,14 @@ class Reader:
 
     def __init__(self, within: Path | None = None) -> None:
         self.within = within
-        self.node_of: dict[int, int] = {}
-        self.entry_of: dict[int, int] = {}
-        self.points: list[list[float]] = []
-        self.types: list[str] = []
-        self.blocks: list[Ints] = []
-        self.node_sets: dict[str, list[Ints]] = {}
-        self.cell_sets: dict[str, list[Ints]] = {}
-        self.sides: dict[str, list[tuple[Ints, int | None]]] = {}
-        self.n_parts = self.n_instances = 0
+        self.parts: dict[str, AbaqusPart] = {}
+        self.assembly = AbaqusPart()
+        self.now = self.assembly  # what the sections are about
+        self.due: Section | None = None  # the instance that they are about, to be placed at its end
 
     def read(self, path: Path) -> Collection:
         """All of a file."""
-        known = {
+        known: dict[str, Callable[[Section], None]] = {
             "NODE": self.node,
             "ELEMENT": self.element,
             "NSET": self.nset,
@@ -98,6 +94,7 @@ class Reader:
             "SURFACE": self.surface,
             "PART": self.part,
             "INSTANCE": self.instance,
+            **dict.fromkeys(("END PART", "END INSTANCE", "ASSEMBLY", "END ASSEMBLY"), self.end),
         }
         for section in sections(path, self.within):
             if section.keyword in known:
@@ -105,30 +102,29 @@ class Reader:
                     known[section.keyword](section)
                 except (KeyError, IndexError, ValueError) as error:
                     raise InputError(f"*{section.keyword} {section.parameters}: {error}") from error
-        if not self.points:
-            raise InputError("there are no nodes in it")
-        if len({len(point) for point in self.points}) > 1:
-            raise InputError("some nodes have two coordinates, others three")
-        return Collection(
-            np.array(self.points),
-            self.types,
-            self.blocks,
-            {name: np.concatenate(parts) for name, parts in self.cell_sets.items()},
-            {name: np.unique(np.concatenate(parts)) for name, parts in self.node_sets.items()},
-            self.sides,
-        )
+        self.end()
+        return self.whole().collection()
+
+    def whole(self) -> AbaqusPart:
+        """The assembly, or the part of a file without one."""
+        if self.assembly.instances or not self.parts:
+            return self.assembly
+        if len(self.parts) > 1 or self.assembly.points:
+            listed = ", ".join(self.parts)
+            raise InputError(f"no *INSTANCE says where the parts {listed} stand: write it with its assembly")
+        return next(iter(self.parts.values()))
 
     def node(self, section: Section) -> None:
         """Nodes, in the plane or in space."""
-        start = len(self.points)
+        start = len(self.now.points)
         for row in section.lines:
-            if int(row[0]) in self.node_of:
+            if int(row[0]) in self.now.node_of:
                 raise InputError(f"node {row[0]} is there twice")
-            self.node_of[int(row[0])] = len(self.points)
-            self.points.append([float(word) for word in row[1:4]])
+            self.now.node_of[int(row[0])] = len(self.now.points)
+            self.now.points.append([float(word) for word in row[1:4]])
         if "NSET" in section.parameters:
-            added = np.arange(start, len(self.points))
-            self.node_sets.setdefault(section.parameters["NSET"], []).append(added)
+            added = np.arange(start, len(self.now.points))
+            self.now.node_sets.setdefault(section.parameters["NSET"], []).append(added)
 
     def element(self, section: Section) -> None:
         """Cells of one type."""
@@ -140,91 +136,78 @@ class Reader:
                 f"elements of type {section.parameters['TYPE']} do not have {width - 1} nodes each"
             )
         rows = np.array(words, dtype=np.int64).reshape(-1, width)
-        entries = np.arange(len(rows)) + sum(map(len, self.blocks))
-        self.entry_of |= dict(zip(rows[:, 0].tolist(), entries.tolist(), strict=True))
-        nodes = self.found(rows[:, 1:].ravel(), self.node_of, "node").reshape(-1, width - 1)
-        self.types.append(name)
-        self.blocks.append(nodes[:, PLACES[name]] if name in PLACES else nodes)
+        entries = np.arange(len(rows)) + self.now.n_entries
+        self.now.entry_of |= dict(zip(rows[:, 0].tolist(), entries.tolist(), strict=True))
+        nodes = found(rows[:, 1:].ravel(), self.now.node_of, "node").reshape(-1, width - 1)
+        self.now.types.append(name)
+        self.now.blocks.append(nodes[:, PLACES[name]] if name in PLACES else nodes)
         if "ELSET" in section.parameters:
-            self.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
+            self.now.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
 
     def nset(self, section: Section) -> None:
         """A set of nodes, by numbers, by other sets, or by a set of elements."""
-        found = self.members(section, self.node_of, self.node_sets, "node")
+        among = section.parameters.get("INSTANCE")
+        rows = members(section, self.now.instance(among).node_of, "node", lambda w: self.now.nodes(w, among))
         if "ELSET" in section.parameters:
-            entries = self.named(section.parameters["ELSET"], self.cell_sets, "ELSET")
-            every = [nodes for block in self.blocks for nodes in block]
-            found = np.unique(np.concatenate([every[k] for k in entries]))
-        self.node_sets.setdefault(section.parameters["NSET"], []).append(found)
+            entries = self.now.entries(section.parameters["ELSET"], among)
+            every = [nodes for block in self.now.blocks for nodes in block]
+            rows = np.unique(np.concatenate([every[k] for k in entries]))
+        self.now.node_sets.setdefault(section.parameters["NSET"], []).append(rows)
 
     def elset(self, section: Section) -> None:
         """A set of elements."""
-        found = self.members(section, self.entry_of, self.cell_sets, "element")
-        self.cell_sets.setdefault(section.parameters["ELSET"], []).append(found)
+        among = section.parameters.get("INSTANCE")
+        numbers = self.now.instance(among).entry_of
+        entries = members(section, numbers, "element", lambda w: self.now.entries(w, among))
+        self.now.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
 
     def surface(self, section: Section) -> None:
         """A set of faces by elements and labels S1, S2, ..., or a set of nodes."""
         name = section.parameters["NAME"]
         if section.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
-            parts = [self.one(row[0], self.node_of, self.node_sets, "node") for row in section.lines]
-            self.node_sets.setdefault(name, []).extend(parts)
+            parts = [self.now.nodes(row[0]) for row in section.lines]
+            self.now.node_sets.setdefault(name, []).extend(parts)
             return
         for row in section.lines:
-            entries = self.one(row[0], self.entry_of, self.cell_sets, "element")
+            entries = self.now.entries(row[0])
             label = row[1].upper() if len(row) > 1 else None
             if label is not None and not re.fullmatch(r"S[1-6]", label):
                 raise InputError(
                     f"surface {name!r} takes side {label}: only S1 to S6 of solid elements are known"
                 )
-            self.sides.setdefault(name, []).append((entries, int(label[1:]) - 1 if label else None))
+            self.now.sides.setdefault(name, []).append((entries, int(label[1:]) - 1 if label else None))
 
     def part(self, section: Section) -> None:
-        """Numbers would not be unique in several parts."""
-        self.n_parts += 1
-        if self.n_parts > 1:
-            raise InputError("it has several parts: write it flat, without parts and assemblies")
+        """What follows belongs to a part, whose numbers and names are its own."""
+        self.end()
+        self.now = self.parts[section.parameters["NAME"]] = AbaqusPart()
 
     def instance(self, section: Section) -> None:
-        """The part stands where its only instance is: moved, then turned about an axis through two points."""
-        self.n_instances += 1
-        if self.n_instances > 1:
-            raise InputError("it has several instances: write it flat, without parts and assemblies")
-        if section.lines and self.points:
-            rows = [[float(word) for word in row] for row in section.lines]
-            self.points = placed(np.array(self.points), rows).tolist()
+        """A copy of a part; nodes and elements may follow that only the instance has."""
+        self.end()
+        part = self.parts[matching(section.parameters["PART"], self.parts, "part")]
+        if section.parameters["NAME"] in self.assembly.instances:
+            raise InputError("there is an instance of this name already")
+        self.due, self.now = section, part.behind(0, 0)
 
-    def members(
-        self, section: Section, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str
-    ) -> Ints:
-        """Members of a set: numbers, names of other sets, or first, last and step."""
-        if "GENERATE" in section.parameters:
-            ranges = [[int(word) for word in row] for row in section.lines]
-            listed = [np.arange(r[0], r[1] + 1, r[2] if len(r) > 2 else 1) for r in ranges]
-            return self.found(np.concatenate(listed), numbers, what)
-        words = [word for row in section.lines for word in row]
-        parts = [self.one(word, numbers, sets, what) for word in words]
-        return np.concatenate([np.zeros(0, np.int64), *parts])
+    def end(self, _: Section | None = None) -> None:
+        """A part ends, or an instance: that stands moved, then turned about an axis through two points."""
+        if self.due is not None:
+            if self.due.lines and self.now.points:
+                rows = [[float(word) for word in row] for row in self.due.lines]
+                self.now.points = placed(self.now.coordinates(), rows).tolist()
+            self.assembly.add(self.due.parameters["NAME"], self.now)
+        self.due, self.now = None, self.assembly
 
-    def one(self, word: str, numbers: Mapping[int, int], sets: Mapping[str, list[Ints]], what: str) -> Ints:
-        """Members that a number or the name of a set stands for."""
-        word = word.rpartition(".")[2] if not word.isdigit() else word  # without the name of an instance
-        if word.isdigit():
-            return self.found(np.array([int(word)]), numbers, what)
-        return self.named(word, sets, f"set of {what}s")
 
-    def named(self, name: str, sets: Mapping[str, list[Ints]], what: str) -> Ints:
-        """A set by its name; capitals do not matter."""
-        for known, parts in sets.items():
-            if known.upper() == name.upper():
-                return np.concatenate(parts)
-        raise InputError(f"there is no {what} {name!r} before its use{nearest(name, sets)}")
-
-    def found(self, ids: Ints, numbers: Mapping[int, int], what: str) -> Ints:
-        """Rows of numbered nodes or elements."""
-        try:
-            return np.array([numbers[k] for k in ids.tolist()], dtype=np.int64)
-        except KeyError as error:
-            raise InputError(f"there is no {what} {error.args[0]} before its use") from None
+def members(section: Section, numbers: Mapping[int, int], what: str, one: Callable[[str], Ints]) -> Ints:
+    """Members of a set: numbers, names of other sets, or first, last and step."""
+    if "GENERATE" in section.parameters:
+        ranges = [[int(word) for word in row] for row in section.lines]
+        listed = [np.arange(r[0], r[1] + 1, r[2] if len(r) > 2 else 1) for r in ranges]
+        return found(np.concatenate(listed), numbers, what)
+    parts = [one(word) for row in section.lines for word in row]
+    return np.concatenate([np.zeros(0, np.int64), *parts])
 
 
 def placed(points: NDArray[np.float64], rows: list[list[float]]) -> NDArray[np.float64]:

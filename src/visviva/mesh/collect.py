@@ -87,7 +87,14 @@ class Collection:
         blocks = [rows[kept[k : k + len(rows)]] for rows, k in zip(self.blocks, starts, strict=False)]
         types = [kind for kind, rows in zip(self.types, blocks, strict=True) if len(rows)]
         groups = {label: new[entries[kept[entries]]] for label, entries in self.groups.items()}
-        return Collection(self.points, types, [rows for rows in blocks if len(rows)], groups, self.node_sets)
+        rows = [rows for rows in blocks if len(rows)]
+        used = np.unique(np.concatenate([part.ravel() for part in rows]))
+        node_sets = {label: nodes for label, nodes in self.node_sets.items() if np.isin(nodes, used).any()}
+        inside = {k: [(new[e[kept[e]]], face) for e, face in parts] for k, parts in self.sides.items()}
+        sides = {k: [(e, face) for e, face in parts if len(e)] for k, parts in inside.items()}
+        return Collection(
+            self.points, types, rows, groups, node_sets, {k: parts for k, parts in sides.items() if parts}
+        )
 
     def _between_nodes_of(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """For every cell, whether all of its nodes belong to chosen ones."""

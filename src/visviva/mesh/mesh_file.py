@@ -73,6 +73,9 @@ class MeshFile(MeshSource):
     their names in the file, if no other has the same, else ``face1``, ``solid1`` and so on (``edge1`` of shapes without
     volume). Solids that touch each other are not connected: take them one by one, by `part`, and tie them.
 
+    Instances of Abaqus' parts stand where the assembly has them. If there are several, their sets are called
+    ``INSTANCE.SET`` and the cells of each ``INSTANCE``; ``part="INSTANCE"`` is one of them as a mesh of its own.
+
     Needs the package meshio, but for Abaqus files: ``pip install "visviva[mesh]"``; for ``.geo`` and CAD also gmsh:
     ``pip install "visviva[gmsh]"``.
 
