@@ -163,3 +163,49 @@ def test_a_ball_that_spins_about_the_normal_rolls_straight(scheme: Any, tangenti
         drifts.append(abs(place[1]))
     assert drifts[1] < 1e-6
     assert drifts[0] / drifts[1] > 3.5 or max(drifts) < 1e-12
+
+
+MIDPOINTS = pytest.mark.parametrize(
+    "scheme", [vv.EnergyMomentum(), vv.VariationalMidpoint(), vv.Midpoint()], ids=str
+)
+
+
+@MIDPOINTS
+def test_what_presses_on_a_spinning_ball_without_friction_does_not_brake_it(scheme: Any) -> None:
+    """The force goes through the centre: the momentum about it stays."""
+    ground = vv.Ground()
+    ball = vv.RigidBody(shape=vv.Sphere(radius=0.2), mass=20.0, angular_velocity=(0, 30, 0))
+    axle = vv.Revolute(a=ground, b=ball, at=(0, 0, 0), axis=(0, 1, 0))
+    bead = vv.PointMass(mass=1.0, position=(0, 0, 0.2))
+    line = vv.PointOnLine(a=ground, b=bead, at=(0, 0, 0.2), axis=(0, 0, 1))
+    contact = vv.Contact(first=bead, second=ball, stiffness=1e4)
+    push = vv.Force(on=bead, force=(0, 0, -100.0))
+    system = vv.System([ground, ball, axle, bead, line, contact, push])
+    ledger = vv.simulate(system, until=0.3, step=0.003, scheme=scheme).ledger
+    assert np.abs(ledger["angular_y"] - 9.6).max() < 1e-10
+
+
+@MIDPOINTS
+def test_a_bead_is_thrown_out_along_a_driven_blade(scheme: Any) -> None:
+    """r = cosh t, and its drive does the work sinh^2 t; the pressure turns with the blade."""
+    far, worked = [], []
+    for step in (0.02, 0.01):
+        ground = vv.Ground()
+        blade = vv.RigidBody(
+            shape=vv.Box(size=(6.0, 0.2, 1.0)),
+            mass=1.0,
+            position=(0, -0.1, 0),
+            velocity=(0.1, 0, 0),
+            angular_velocity=(0, 0, 1),
+        )
+        axle = vv.Revolute(a=ground, b=blade, at=(0, 0, 0), axis=(0, 0, 1), angle=True)
+        drive = vv.Motor(joint=axle, motion="t")
+        bead = vv.PointMass(mass=1.0, position=(1, 0, 0), velocity=(0, 1, 0))
+        contact = vv.Contact(first=bead, second=blade, stiffness=1e3)
+        system = vv.System([ground, blade, axle, drive, bead, contact])
+        ledger = vv.simulate(system, until=1.0, step=step, scheme=scheme).ledger
+        far.append(abs(np.linalg.norm(system.value(bead.point().position)) - np.cosh(1.0)))
+        worked.append(abs(ledger.last("work_drive") - np.sinh(1.0) ** 2))
+    assert max(far[1], worked[1]) < 2e-4
+    assert far[0] / far[1] == pytest.approx(4.0, abs=0.2)
+    assert worked[0] / worked[1] == pytest.approx(4.0, abs=0.3)

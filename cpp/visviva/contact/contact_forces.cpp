@@ -49,7 +49,7 @@ Eigen::Map<ContactTerm::Matrix> ContactTerm::stiffness(int A, const Context& c, 
     const Eigen::VectorXd g = as_vector(gap.gradient);
     if (S_[A] == 0) gap.hessian.assign(g.size() * g.size(), 0.0);
     Eigen::Map<Matrix> K(gap.hessian.data(), g.size(), g.size());
-    const double t = theta(c.step);
+    const double t = c.step.theta;
     if (t != 1) K *= t;
     if (dS_gap_[A] != 0) K.noalias() += (dS_gap_[A] * f) * g1.transpose();
     if (S_[A] == 0 || !is_discrete(c.step)) return K;

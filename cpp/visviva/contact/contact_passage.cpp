@@ -25,7 +25,7 @@ void ContactTerm::find_passages(const Context& c, bool gradients, std::vector<Pa
         p.weight_by_place = c.step.theta * grips_[A].weight_gradient;
         if (!has_friction()) continue;
         Eigen::RowVectorXd gap = as_vector(by_place[A].gradient).transpose();
-        if (at_theta) gap *= theta(c.step);
+        if (at_theta) gap *= c.step.theta;
         differentiate_rubbed(static_cast<int>(A), c, dS_gap_[A] * gap, p);
     }
 }

@@ -133,7 +133,10 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     if (!stays) narrow();
     if (gaps_->set_static(c.step.is_static())) known_.clear(), forget_gradients();
     find_gaps();
-    const double t = theta(c.step);
+    // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
+    // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole
+    // of it at the start would have a lever of half the increment.
+    const double t = c.step.theta;
     Xt_.resize(X0_.size()), D_.resize(X0_.size());
     for (std::size_t i = 0; i < X0_.size(); ++i)
         Xt_[i] = (1 - t) * X0_[i] + t * X1_[i], D_[i] = X1_[i] - X0_[i];
@@ -195,7 +198,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
     if (has_history()) elastic_.mark_tangent(X0_);
     std::vector<char> unpressed(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
-    const bool at_theta = (!has_multipliers() && !is_discrete(c.step)) || theta(c.step) == 1;
+    const bool at_theta = (!has_multipliers() && !is_discrete(c.step)) || c.step.theta == 1;
     segments([&] {
         if (std::any_of(unpressed.begin(), unpressed.end(), [](char u) { return u; }))
             gaps_->gradients(Xt_.data(), unpressed, at_theta_);
@@ -209,7 +212,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
         Eigen::VectorXd g1, f;
         if (active_[A]) {
             g1 = as_vector((at_theta ? at_theta_ : at_end_)[A].gradient);
-            if (at_theta) g1 *= theta(c.step);
+            if (at_theta) g1 *= c.step.theta;
             force(A, c, f);
         }
         borders[A] = border(A, c, g1, f);

@@ -114,7 +114,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const { return (options_.conserving || rebounds()) && !c.step.is_static(); }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
-    double theta(const Step& s) const { return has_multipliers() ? s.theta_g : s.theta; }
     Refusal refused(int vertex, const std::string& why) const;
     int passes(const std::vector<Approach>&, int n_parts);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
