@@ -80,6 +80,8 @@ WAS_SET = "_was_set"
 """Attribute of components of which an argument was set before they were in a system."""
 EDITION = "_edition"
 """Attribute of components that is another object whenever arguments have taken effect anew."""
+COMPOSITION = "_composition"
+"""Attribute of components that are in a system: the composition that their unknowns are numbered in."""
 
 
 class Composed(Validated):
@@ -141,7 +143,7 @@ class Component(metaclass=Composed):
         return {
             name: value
             for name, value in vars(self).items()
-            if name not in (MADE, WAS_SET, EDITION, "_system")
+            if name not in (MADE, WAS_SET, EDITION, COMPOSITION, "_system")
         }
 
     def forget(self) -> None:
@@ -361,7 +363,7 @@ def claimed(system: Any, components: Sequence[Component]) -> Iterator[None]:
     except BaseException:
         for c in components:
             if system_of(c) is system:
-                del vars(c)["_system"]
+                del vars(c)["_system"], vars(c)[COMPOSITION]
         raise
     finally:
         for c in components:
@@ -375,7 +377,7 @@ def _claim(system: Any, components: Sequence[Component]) -> None:
             raise InputError(
                 f"{c.label} belongs to another system; copy.deepcopy the components before reuse"
             )
-        vars(c)["_system"] = weakref.ref(system)
+        vars(c).update({"_system": weakref.ref(system), COMPOSITION: system.composition})
         vars(c).pop(MADE, None)
 
 

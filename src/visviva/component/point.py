@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import place
 from visviva.base.errors import InputError
-from visviva.component.component import Component
+from visviva.component.component import COMPOSITION, Component
 from visviva.component.momentum import NOWHERE, Axes
 from visviva.model.field import Vectors
 from visviva.model.form import Vector
@@ -24,12 +25,28 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+def owned(made: Callable[..., Vector]) -> Callable[..., Vector]:
+    """A method that makes forms of a component's unknowns, which then know the system that numbered these."""
+
+    @wraps(made)
+    def of_its_system(self: Attachable, *args: Any) -> Vector:
+        return made(self, *args).owned(vars(self).get(COMPOSITION))
+
+    return of_its_system
+
+
 class Attachable(Component):
     """A component that others can be attached to: its material points are linear forms of its unknowns."""
 
     has_directions = True
     moves_rigidly = True  # one frame carries all its points; otherwise directions depend on where they are
     is_massless = False  # frames that go with another component
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for name in ("place", "turn"):
+            if name in vars(cls):
+                setattr(cls, name, owned(vars(cls)[name]))
 
     @property
     def outside_axes(self) -> Axes:

@@ -11,11 +11,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
-from visviva.component.component import Component, mentioned, settings, system_of
+from visviva.component.component import COMPOSITION, Component, mentioned, settings, system_of
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, point_of
 from visviva.joint.joint import Joint
-from visviva.model.form import Strain, Vector, dot, squared, strain
+from visviva.model.form import Strain, Vector, dot, refuse_foreign, squared, strain
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -290,6 +290,9 @@ def measures_of(label: str, of: Sequence[Any]) -> list[Measure]:
     return [measure_of(label, what) for what in of]
 
 
-def strains_of(measures: Sequence[Measure]) -> list[Strain]:
-    """All their strains, in order."""
-    return [e for m in measures for e in m.strains()]
+def strains_of(whose: Component, measures: Sequence[Measure]) -> list[Strain]:
+    """All their strains, in order, for a component that is being composed; those of other systems are refused."""
+    found = [e for m in measures for e in m.strains()]
+    for e in found:
+        refuse_foreign(whose.label, e, vars(whose)[COMPOSITION])
+    return found

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.differences import forward_curvature
+from visviva.model.composition import Composition
 from visviva.model.form import Form, Vector
 
 Array = NDArray[np.float64]
@@ -132,6 +133,8 @@ class Field:
         others are solved; -1 if several do. An element's own unknowns follow each other.
     instantaneous : bool
         Of multipliers: whether their constraints hold at every instant; else they speak of what happens in a step.
+    composition : Composition, optional
+        Of the system that numbers the unknowns.
     moves : bool
         Whether the component itself gave rates; what it is carried by or prescribed may add others later.
     """
@@ -150,6 +153,7 @@ class Field:
     part: int = 0
     instantaneous: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    composition: Composition | None = None
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -192,11 +196,11 @@ class Field:
 
     def form(self, k: int = 0) -> Form:
         """The `k`-th unknown as a form."""
-        return Form(((self.start + k, 1.0),))
+        return Form(((self.start + k, 1.0),), 0.0, self.composition)
 
     def vector(self, node: int = 0) -> Vector:
         """Three unknowns as a vector."""
-        return Vector.of(self.start + 3 * node)
+        return Vector.of(self.start + 3 * node).owned(self.composition)
 
 
 @dataclass(eq=False)

@@ -8,30 +8,46 @@ written as a few strains, e.g. ``dot(p - q, p - q)``, and knows nothing of what 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.model.composition import Composition
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """``constant + sum weight * x[unknown]``."""
+    """``constant + sum weight * x[unknown]``.
+
+    Attributes
+    ----------
+    weights : tuple of (int, float)
+        Numbers of unknowns with their weights.
+    constant : float
+    composition : Composition, optional
+        Of the system that numbered the unknowns, if components made the form; it is refused elsewhere. What is made of
+        bare numbers is read as it stands.
+    """
 
     weights: tuple[tuple[int, float], ...] = ()
     constant: float = 0.0
+    composition: Composition | None = field(default=None, compare=False, repr=False)
 
     def __add__(self, other: Form | float) -> Form:
         if not isinstance(other, Form):
-            return Form(self.weights, self.constant + other)
+            return Form(self.weights, self.constant + other, self.composition)
+        composition = common(self.composition, other.composition)
         if not (self.weights and other.weights):
-            return Form(self.weights or other.weights, self.constant + other.constant)
+            return Form(self.weights or other.weights, self.constant + other.constant, composition)
         total = dict(self.weights)
         for unknown, weight in other.weights:
             total[unknown] = total.get(unknown, 0.0) + weight
-        return Form(tuple([(u, w) for u, w in total.items() if w != 0.0]), self.constant + other.constant)
+        weights = tuple([(u, w) for u, w in total.items() if w != 0.0])
+        return Form(weights, self.constant + other.constant, composition)
 
     def __sub__(self, other: Form | float) -> Form:
         return self + (-1.0) * other
@@ -42,9 +58,14 @@ class Form:
     def __mul__(self, factor: float) -> Form:
         if factor == 0.0:
             return Form()
-        return Form(tuple([(u, factor * w) for u, w in self.weights]), factor * self.constant)
+        weights = tuple([(u, factor * w) for u, w in self.weights])
+        return Form(weights, factor * self.constant, self.composition)
 
     __rmul__ = __mul__
+
+    def owned(self, composition: Composition | None) -> Form:
+        """The same, of unknowns that a composition has numbered."""
+        return Form(self.weights, self.constant, composition) if self.weights else self
 
     def value(self, x: Array) -> float:
         """Value at the unknowns `x`."""
@@ -110,6 +131,11 @@ class Vector:
 
     __rmul__ = __mul__
 
+    def owned(self, composition: Composition | None) -> Vector:
+        """The same, of unknowns that a composition has numbered."""
+        x, y, z = self.components
+        return Vector((x.owned(composition), y.owned(composition), z.owned(composition)))
+
     def along(self, direction: Sequence[float] | Array) -> Form:
         """Component along a fixed direction (3,)."""
         total = Form()
@@ -166,10 +192,14 @@ class Strain:
         return max(self.linear.size(scale), *products, 0.0)
 
     @property
+    def forms(self) -> list[Form]:
+        """Forms that it is made of."""
+        return [self.linear, *(f for _, a, b in self.products for f in (a, b))]
+
+    @property
     def unknowns(self) -> set[int]:
         """Unknowns that it sees."""
-        forms = [self.linear, *(f for _, a, b in self.products for f in (a, b))]
-        return {u for f in forms for u, _ in f.weights}
+        return {u for f in self.forms for u, _ in f.weights}
 
     def gradient(self, x: Array) -> dict[int, float]:
         """Nonzero derivatives by unknown at `x`."""
@@ -179,6 +209,38 @@ class Strain:
                 for u, w in form.weights:
                     g[u] = g.get(u, 0.0) + factor * w
         return g
+
+
+def common(a: Composition | None, b: Composition | None) -> Composition | None:
+    """The composition of a form that is made of two."""
+    if a is None or b is None or a is b:
+        return b if a is None else a
+    if not a.is_alike(b):
+        raise InputError(
+            "forms of two systems, or of one before and after a reset, have no sum: they number their unknowns "
+            "differently; ask the joints and points of one system for all of them"
+        )
+    return b
+
+
+def refuse_foreign(whose: str, what: Form | Vector | Strain, composition: Composition) -> None:
+    """Refuse forms whose unknowns were numbered by another composition than the one they are to be read in.
+
+    Raises
+    ------
+    InputError
+        With the component and unknown meant, and the cure.
+    """
+    for form in [what] if isinstance(what, Form) else what if isinstance(what, Vector) else what.forms:
+        own = form.composition
+        if not (own is None or own is composition or own.is_alike(composition)):
+            label, unknown = own.describe(form.weights[0][0])
+            raise InputError(
+                f"{whose}: this form sees {unknown} of {label} in another system, or before a reset that changed "
+                "numbers or initial values, and would read other unknowns here. Ask for it anew (joint.coordinate(), "
+                "point.position), or take a probe, which does so itself: vv.JointCoordinate(joint=...), "
+                "vv.Position(of=...)"
+            )
 
 
 def strain(a: Strain | Form | float) -> Strain:

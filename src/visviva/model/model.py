@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.model.batch import along, book, strain_batch
+from visviva.model.composition import Composition
 from visviva.model.driving import Driving
 from visviva.model.entropies import Entropies
 from visviva.model.field import Field, Owner, Prescription, Role
-from visviva.model.form import Form, Strain, strain
+from visviva.model.form import Form, Strain, refuse_foreign, strain
 from visviva.model.law import Law, LawKind
 from visviva.model.reductions import Reductions
 
@@ -70,6 +71,7 @@ class Model:
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components
+    _composition: Composition = field(default_factory=Composition)
     _announced: dict[int, list[object]] = field(default_factory=dict)  # by number of the component
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
@@ -148,6 +150,7 @@ class Model:
             part,
             instantaneous,
             local,
+            self._composition,
         )
         self.fields.append(new)
         if role.order == 1:
@@ -420,10 +423,10 @@ class Model:
         account: int,
         shift: int = 0,
     ) -> None:
-        number = self.index(component)
-        self.elements.append(
-            Element(strains_of(strains), law, multipliers, signals or [-1], account, number, shift)
-        )
+        number, listed = self.index(component), strains_of(strains)
+        for e in listed:
+            refuse_foreign(component.label, e, self._composition)
+        self.elements.append(Element(listed, law, multipliers, signals or [-1], account, number, shift))
 
 
 def strains_of(strains: Any) -> Sequence[Strain]:

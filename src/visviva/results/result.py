@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError, nearest
 from visviva.base.html import table
 from visviva.measure.measures import Measure, refuse_elsewhere
-from visviva.model.form import Form, Strain, Vector
+from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.states import StateFile
 from visviva.results.audit import audit
@@ -173,6 +173,7 @@ class Result:
         refuse_no_probe("Result.history", "what", what)
         self._refuse_other_run()
         if isinstance(what, Form | Vector | Strain):
+            refuse_foreign("Result.history", what, self.system.composition)
             return np.array([what.value(x) for x in self.states])
         if not isinstance(what, Measure):
             return looked_back(self, what)

@@ -84,8 +84,8 @@ def changes(before: Arguments, now: Arguments) -> list[str]:
 
 
 def arguments_of(value: Any) -> dict[str, Any]:
-    """Arguments of a dataclass's constructor."""
-    return {f.name: getattr(value, f.name) for f in fields(value) if f.init}
+    """Arguments of a dataclass's constructor, as far as they count where two are compared."""
+    return {f.name: getattr(value, f.name) for f in fields(value) if f.init and f.compare}
 
 
 def shortened(text: str) -> str:

@@ -11,7 +11,7 @@ from visviva.base.arguments import Named, finite, positive, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.component.component import refuse_absent
 from visviva.measure.names import columns_of, units_of
-from visviva.model.form import Form, Strain, Vector
+from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.system import System
 
@@ -87,6 +87,9 @@ class Study(metaclass=Named):
             self.system.units = self.units
         self.system.units.refuse_unknown(self.probes)
         refuse_absent("Study: probes", self.probes, {id(c) for c in self.system.components})
+        for name, probe in self.probes.items():
+            if isinstance(probe, Form | Vector | Strain):
+                refuse_foreign(f"Study: probe {name!r}", probe, self.system.composition)
         unknown = [name for name in self.trails if name not in self.probes]
         if unknown:
             raise InputError(

@@ -25,8 +25,9 @@ from visviva.component.component import (
 )
 from visviva.component.connected import lengths_of_parts
 from visviva.component.point import Attachable
+from visviva.model.composition import Composition
 from visviva.model.field import Field
-from visviva.model.form import Form, Strain, Vector
+from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
@@ -95,10 +96,10 @@ class System(metaclass=Named):
         begin_if_set(self.components)
         self._compose()
 
-    def _compose(self) -> None:
+    def _compose(self, before: Composition | None = None) -> None:
         """Number the unknowns of the components, and hand them to the core."""
         self.stepper = Stepper()
-        self.composition = object()  # by which results know whether it is still theirs
+        self.composition = Composition()  # by which results and forms know whether it is still theirs
         self.changed: dict[str, list[str]] = {}  # arguments of components that were set since
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
@@ -106,9 +107,8 @@ class System(metaclass=Named):
         self._pattern: tuple[int, Pattern] | None = None
         with claimed(self, self.components):
             length = characteristic_length(self.components)
-            self.model = Model(
-                self.components, length=length, lengths=lengths_of_parts(self.components, length)
-            )
+            lengths = lengths_of_parts(self.components, length)
+            self.model = Model(self.components, length=length, lengths=lengths, _composition=self.composition)
             for c in self.components:
                 c.announce(self.model)
             rank = lambda c: (not isinstance(c, Attachable), c.contributes_last)  # noqa: E731
@@ -119,6 +119,7 @@ class System(metaclass=Named):
         if not self.model.fields:
             raise InputError("the system has no unknowns: add a body or another component that can move")
         fields = self.model.fields
+        self.composition.settle(fields, before)
         order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in fields])
         self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
         self.core = build_core(self)
@@ -158,11 +159,12 @@ class System(metaclass=Named):
         >>> ends[0] == ends[1]
         True
         """
+        before = self.composition
         kept = {name: vars(self)[name] for name in ("_components", "_newton", "_units")}
         vars(self).clear()
         vars(self).update(kept)
         begin_anew(self.components)
-        self._compose()
+        self._compose(before)
 
     def copy(self) -> System:
         """A second system of the same components, also copies, in the same state; neither knows of the other.
@@ -336,10 +338,7 @@ class System(metaclass=Named):
 
     def describe(self, unknown: int) -> tuple[str, str]:
         """Component and unknown of a number, in words."""
-        for f in self.model.fields:
-            if unknown in f.unknowns:
-                return f.component.label, f"{f.name}[{unknown - f.start}]"
-        return "the system", "unknown"
+        return self.composition.describe(unknown)
 
     def field(self, component: Component, name: str) -> Field:
         """A field of a component by its name."""
@@ -354,6 +353,7 @@ class System(metaclass=Named):
         """Present value of a form, vector or strain."""
         wanted = "a form, vector or strain such as body.point().position (call measures with the system)"
         refuse_other("System.value", "what", what, Form | Vector | Strain, wanted)
+        refuse_foreign("System.value", what, self.composition)
         return what.value(self.x)
 
     @cached_property

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
-from visviva.measure.measures import Reading, measures_of, strains_of
+from visviva.measure.measures import Reading, measures_of, refuse_elsewhere, strains_of
 from visviva.model.law import Law, LawKind
 from visviva.system.memory import undisturbed
 
@@ -74,7 +74,7 @@ class Servo(Component):
         self._actuators = measures_of(self.label, self.actuators)
 
     def contribute(self, model: Model) -> None:
-        outputs, actuators = strains_of(self._output), strains_of(self._actuators)
+        outputs, actuators = strains_of(self, self._output), strains_of(self, self._actuators)
         n = len(outputs)
         for what, count in (
             ("functions of time to follow", len(self.follows)),
@@ -110,6 +110,7 @@ class Servo(Component):
 
     def inputs(self, system: System) -> Array:
         """Inputs (n,) of the actuators in the last step, at the scheme's evaluation point."""
+        refuse_elsewhere(self, system)
         m = self._multipliers
         return np.array(system.x[m.start : m.start + m.size])
 

@@ -58,7 +58,7 @@ class GeneralizedForce(_OnMeasures):
     force: Function
 
     def contribute(self, model: Model) -> None:
-        add_user_force(model, self, "user force", strains_of(self._measures), self.force)
+        add_user_force(model, self, "user force", strains_of(self, self._measures), self.force)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -82,7 +82,7 @@ class Potential(_OnMeasures):
     kind: str = "user"
 
     def contribute(self, model: Model) -> None:
-        strains = strains_of(self._measures)
+        strains = strains_of(self, self._measures)
         W = guarded(self.label, "energy", self.energy)
         call = energy_callback(W, len(strains), f"{self.label}, its energy", model.sizes_of(strains))
         model.potential(self, self.kind, strains, Law(LawKind.ENERGY_CALLBACK, callback=call))
@@ -115,7 +115,7 @@ class Constraint(_OnMeasures):
             raise InputError(f"{self.label}: n = {self.n} constraints; at least one is needed")
 
     def contribute(self, model: Model) -> None:
-        strains = strains_of(self._measures)
+        strains = strains_of(self, self._measures)
         Phi = guarded(self.label, "function", self.function)
         label, sizes = f"{self.label}, its function", model.sizes_of(strains)
         call = constraint_callback(Phi, len(strains), self.n, label, sizes)
