@@ -88,6 +88,17 @@ def test_what_states_do_not_tell_is_refused_with_the_cure() -> None:
     np.testing.assert_allclose(forces[:, 0], -np.sin(3 * static.times), atol=1e-9)  # what the traction pulls
 
 
+@pytest.mark.parametrize("every", [1, 3, 10, 20, 99])
+def test_the_last_state_is_kept_whatever_is_left_out(every: int) -> None:
+    system = vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))])
+    result = vv.simulate(system, until=2.0, step=0.1, every=every)
+    expected = sorted({*range(0, 21, every), 20})
+    np.testing.assert_allclose(result.times, 0.1 * np.array(expected), atol=1e-12)
+    np.testing.assert_array_equal(result.states[-1], system.x)
+    static = vv.quasi_static(bar(), until=0.5, step=0.1, every=every)
+    assert static.times[-1] == 0.5
+
+
 def test_states_beyond_the_budget_go_to_a_file() -> None:
     kept, spilt = (vv.simulate(bar(), until=0.2, step=0.01, memory=m) for m in (1e9, 3000.0))
     assert isinstance(spilt.kept, StateFile)

@@ -181,6 +181,17 @@ def test_a_path_through_limit_points_is_resumed_to_the_same_bits(tmp_path: Path)
     assert np.array_equal(steps, np.arange(len(steps)))
 
 
+def test_the_last_state_of_a_path_that_ends_by_itself_is_written(tmp_path: Path) -> None:
+    study = truss()
+    study.scheme = vv.ArcLength(most=7)
+    result = run(study, tmp_path / "run", every=5)
+    table = read_table(tmp_path / "run" / "probes.csv")
+    assert study.system.time < study.until
+    assert len(table["time"]) == len(result.times) == 3
+    assert table["time"][-1] == result.times[-1] == study.system.time
+    assert read_frames(tmp_path / "run" / "trajectory.vtkhdf").tolist() == [0, 5, 7]
+
+
 def read_frames(path: Path) -> Any:
     with Trajectory(path) as trajectory:
         return np.array(trajectory.times)

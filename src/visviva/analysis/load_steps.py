@@ -298,7 +298,7 @@ def quasi_static(
     scheme : Static
         Tolerances of the iteration.
     every : int
-        Keep the state of every n-th load step.
+        Keep the state of every n-th load step, and the last one.
     project : bool
         Accept an initial state that is moved far to fit the constraints; see `simulate`.
 
@@ -330,8 +330,10 @@ def quasi_static(
     every, (until, step) = whole("quasi_static", "every", every), checked_times(until, step)
     result, books = begin(system, scheme or Static(), project=project)
     for _ in advance(result, books, until=until, step=step):
-        if result.statistics.steps % every == 0 or system.clock.has_reached(until):
+        if result.statistics.steps % every == 0:
             keep(result)
+    if result.statistics.steps % every:
+        keep(result)
     return result
 
 

@@ -207,7 +207,7 @@ def simulate(
     scheme : Scheme
         Time integration, `EnergyMomentum` if not given.
     every : int
-        Keep the state of every n-th step.
+        Keep the state of every n-th step, and the last one.
     observe : callable
         Called with the system after each accepted step.
     adaptive : Adaptive
@@ -253,6 +253,8 @@ def simulate(
             keep(result, memory)
         if observe is not None:
             observe(system)
+    if result.statistics.steps % every:
+        keep(result, memory)
     return result
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -56,6 +56,11 @@ class Cadence:
             rows=math.ceil(n_steps / MOST_ROWS),
             states=math.ceil(kept / MOST_KEPT),
         )
+
+    @property
+    def steps(self) -> tuple[int, int, int]:
+        """The numbers of steps of all three."""
+        return self.frames, self.rows, self.states
 
     @staticmethod
     def all(every: int) -> Cadence:
@@ -203,7 +208,7 @@ class Recorder:
     # --- marching -------------------------------------------------------------------------------------------
     def march(self, interrupted: Any, progress: bool, save_every: float) -> None:
         """March to the end, writing as the cadence says; whatever happens, the last state is saved."""
-        study, steps = self.study, self.result.statistics
+        study, steps, row = self.study, self.result.statistics, None
         if self.is_complete():
             return
         try:
@@ -217,6 +222,8 @@ class Recorder:
                     if number := interrupted():
                         self.save()
                         raise KeyboardInterrupt(number)
+            if row is not None and not self.is_complete():  # a path of statics may end before
+                self.write_all(row, [steps.steps % n != 0 for n in self.cadence.steps])
             self.save()
         except Exception as error:  # a second Ctrl-C interrupts anywhere, and what stands then is not saved
             with suppress(VisvivaError):  # the first error counts; an older state is still there
@@ -234,13 +241,19 @@ class Recorder:
         return self.study.system.clock.has_reached(self.study.until)
 
     def write(self, step: int, row: Array) -> None:
-        """Write and keep what is due after a step."""
-        self.is_written, last = False, self.is_complete()
-        if last or step % self.cadence.states == 0:
+        """Write and keep what is due after a step, after the last one all."""
+        last = self.is_complete()
+        self.write_all(row, [last or step % n == 0 for n in self.cadence.steps])
+
+    def write_all(self, row: Array, due: Sequence[bool]) -> None:
+        """Write those of frame, row and state that are due."""
+        frame, books, state = due
+        self.is_written = False
+        if state:
             keep(self.result)
-        if last or step % self.cadence.rows == 0:
+        if books:
             self.write_row(row)
-        if last or step % self.cadence.frames == 0:
+        if frame:
             self.write_frame()
         self.is_written = True
 
