@@ -1,7 +1,7 @@
 // Reductions: their solutions are those of the whole dense system.
 #include <doctest/doctest.h>
 
-#include "dense.hpp"
+#include "linear_samples.hpp"
 #include "visviva/linear/reduce/contact_condensation.hpp"
 #include "visviva/linear/reduce/director_elimination.hpp"
 #include "visviva/linear/reduce/element_condensation.hpp"
@@ -264,6 +264,65 @@ TEST_CASE("exchange: forces on each other's nodes are made up for, small or larg
     press(30);
     problem.take(p.a);
     check(p.a, problem, *solver, numbers);
+}
+
+namespace {
+
+// Pressures that act on the nodes beside their own as well, with forces that grow along the chain.
+Pressed chain_of_pressures(int dim, int n, double force) {
+    Numbers numbers(1);
+    Pressed p(numbers, dim, n, n);
+    for (int k = 0; k + 1 < n; ++k) {
+        p.a(p.node(k), p.multiplier(k + 1)) = force * (1 + k / 30.);
+        p.a(p.node(k + 1), p.multiplier(k)) = -force * (4. / 3 + k / 30.);
+    }
+    return p;
+}
+
+VectorXd condensed(const Pressed& p, std::unique_ptr<LinearSolver> rest, const VectorXd& b,
+                   double tolerance) {
+    Problem problem(p.a);
+    const auto solver = make_reduced(p.reduction(problem), std::move(rest));
+    solver->analyze(problem.csr, problem.blocks);
+    REQUIRE(problem.factor(*solver));
+    const VectorXd x = problem.solve(*solver, b, tolerance);
+    if (!solved(x)) CHECK(solver->report().message.starts_with("condensed pressures press too much"));
+    return x;
+}
+
+}  // namespace
+
+// With nodes of one unknown, constraints hold all: only the multipliers tell that forces were left out.
+TEST_CASE("exchange: chains of pressures on each other's nodes are solved exactly or not at all") {
+    Numbers numbers(44);
+    for (int dim : {1, 2, 3})
+        for (int n : {4, 12, 40})
+            for (double force : {1e-3, 0.1, 1., 30., 1e4}) {
+                const Pressed p = chain_of_pressures(dim, n, force);
+                const VectorXd b = numbers.vector(p.a.rows()), x = condensed(p, make_sparse_lu(), b, 0);
+                CAPTURE(dim);
+                CAPTURE(n);
+                CAPTURE(force);
+                CHECK((solved(x) || (n > 30 && force > 0.01)));  // more pressures than are mixed
+                if (!solved(x)) continue;
+                CHECK(difference(p.a * x, b) < 1e-11);
+                CHECK(difference(x, p.a.fullPivLu().solve(b)) < 1e-12);
+            }
+}
+
+TEST_CASE("exchange: iterations leave of forces on each other's nodes what they leave of all") {
+    Numbers numbers(45);
+    for (double force : {0.1, 30.})
+        for (double tolerance : {1e-3, 1e-9}) {
+            const Pressed p = chain_of_pressures(3, 12, force);
+            const VectorXd b = numbers.vector(p.a.rows());
+            LinearChoice iterations = choice(Backend::krylov);
+            iterations.method = KrylovMethod::gmres, iterations.tolerance = 1e-12;
+            const VectorXd x = condensed(p, make_linear({iterations}), b, tolerance);
+            CAPTURE(force);
+            CAPTURE(tolerance);
+            CHECK(difference(p.a * x, b) < 10 * tolerance);
+        }
 }
 
 TEST_CASE("exchange: a pressure without a force and without an entry of its own is named") {

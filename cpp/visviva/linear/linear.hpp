@@ -44,6 +44,7 @@ struct LinearReport {
     std::string message;        // why it failed, or what was notable
     int singular_unknown = -1;  // after a failed factorisation: one of the singular part, if known
     int n_iterations = 0;       // of the last solution; direct solvers need none
+    double tolerance = 0;       // the relative residual that it was allowed to leave; rounding
     int n_negative = -1;        // eigenvalues of the factored matrix below zero, if known
     int n_redundant = 0;        // constraints, of those that were asked for
     double memory = 0;          // bytes that factors or preconditioner take, if known

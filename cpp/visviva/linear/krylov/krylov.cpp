@@ -39,7 +39,7 @@ class Krylov : public LinearSolver {
 
     bool solve(const double* r, const Place&, double* d, double tolerance) override {
         report_.message.clear();
-        tolerance_ = std::max(tolerance, choice_.tolerance);
+        report_.tolerance = std::max(tolerance, choice_.tolerance);
         report_.n_iterations = 0;
         matrix_.gather(r, b_.data());
         const double size = norm(b_);
@@ -84,11 +84,11 @@ class Krylov : public LinearSolver {
         r_ = b_;
         if (preconditioning_->starts_exact())
             preconditioning_->apply(b_.data(), x_.data()), now = residual() / size;
-        for (; now > tolerance_ && report_.n_iterations < choice_.max_iterations && !trouble;) {
+        for (; now > report_.tolerance && report_.n_iterations < choice_.max_iterations && !trouble;) {
             if (choice_.method != KrylovMethod::gmres && now > 0.9 * before) break;
             KrylovRun run{matrix_,
                           *preconditioning_,
-                          0.9 * tolerance_ * size,
+                          0.9 * report_.tolerance * size,
                           choice_.max_iterations - report_.n_iterations,
                           x_,
                           r_,
@@ -98,7 +98,7 @@ class Krylov : public LinearSolver {
             report_.n_iterations += std::max(run.iterations, 1);
             before = now, now = residual() / size;
         }
-        return now <= tolerance_ || failed(trouble, now);
+        return now <= report_.tolerance || failed(trouble, now);
     }
 
     void start(KrylovRun& run) const {
@@ -115,7 +115,7 @@ class Krylov : public LinearSolver {
     // What solutions of less than the full tolerance would have taken to it.
     int iterations_to_tolerance() const {
         return static_cast<int>(
-            std::lround(report_.n_iterations * std::log(choice_.tolerance) / std::log(tolerance_)));
+            std::lround(report_.n_iterations * std::log(choice_.tolerance) / std::log(report_.tolerance)));
     }
 
     // In double precision, whatever that of products is: a pressure that is nearly free to shift leaves more
@@ -139,7 +139,6 @@ class Krylov : public LinearSolver {
     NodeMatrix matrix_;
     std::vector<double> b_, x_, r_;
     std::vector<std::vector<double>> basis_;
-    double tolerance_ = 0;
 };
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 namespace visviva {
 
+using Eigen::VectorXd;
+
 ContactCondensation::ContactCondensation(std::vector<NodalMultiplier> multipliers)
     : Reduction(", pressures condensed", "a contact pressure has no force on its own node"),
       multipliers_(std::move(multipliers)) {}
@@ -206,69 +208,73 @@ void ContactCondensation::recover(const double* r, double* d) const {
     }
 }
 
-void ContactCondensation::add_product(const double* d, double* r) const {
+// residual_ = r + K d with the whole matrix, and the largest error of a row on whose node others may press,
+// above what is allowed. Rows are measured by their own terms, small ones by the largest, whose rounding may
+// have come to them.
+double ContactCondensation::measure(const double* r, const double* d, double allowed) {
+    constexpr double small = 1e-5;
     const Csr& f = *full_;
+    residual_.assign(r, r + f.equation.size()), terms_.assign(f.n, 0.0);
+    double largest = 0, worst = 0;
     for (int i = 0; i < f.n; ++i) {
-        double sum = 0;
-        for (auto e = f.row[i]; e < f.row[i + 1]; ++e) sum += full_values_[e] * d[f.unknown[f.col[e]]];
-        r[f.unknown[i]] += sum;
+        double& sum = residual_[f.unknown[i]];
+        terms_[i] = std::abs(sum);
+        for (auto e = f.row[i]; e < f.row[i + 1]; ++e) {
+            const double term = full_values_[e] * d[f.unknown[f.col[e]]];
+            sum += term, terms_[i] += std::abs(term);
+        }
+        if (owner_[i] >= 0) largest = std::max(largest, terms_[i]);
     }
+    for (int i = 0; i < f.n; ++i)
+        if (const double left = std::abs(residual_[f.unknown[i]]) - allowed; owner_[i] >= 0 && left > 0)
+            worst = std::max(worst, left / (terms_[i] + small * largest));
+    return worst;
 }
 
-double ContactCondensation::size(const double* d) const {
-    double largest = 0;
-    for (int i = 0; i < full_->n; ++i)
-        if (!gone_[i]) largest = std::max(largest, std::abs(d[full_->unknown[i]]));
-    return largest;
+VectorXd ContactCondensation::multipliers(const VectorXd& d) const {
+    VectorXd own(nodes_.size());
+    for (std::size_t k = 0; k < nodes_.size(); ++k) own[k] = d[full_->unknown[nodes_[k].multiplier]];
+    return own;
 }
 
 bool ContactCondensation::solve(const double* r, const Place& place, double* d, LinearSolver& rest,
                                 double tolerance) {
     message_.clear();
-    return Reduction::solve(r, place, d, rest, tolerance) && (!rough_ || refine(r, place, d, rest));
+    if (!Reduction::solve(r, place, d, rest, tolerance)) return false;
+    if (!rough_) return true;
+    double squares = 0;
+    for (int u : left_.unknown) squares += right_[u] * right_[u];
+    return refine(r, place, d, rest, rest.report().tolerance * std::sqrt(squares));
 }
 
-// Until rounding is left; solvers that iterate leave more than that, and Newton's method goes on anyway. What
-// was left out acts through the multipliers alone: increments are mixed so that the corrections of these are
-// least (Anderson 1965), which ends after as many as there are, whether or not single corrections grow.
-bool ContactCondensation::refine(const double* r, const Place& place, double* d, LinearSolver& rest) {
+// Until rounding is left, or what `rest` may leave if it iterates. What was left out acts through the
+// multipliers alone: increments are mixed so that the corrections of these are least (Anderson 1965), which
+// ends after as many as there are, whether or not single corrections grow. Whether it has ended the residual
+// of the whole system tells, and nothing else: where constraints hold every unknown, multipliers may be
+// wrong while corrections of all others are rounding.
+bool ContactCondensation::refine(const double* r, const Place& place, double* d, LinearSolver& rest,
+                                 double allowed) {
     constexpr int most = 30;
     constexpr double rounding = 1e-15, good = 1e-9;
-    const double whole = size(d);
     const auto n = static_cast<Eigen::Index>(full_->equation.size());
     Eigen::MatrixXd changes(n, most), steps(n, most);  // of corrections, and of what they correct
     Eigen::MatrixXd seen(nodes_.size(), most);         // the changes in multipliers
-    Eigen::Map<Eigen::VectorXd> x(d, n);
-    Eigen::VectorXd more(n), more_before, step;
-    auto multipliers = [&](const Eigen::VectorXd& all) {
-        Eigen::VectorXd own(nodes_.size());
-        for (std::size_t k = 0; k < nodes_.size(); ++k) own[k] = all[full_->unknown[nodes_[k].multiplier]];
-        return own;
-    };
-    double before = whole;
-    for (int k = 0; k < most && rest.report().n_iterations == 0; ++k) {
-        residual_.assign(r, r + n);
+    Eigen::Map<VectorXd> x(d, n);
+    VectorXd more(n), more_before, step;
+    double error = measure(r, d, allowed), before = INFINITY;
+    for (int k = 0; k < most && error > rounding && !(error <= good && error > 0.5 * before); ++k) {
         more.setZero();
-        add_product(d, residual_.data());
         if (!Reduction::solve(residual_.data(), place, more.data(), rest, 0)) return false;
-        const double now = size(more.data());
-        if (now <= rounding * whole || (now <= good * whole && now > 0.5 * before)) {
-            if (now < before) x += more;
-            return true;
-        }
-        if (k > 0) {
-            changes.col(k - 1) = more - more_before, steps.col(k - 1) = step;
-            seen.col(k - 1) = multipliers(changes.col(k - 1));
-        }
         step = more;
         if (k > 0) {
-            const Eigen::VectorXd share = seen.leftCols(k).colPivHouseholderQr().solve(multipliers(more));
+            changes.col(k - 1) = more - more_before, seen.col(k - 1) = multipliers(changes.col(k - 1));
+            const VectorXd share = seen.leftCols(k).colPivHouseholderQr().solve(multipliers(more));
             step -= (changes.leftCols(k) + steps.leftCols(k)) * share;
         }
-        x += step;
-        more_before = more, before = now;
+        steps.col(k) = step, x += step, more_before = more;
+        before = error, error = measure(r, d, allowed);
     }
-    if (rest.report().n_iterations > 0) return true;
+    if (error <= good) return true;
     message_ =
         "condensed pressures press too much on each other's nodes; keep them among the equations, "
         "Contact(condensed=False)";

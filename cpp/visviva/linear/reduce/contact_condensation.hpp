@@ -3,6 +3,8 @@
 // contact with dual multipliers). What they do besides to the nodes of other such multipliers is left out of
 // the equations and made up for by refining the solution with the whole matrix.
 #pragma once
+#include <Eigen/Core>
+
 #include "visviva/linear/reduce/reduction.hpp"
 
 namespace visviva {
@@ -48,11 +50,9 @@ class ContactCondensation : public Reduction {
     void gather(int row, const Node& node, double* out);
     void replace(Node& node);
     double along(const Node& node, const double* r) const;
-    bool refine(const double* r, const Place& place, double* d, LinearSolver& rest);
-    // r += K d with the whole matrix, both by unknown.
-    void add_product(const double* d, double* r) const;
-    // The largest of an increment's entries that are no multipliers.
-    double size(const double* d) const;
+    bool refine(const double* r, const Place& place, double* d, LinearSolver& rest, double allowed);
+    double measure(const double* r, const double* d, double allowed);
+    Eigen::VectorXd multipliers(const Eigen::VectorXd& d) const;
 
     std::vector<NodalMultiplier> multipliers_;
     std::vector<int> owner_;  // full equation -> the node it is of, or -1
@@ -63,7 +63,7 @@ class ContactCondensation : public Reduction {
     std::vector<std::int64_t> place_;  // by equation left
     const double* full_values_ = nullptr;
     bool rough_ = false;
-    std::vector<double> residual_;  // while a solution is refined
+    std::vector<double> residual_, terms_;  // while a solution is refined
 };
 
 }  // namespace visviva

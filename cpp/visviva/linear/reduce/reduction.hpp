@@ -45,10 +45,10 @@ class Reduction {
     std::vector<double> values_;
     std::string message_;
     int singular_unknown_ = -1;
+    std::vector<double> right_;  // by unknown: the residual of what is left, of the last solution
 
   private:
     const char *name_, *singular_;
-    std::vector<double> right_;
 };
 
 /// Place of an entry among the values of a matrix; -1 where it has none.
