@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +11,8 @@ import numpy as np
 import pytest
 
 import visviva as vv
+
+Made = Callable[[Any], Any]
 
 ALL_SIDES = (("x0", "x1"), ("y0", "y1"), ("z0", "z1"))
 GRADIENT = np.array([(0.1, 0.2, 0.0), (0.0, -0.05, 0.1), (0.05, 0.0, 0.02)])
@@ -52,3 +55,137 @@ def test_a_cell_that_swings_keeps_energy_and_momentum() -> None:
 def test_refusals(pairs: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         vv.PeriodicFaces(solid=cell(), pairs=pairs)
+
+
+def test_supports_may_hold_both_nodes_of_a_pair_at_their_distance() -> None:
+    """Simple shear between plates, of which edges lie on both sides: ``F = 1 + g e1 e2``."""
+    body, g = cell(material=vv.SaintVenantKirchhoff(young=10.0, poisson=0.25)), 0.3
+    plates = [
+        vv.Fixed(solid=body, nodes="y0"),
+        vv.Prescribed(solid=body, nodes="y1", motion=(f"{0.9 * g}*t", "0", "0")),
+    ]
+    sides = vv.PeriodicFaces(solid=body, pairs=(("x0", "x1"), ("z0", "z1")))
+    result = vv.quasi_static(vv.System([body, *plates, sides]), until=1.0, step=0.5)
+    E = 0.5 * np.array([[0, g, 0], [g, g**2, 0], [0, 0, 0]])
+    density = 4.0 * (np.trace(E) ** 2 / 2 + np.tensordot(E, E))  # both constants of Lame are 4
+    assert result.ledger["potential_strain"][-1] == pytest.approx(0.99 * density, rel=1e-9)
+
+
+APART: dict[str, Made] = {
+    "fixed": lambda b: vv.Fixed(solid=b, nodes="y0"),
+    "moved": lambda b: vv.Prescribed(solid=b, nodes="y0", motion=lambda t, X: 0.1 * t * X),
+    "mixed": lambda b: vv.Prescribed(solid=b, nodes="x0", motion=("t", None, None)),
+}
+
+
+@pytest.mark.parametrize("kind", APART)
+def test_supports_that_hold_both_nodes_of_a_pair_may_not_keep_them_from_moving_apart(kind: str) -> None:
+    body = cell()
+    parts = [body, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1], strain=(0.1, 0, 0), times="t**2")]
+    more = [vv.Fixed(solid=body, nodes="x1")] if kind == "mixed" else []
+    with pytest.raises(
+        vv.InputError, match=r"supports hold both the node at .* and its image at .* one side alone"
+    ):
+        vv.System([*parts, APART[kind](body), *more])
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        lambda b: vv.Traction(solid=b, faces="x1", traction=(1, 0, 0)),
+        lambda b: vv.Pressure(solid=b, faces="all", pressure=1.0),
+        lambda b: vv.ElasticFoundation(solid=b, faces="x0", normal=1.0),
+    ],
+)
+def test_loads_on_paired_faces_are_refused(load: Made) -> None:
+    body = cell()
+    parts = [body, load(body), vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])]
+    with pytest.raises(
+        vv.InputError, match=r"the face at .* periodic faces 'x.' of Solid .*Leave such faces out"
+    ):
+        vv.System(parts)
+
+
+def test_directors_are_not_paired() -> None:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+    section = vv.HomogeneousSection(young=1.0, poisson=0.0, thickness=0.1)
+    shell = vv.Shell(mesh=mesh, section=section)
+    with pytest.raises(vv.InputError, match="directors of Shell would turn freely"):
+        vv.PeriodicFaces(solid=shell, pairs=[("x0", "x1")])
+
+
+# --- fluids and fields that are periodic themselves ----------------------------------------------------------
+def stream(**options: Any) -> vv.Fluid:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad9")
+    return vv.Fluid(mesh=mesh, density=1.0, viscosity=1.0, periodic=(("x0", "x1"),), **options)
+
+
+def channel(*more: Made, heated: bool = False) -> vv.System:
+    water = stream()
+    heat = [vv.FluidHeat(fluid=water, conductivity=1.0, capacity=1.0)] if heated else []
+    walls = [vv.NoSlip(fluid=water, faces="y0")] + [vv.NoSlip(fluid=water, faces="y1")] * heated
+    return vv.System([water, *walls, *heat, *[m(heat[0] if heated else water) for m in more]])
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        (
+            lambda w: vv.NoSlip(fluid=w, faces="x0"),
+            "the face at [0.0, 0.25] is one of the periodic faces 'x0'",
+        ),
+        (lambda w: vv.Outlet(fluid=w, faces="x1"), "is one of the periodic faces 'x1' of Fluid"),
+        (lambda w: vv.FreeSlip(fluid=w, faces="all"), "is one of the periodic faces"),
+        (
+            lambda w: vv.VelocityBoundary(fluid=w, faces="y1", velocity=lambda t, X: X * [1, 0, 0]),
+            "at t = 0 its velocity differs by 1 between nodes of periodic faces",
+        ),
+    ],
+)
+def test_conditions_of_flows_on_periodic_faces_are_refused(condition: Made, words: str) -> None:
+    with pytest.raises(vv.InputError, match=re.escape(words)):
+        channel(condition)
+
+
+@pytest.mark.parametrize(
+    ("condition", "words"),
+    [
+        (lambda q: vv.HeatFlux(body=q, faces="x0", flux=1.0), "periodic faces 'x0' of FluidHeat"),
+        (lambda q: vv.Convection(body=q, faces="all", coefficient=1.0, ambient=1.0), "periodic faces"),
+        (lambda q: vv.HeatExchange(a=q, faces_a="x1", conductance=1.0, ambient=1.0), "periodic faces 'x1'"),
+        (
+            lambda q: vv.PrescribedTemperature(body=q, nodes="y0", value=lambda t, X: X[:, 0]),
+            "at t = 0 its temperature differs by 1 between nodes of periodic faces",
+        ),
+    ],
+)
+def test_conditions_of_heat_on_periodic_faces_are_refused(condition: Made, words: str) -> None:
+    with pytest.raises(vv.InputError, match=re.escape(words)):
+        channel(condition, heated=True)
+
+
+def test_a_temperature_that_comes_to_differ_between_images_ends_the_run_by_name() -> None:
+    late = lambda q: vv.PrescribedTemperature(body=q, nodes="y0", value=lambda t, X: t * X[:, 0])  # noqa: E731
+    system = channel(late, heated=True)
+    with pytest.raises(vv.RunError, match=r"PrescribedTemperature .* at t = .* its temperature differs"):
+        vv.simulate(system, until=1.0, step=0.5)
+
+
+def alloy(kind: str) -> Any:
+    mesh: Any = vv.RectangleMesh(size=(8, 8), counts=(8, 8))
+    if kind == "spline":
+        mesh = vv.SplineBox(size=(8, 8), counts=(8, 8), degree=2)
+    energy = vv.DoubleWell(barrier=1.0)
+    return vv.CahnHilliard(
+        mesh=mesh, free_energy=energy, gradient_energy=1.0, concentration=0.5, periodic=(("x0", "x1"),)
+    )
+
+
+@pytest.mark.parametrize("kind", ["mesh", "spline"])
+def test_conditions_of_mixtures_on_periodic_faces_are_refused(kind: str) -> None:
+    body = alloy(kind)
+    with pytest.raises(vv.InputError, match="periodic faces 'x0' of CahnHilliard"):
+        vv.Wetting(body=body, faces="x0", angle=60.0)
+    vv.Wetting(body=body, faces="y0", angle=60.0)
+    with pytest.raises(vv.InputError, match=r"concentration differs by 0\.8 between nodes of periodic faces"):
+        vv.PrescribedConcentration(body=body, nodes="y0", value=lambda t, X: 0.1 * X[:, 0])

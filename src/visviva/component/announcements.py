@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.component.component import Component
+from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -30,6 +31,14 @@ class Holding:
     by: Component
     nodes: NDArray[np.int64]
     directions: NDArray[np.bool_] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Facing:
+    """Faces of a body that something acts on as if they bounded it."""
+
+    by: Component
+    faces: Faces
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from visviva.flow.boundary_faces import flow_faces, flux_weights
 from visviva.flow.conditions import Condition
 from visviva.flow.fluid import Fluid
 from visviva.load.force import guarded
+from visviva.mesh.periodic import refuse_apart
 from visviva.model.form import Form
 
 if TYPE_CHECKING:
@@ -147,10 +148,10 @@ class VelocityBoundary(FluidBoundary):
         numbers = fluid.conditions.share(self)
 
         def values(time: float) -> Array:
-            v = np.zeros((fluid.n_numbers, fluid.dimension))
-            v[fluid.number[self.chosen.nodes]] = fluid.conditions.scaled(time, self.velocities_at(time))[
-                self.chosen.nodes
-            ]
+            v, nodes = np.zeros((fluid.n_numbers, fluid.dimension)), self.chosen.nodes
+            wanted = self.velocities_at(time)
+            refuse_apart(self.label, "velocity", fluid.number[nodes], wanted[nodes], time)
+            v[fluid.number[nodes]] = fluid.conditions.scaled(time, wanted)[nodes]
             return v.ravel()[numbers]
 
         def rates(time: float, step: float) -> Array:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError, RunError
 from visviva.component.component import Component
 from visviva.flow.boundary_faces import flux_weights
-from visviva.mesh.cells import CELLS
-from visviva.mesh.faces import Faces
+from visviva.mesh.faces import Faces, corner_rows
+from visviva.mesh.periodic import refuse_periodic
 
 if TYPE_CHECKING:
     from visviva.flow.fluid import Fluid
@@ -57,15 +57,6 @@ class Condition(Component):
     def velocities_at(self, time: float) -> Array:
         """Velocities (n_nodes, d) that it prescribes; zero elsewhere."""
         return np.zeros(self.fluid.grid.points.shape)
-
-
-def corner_rows(faces: Faces) -> list[tuple[int, ...]]:
-    """Faces by their sorted corners."""
-    return [
-        tuple(row)
-        for kind, rows in faces.cells.items()
-        for row in np.sort(rows[:, : CELLS[kind].n_corners], axis=1).tolist()
-    ]
 
 
 class Conditions:
@@ -132,6 +123,7 @@ class Conditions:
     def _refuse_overlap(self) -> None:
         owner: dict[tuple[int, ...], Condition] = {}
         for c in self.listed:
+            refuse_periodic(c.label, self.fluid, self.fluid.periodic, c.chosen)
             for row in corner_rows(c.chosen):
                 other = owner.setdefault(row, c)
                 if other is not c:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,13 @@ from pydantic.dataclasses import dataclass
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
+from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Facing
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Matrix
-from visviva.mesh.periodic import numbering
+from visviva.mesh.periodic import numbering, refuse_periodic
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -42,7 +44,9 @@ class PeriodicFaces(Component):
     -----
     What strains the cell does the work of "drive" in the ledger; where `times` is left out the strain is there from
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
-    meaning in a body that repeats.
+    meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
+    they must stay as far apart as they are. Loads on paired faces are refused. Temperatures and concentrations of the
+    body are not paired.
 
     Examples
     --------
@@ -60,6 +64,8 @@ class PeriodicFaces(Component):
     True
     """
 
+    contributes_last: ClassVar[int] = 1  # after supports
+
     solid: MeshBody
     pairs: Annotated[Sequence[tuple[str, str]], LISTED]
     strain: Matrix = (0.0, 0.0, 0.0)
@@ -68,6 +74,10 @@ class PeriodicFaces(Component):
     def __post_init__(self) -> None:
         if not self.pairs:
             raise InputError(f"{self.label}: pairs is empty; name opposite sets of faces")
+        if isinstance(self.solid, DirectorBody):
+            raise InputError(
+                f"{self.label}: directors of {self.solid.label} would turn freely at its ends; take a solid"
+            )
         for pair in self.pairs:
             if pair[0] == pair[-1]:
                 raise InputError(f"{self.label}: {tuple(pair)} is no pair of two sets of faces")
@@ -89,22 +99,61 @@ class PeriodicFaces(Component):
 
     def declare(self, model: Model) -> None:
         model.index(self.solid)
-        self.multipliers = model.multipliers(self, "traction", self.solid.dimension * len(self._followers))
+        for facing in model.announced(self.solid, Facing):
+            refuse_periodic(facing.by.label, self.solid, self.pairs, facing.faces)
 
     def contribute(self, model: Model) -> None:
         d, X = self.solid.dimension, self.solid.points
-        for k, (a, b) in enumerate(zip(self._leaders, self._followers, strict=True)):
-            apart = self.solid.combination([b, a], [1.0, -1.0])
-            plain = (X[b] - X[a]).tolist()
-            more = (self._gradient @ (X[b] - X[a])).tolist()
-            forms = list(apart.components)[:d]
-            if self._times is None:
-                held = [form - (plain[c] + more[c]) for c, form in enumerate(forms)]
-                model.constrain(self, self.multipliers, held, first=d * k)
+        more = (X[self._followers] - X[self._leaders]) @ self._gradient.T
+        free = ~self._both_held(model, more)
+        self.multipliers = model.multipliers(self, "traction", int(free.sum()))
+        first = 0
+        for a, b, wider, own in zip(self._leaders, self._followers, more.tolist(), free, strict=True):
+            apart = self.solid.combination([b, a], [1.0, -1.0]).components[:d]
+            forms = [form for form, is_free in zip(apart, own, strict=True) if is_free]
+            if not forms:
                 continue
-            moving = [form - plain[c] for c, form in enumerate(forms)]
-            targets = [self._target(more[c]) for c in range(d)]
-            model.constrain(self, self.multipliers, moving, first=d * k, targets=targets)
+            plain, wider = (X[b] - X[a])[:d][own].tolist(), np.array(wider)[:d][own].tolist()
+            if self._times is None:
+                held = [form - (p + w) for form, p, w in zip(forms, plain, wider, strict=True)]
+                model.constrain(self, self.multipliers, held, first=first)
+            else:
+                moving = [form - p for form, p in zip(forms, plain, strict=True)]
+                model.constrain(
+                    self, self.multipliers, moving, first=first, targets=[self._target(w) for w in wider]
+                )
+            first += len(forms)
+
+    def _both_held(self, model: Model, more: Array) -> NDArray[np.bool_]:
+        """Components (n, d) of pairs whose both nodes are held, at their distance.
+
+        Raises
+        ------
+        InputError
+            If it may change.
+        """
+        motion, d = self.solid.motion, self.solid.dimension
+        a, b = (
+            self.solid.node_unknowns(nodes)[:, None] - motion.start + np.arange(d)
+            for nodes in (self._leaders, self._followers)
+        )
+        both: NDArray[np.bool_] = motion.fixed[a] & motion.fixed[b]
+        movers = np.full(motion.size, None)
+        for p in model.driving.prescribed:
+            inside = p.unknowns[(p.unknowns >= motion.start) & (p.unknowns < motion.start + motion.size)]
+            movers[inside - motion.start] = p.component
+        pairs = zip(movers[a].flat, movers[b].flat, strict=True)
+        alike = [m is n and not callable(getattr(m, "motion", None)) for m, n in pairs]
+        still = np.abs(more[:, :d]) <= 1e-12 * np.abs(self.solid.points).max()
+        lost = both & ~(np.reshape(alike, both.shape) & still)
+        if lost.any():
+            k = int(np.argmax(lost.any(axis=1)))
+            raise InputError(
+                f"{self.label}: supports hold both the node at {self.solid.points[self._leaders[k]].tolist()} and its "
+                f"image at {self.solid.points[self._followers[k]].tolist()}, which then need not move apart as "
+                "strain and times say: hold those of one side alone, as images follow"
+            )
+        return both
 
     def _target(self, size: float) -> Any:
         """``size g(t)``; None where that is nothing."""

@@ -12,6 +12,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.body.mesh_body import MeshBody
 from visviva.body.mesh_points import FacePoints
+from visviva.component.announcements import Facing
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import FaceSet, Number, VectorOrFunction
@@ -38,6 +39,9 @@ class OnFaces(Component):
             self._faces = self.solid.faces(self.faces)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, Facing(self, self._faces))
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

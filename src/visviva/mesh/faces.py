@@ -18,6 +18,15 @@ if TYPE_CHECKING:
     from visviva.mesh.mesh import Mesh
 
 
+def corner_rows(faces: Faces) -> list[tuple[int, ...]]:
+    """Faces by their sorted corners."""
+    return [
+        tuple(row)
+        for kind, rows in faces.cells.items()
+        for row in np.sort(rows[:, : CELLS[kind].n_corners], axis=1).tolist()
+    ]
+
+
 @dataclass(frozen=True, eq=False)
 class Faces(metaclass=Named):
     """A set of faces of cells; edges if the cells are plane.

@@ -4,15 +4,61 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
+from visviva.mesh.faces import Faces, corner_rows
 from visviva.mesh.mesh import Mesh
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+class Meshed(Protocol):
+    """What has a mesh and a name."""
+
+    grid: Mesh
+
+    @property
+    def label(self) -> str:
+        """Name used in messages."""
+        ...
+
+
+def refuse_periodic(label: str, body: Meshed, pairs: Sequence[tuple[str, str]], faces: Faces) -> None:
+    """Refuse conditions on faces that are periodic: they bound nothing.
+
+    Raises
+    ------
+    InputError
+    """
+    rows = set(corner_rows(faces)) if pairs else set()
+    for name in {name: None for pair in pairs for name in pair}:
+        if shared := rows.intersection(corner_rows(body.grid.faces(name))):
+            place = body.grid.points[list(min(shared))].mean(axis=0).round(9).tolist()
+            raise InputError(
+                f"{label}: the face at {place} is one of the periodic faces {name!r} of {body.label}, beyond which it "
+                "goes on: there is nothing to act on. Leave such faces out, or the pair"
+            )
+
+
+def refuse_apart(label: str, what: str, number: Ints, values: Array, time: float) -> None:
+    """Refuse values (k, ...) that are given to nodes of one `number` (k,) and differ, as images are one node.
+
+    Raises
+    ------
+    RunError
+    """
+    _, once, inverse = np.unique(number, return_index=True, return_inverse=True)
+    apart = np.abs(values - values[once][inverse])
+    if apart.max(initial=0.0) > 1e-9 * np.abs(values).max(initial=0.0):
+        raise RunError(
+            f"{label}: at t = {time:g} its {what} differs by {apart.max():.6g} between nodes of periodic faces that "
+            "are one: give both the same"
+        )
 
 
 def translation(mesh: Mesh, first: str, second: str) -> Array:

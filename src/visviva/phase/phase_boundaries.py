@@ -9,10 +9,11 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
+from visviva.mesh.periodic import numbering, refuse_apart, refuse_periodic
 from visviva.model.field import Field
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
@@ -88,6 +89,7 @@ class Wetting(Component):
             self._faces = self.body.faces(self.faces)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
+        refuse_periodic(self.label, self.body, self.body.periodic, self._faces)
         if (self.angle is None) == (self.energy is None):
             raise InputError(f"{self.label}: give either an angle or an energy")
         if self.angle is not None and not 0 <= self.angle <= 180:
@@ -146,8 +148,13 @@ class PrescribedConcentration(Component):
             self._chosen = self.body.nodes(self.nodes)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
+        self._number = numbering(self.body.grid, self.body.periodic, self.label)[0][self._chosen]
         self._values = Values(self.label, "value", self.value)
         self._values.checked(self.body.points[self._chosen])
+        try:
+            self.wanted(0.0)
+        except RunError as error:
+            raise InputError(str(error)) from error
 
     def declare(self, model: Model) -> None:
         model.index(self.body)
@@ -157,6 +164,7 @@ class PrescribedConcentration(Component):
     def wanted(self, time: float) -> Array:
         """Coefficients (k,) of what is held."""
         values = self._values.at(time, self.body.points[self._chosen])
+        refuse_apart(self.label, "concentration", self._number, values, time)
         return self.body.space.fitted_on(self._chosen, values)
 
     def contribute(self, model: Model) -> None:

@@ -16,6 +16,7 @@ from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
+from visviva.mesh.periodic import refuse_periodic
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ class PrescribedTemperature(Component):
     ----------
     body : ThermalBody or ThermoelasticSolid
     nodes : str or int array
-        Name of a set of nodes or faces, 'all', or numbers.
+        Name of a set of nodes or faces, 'all', or numbers. Nodes of a periodic fluid are their images, too.
     value : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
 
     Notes
@@ -183,6 +184,8 @@ class ThroughFaces(ThroughPoints):
             self._faces = self.body.faces(self.faces)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
+
+        refuse_periodic(self.label, self.body, self.body.periodic, self._faces)
 
     def points(self) -> Sequence[Points]:
         return list(self.body.face_points(self._faces))

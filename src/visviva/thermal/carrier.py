@@ -83,6 +83,7 @@ class HeatCarrier(Component):
     start_temperatures: Array
     carries_heat = True
     balances_entropy = False  # or heat, in the unknowns of order 1
+    periodic: Sequence[tuple[str, str]] = ()  # faces beyond which it goes on
 
     @property
     def outside_axes(self) -> Axes:

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
 from visviva.body.mesh_points import FacePoints, Points, face_points
 from visviva.component.component import Component, settings
 from visviva.component.values import Number, NumberOrFunction
 from visviva.flow.conditions import Condition
-from visviva.flow.fluid import Fluid
+from visviva.flow.fluid import Fluid, Pairs
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
+from visviva.mesh.periodic import refuse_apart
 from visviva.model.field import Role
 from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
@@ -116,6 +117,10 @@ class FluidHeat(HeatCarrier):
         return self.fluid.points
 
     @property
+    def periodic(self) -> Pairs:  # type: ignore[override]  # others have none
+        return self.fluid.periodic
+
+    @property
     def dimension(self) -> int:
         return self.fluid.dimension
 
@@ -160,15 +165,21 @@ class FluidHeat(HeatCarrier):
         return np.hstack([self.temperature_unknowns(nodes), first.reshape(len(nodes), -1)])
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
-        numbers, once = np.unique(self.fluid.number[given.nodes], return_index=True)
+        shared = self.fluid.number[given.nodes]
+        numbers, once = np.unique(shared, return_index=True)
 
         def values(time: float) -> Array:
-            return given.values(time)[once]
+            found = given.values(time)
+            refuse_apart(owner.label, "temperature", shared, found, time)
+            return found[once]
 
         def rates(time: float, step: float) -> Array:
             return given.rates(time, step)[once]
 
-        model.prescribe(owner, self.heat, numbers, values, rates, given.kinks)
+        try:
+            model.prescribe(owner, self.heat, numbers, values, rates, given.kinks)
+        except RunError as error:
+            raise InputError(str(error)) from error
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         for batch, sources in zip(self.fluid.batches, self._sources, strict=True):

@@ -16,6 +16,7 @@ from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, Vector3
 from visviva.mesh.locate import locate
+from visviva.mesh.periodic import refuse_periodic
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier, HeatPort
 from visviva.thermal.lumps import Lump
@@ -152,7 +153,9 @@ class End:
         if self.faces is None:
             return np.zeros(0, dtype=np.int64), np.zeros(0)
         total = np.zeros(body.grid.n_nodes)
-        for p in body.face_points(body.faces(self.faces)):
+        faces = body.faces(self.faces)
+        refuse_periodic("its faces", body, body.periodic, faces)
+        for p in body.face_points(faces):
             np.add.at(total, p.nodes, p.size @ p.N)
         nodes = np.flatnonzero(total)
         return nodes, total[nodes] / total.sum()

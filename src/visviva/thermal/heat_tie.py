@@ -15,6 +15,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.contact.tying import THIN, with_neighbours
+from visviva.mesh.periodic import refuse_periodic
 from visviva.thermal.boundaries import PrescribedTemperature
 from visviva.thermal.carrier import HeatCarrier
 from visviva.thermal.exchange import HeatBond, HeatExchange
@@ -91,6 +92,8 @@ class HeatTie(Component):
                 raise InputError(f"{self.label}: {self.first.label} and {self.second.label} differ in {what}")
         sides = ((self.first, self.first_faces), (self.second, self.second_faces))
         try:
+            for body, chosen in sides:
+                refuse_periodic("its surfaces", body, body.periodic, body.faces(chosen))
             skins = [body.heat_skin(chosen) for body, chosen in sides]
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
