@@ -17,6 +17,7 @@ from visviva.cli_options import (
     CameraText,
     Cmap,
     Deform,
+    Diagram,
     Directory,
     Every,
     Field,
@@ -40,6 +41,7 @@ from visviva.cli_options import (
     Tolerance,
     Trust,
     Until,
+    Vectors,
     whole,
 )
 from visviva.scene.commands import (
@@ -194,6 +196,8 @@ def movie(
     limits: Range = None,
     cmap: Cmap = "viridis",
     deform: Deform = 1.0,
+    vectors: Vectors = "",
+    diagram: Diagram = "",
 ) -> None:
     """Turn a run into a movie."""
     from visviva.output.directory import RunDirectory
@@ -211,7 +215,7 @@ def movie(
             field=shown(files.trajectory, field),
             outline=outline,
             progress=show,
-            **looks(camera, size, limits, cmap, deform),
+            **looks(camera, size, limits, cmap, deform, vectors, diagram),
         )
     print(target)
 
@@ -233,6 +237,8 @@ def picture(
     limits: Range = None,
     cmap: Cmap = "viridis",
     deform: Deform = 1.0,
+    vectors: Vectors = "",
+    diagram: Diagram = "",
     transparent: Annotated[bool, Parameter(negative="", help="Without a background.")] = False,
 ) -> None:
     """Draw one moment of a run."""
@@ -241,11 +247,9 @@ def picture(
 
     files = RunDirectory.open(directory)
     target = out or files.picture
-    field = shown(files.trajectory, field)
-    look = looks(camera, size, limits, cmap, deform)
-    snapshot(
-        files.trajectory, target, time=time, field=field, outline=outline, transparent=transparent, **look
-    )
+    look = looks(camera, size, limits, cmap, deform, vectors, diagram)
+    look |= {"field": shown(files.trajectory, field), "outline": outline, "transparent": transparent}
+    snapshot(files.trajectory, target, time=time, **look)
     print(target)
 
 

@@ -49,6 +49,19 @@ Range = Annotated[
 ]
 Cmap = Annotated[str, Parameter(help="Colour map of matplotlib.")]
 Deform = Annotated[float, Parameter(help="Factor of displacements.")]
+Vectors = Annotated[
+    str,
+    Parameter(
+        help="Field drawn as arrows, such as velocity or heat_flux; of cauchy lines along principal stresses."
+    ),
+]
+Diagram = Annotated[
+    str,
+    Parameter(
+        help="Force or moment drawn along beams: shear_1, shear_2, normal, bending_1, bending_2, torsion; the study "
+        "stores it by fields=['diagram_bending_1']."
+    ),
+]
 CameraText = Annotated[
     str | None,
     Parameter(

@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import number, place
 from visviva.base.errors import InputError
+from visviva.body.beam_diagrams import DIAGRAMS, at_ends, upright
 from visviva.body.beam_line import BeamLine, Place, beam_line, parted_at_kinks
 from visviva.body.beam_shapes import with_shapes_of_beams
 from visviva.body.beam_strains import BeamStrains
@@ -28,6 +29,7 @@ from visviva.component.announcements import Holding, Straining
 from visviva.component.component import settings
 from visviva.component.point import Frame
 from visviva.component.values import Number, Vector3, VectorOrFunction
+from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
@@ -49,7 +51,7 @@ Two-node cells turn by 45 degrees then, where they carry the largest moment; tho
 """
 STEEP = float(np.sin(np.pi / 9) ** 2)
 """The same of two-node cells at 40 degrees, from which on it is told when a step fails."""
-FIELDS = {"section_force": 3, "section_moment": 3}
+FIELDS = {"section_force": 3, "section_moment": 3, **dict.fromkeys(DIAGRAMS, 3)}
 RIGID = {"shear": (0, 1), "stretch": (2,)}
 """Numbers of the strains that can be held at zero."""
 
@@ -414,12 +416,22 @@ class Beam(DirectorBody):
         return self._swept.points(self.positions(v), self.directors(v))
 
     def drawn_fields(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return {name: values[self._swept.nodes] for name, values in self.smoothed(names, x).items()}
+        plain = self.smoothed([name for name in names if name not in DIAGRAMS], x)
+        found = {name: values[self._swept.nodes] for name, values in plain.items()}
+        (m, k), nodes = self.line.cells.shape, CELLS[self.line.kind].nodes[:, 0]
+        for name in DIAGRAMS.keys() & set(names):  # they jump between cells, where smoothing would hide it
+            ends = at_ends(self.at_points(name, x).reshape(m, -1, 3), nodes)
+            found[name] = np.repeat(ends.reshape(m * k, 3), self._swept.contours.shape[1], axis=0)
+        return found
 
     def widths(self) -> Mapping[str, int]:
         return FIELDS
 
     def at_points(self, name: str, x: Array) -> Array:
+        if name in DIAGRAMS:
+            own = np.einsum("mkij,mkjc->mkic", self.line.turns, self.directors(x)[self.line.cells])
+            directors = np.einsum("qk,mkic->mqic", self._strains.N, own)
+            return upright(name, self.resultants(x), directors).reshape(-1, 3)
         part = slice(0, 3) if name == "section_force" else slice(3, 6)
         return self.resultants(x)[..., part].reshape(-1, 3)
 

@@ -98,7 +98,7 @@ class Coloring:
 
     def streams(self, motion: Trajectory, time: float) -> dict[int, NDArray[np.float64]]:
         """Velocities (n, 3), by the number of the surface, of what flows through a mesh that stands still."""
-        if self.name not in STREAMED or "velocity" not in motion.fields:
+        if self.name not in STREAMED or "velocity" not in motion.fields or len(motion.times) < 2:
             return {}
         moved = motion.field("displacement", len(motion.times) - 1)
         velocities = enumerate(motion.field_at("velocity", time))
@@ -131,7 +131,9 @@ def refuse_unknown_colors(name: str) -> None:
 
 def fluids_of(motion: Trajectory) -> frozenset[int]:
     """Numbers of the surfaces that something flows through, while their meshes stand still."""
-    if not {"velocity", "displacement"} <= set(motion.fields):
+    if (
+        not {"velocity", "displacement"} <= set(motion.fields) or len(motion.times) < 2
+    ):  # nothing has moved yet
         return frozenset()
     last = len(motion.times) - 1
     parts = zip(motion.field("displacement", last), motion.field("velocity", last), strict=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Self
 
@@ -25,6 +25,8 @@ class Labels:
         Human names of fields.
     field_units : mapping of str to str
         Their units.
+    parts : mapping of str to sequence of str
+        Names of the components of fields that are no vectors in space.
     up : tuple of float, optional
         What is up, against gravity.
 
@@ -41,6 +43,7 @@ class Labels:
     columns: Mapping[str, str] = field(default_factory=dict)
     fields: Mapping[str, str] = field(default_factory=dict)
     field_units: Mapping[str, str] = field(default_factory=dict)
+    parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
     up: tuple[float, float, float] | None = None
 
     @classmethod
@@ -71,6 +74,15 @@ class Labels:
         """A field with its unit; of a vector its size."""
         spoken = self.fields.get(name, name.replace("_", " ")) + (" magnitude" if size_of else "")
         return with_unit(spoken, self.field_units.get(name, ""))
+
+    def valued(self, name: str, value: float) -> str:
+        """A field with a value of it, to three digits."""
+        spoken = self.fields.get(name, name.replace("_", " "))
+        return f"{spoken} = {value:.3g} {self.field_units.get(name, '')}".rstrip()
+
+    def is_list(self, name: str) -> bool:
+        """Whether the three components of a field are three numbers and no vector."""
+        return len(self.parts.get(name, ())) == 3
 
     def moment(self, time: float, span: float) -> str:
         """A time for a picture, with digits enough to tell moments of a span apart."""

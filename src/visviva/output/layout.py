@@ -162,7 +162,8 @@ def _write_labels(root: Any, own: Any, labels: Labels) -> None:
         data[name].attrs["units"] = labels.field_units.get(name, "")
     shown = {name: labels.fields[name] for name in data if name in labels.fields}
     units = {name: labels.field_units[name] for name in shown if name in labels.field_units}
-    noted = replace(labels, columns={}, fields=shown, field_units=units).noted()
+    parts = {name: labels.parts[name] for name in data if name in labels.parts}
+    noted = replace(labels, columns={}, fields=shown, field_units=units, parts=parts).noted()
     own.attrs["labels"] = json.dumps(noted)
     root["Points"].attrs["units"] = labels.unit("length")
     root["Steps/Values"].attrs["units"] = labels.unit("time")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, RunError
 from visviva.output.coloring import COLORS, Coloring, fluids_of
+from visviva.output.glyphs import MotionGlyphs
 from visviva.output.picture import trails_until
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
@@ -36,6 +37,8 @@ def movie(
     size: tuple[int, int] = (1280, 720),
     cmap: str = COLORS,
     deform: float = 1.0,
+    vectors: str = "",
+    diagram: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
     """Turn a stored motion into a movie.
@@ -56,7 +59,7 @@ def movie(
         Names of the surfaces whose centres leave a trail.
     colors
         As for `picture`.
-    camera, cmap, deform
+    camera, cmap, deform, vectors, diagram
         As for `snapshot`.
     size
         Width and height in pixels, both even.
@@ -81,9 +84,10 @@ def movie(
         coloring = Coloring.of(motion, field, limits, cmap) if field else None
         shade = motion.points(0) if outline else None
         looking = (tuple(colors), motion.camera(camera), size, coloring, shade, fluids_of(motion))
-        scene = Scene(motion.surfaces, motion.cloud(), *looking)
+        motion_glyphs = MotionGlyphs(motion, vectors, diagram)
+        scene = Scene(motion.surfaces, motion_glyphs.cloud(), *looking)
         times = _frame_times(motion.times, speed / fps)
-        frames = _frames(motion, scene, times, trails, progress)
+        frames = _frames(motion, scene, times, trails, motion_glyphs, progress)
         try:
             with reporting(target), replacing(target) as temporary:
                 encode(frames, temporary, fps, size)
@@ -102,6 +106,7 @@ def _frames(
     scene: Scene,
     times: NDArray[np.float64],
     trails: Sequence[str],
+    motion_glyphs: MotionGlyphs,
     progress: Callable[[int, int], None] | None,
 ) -> Generator[Image]:
     paths = motion.centres(trails)
@@ -111,9 +116,11 @@ def _frames(
             points = motion.points_at(time)
             values = scene.coloring.values(motion, time) if scene.coloring else ()
             streams = scene.coloring.streams(motion, time) if scene.coloring else NO_STREAMS
-            stage.place(
-                points, trails_until(motion, paths, time, points), motion.moment(time), values, streams
+            passed, label = (
+                trails_until(motion, paths, time, points),
+                motion.moment(time) + motion_glyphs.text,
             )
+            stage.place(points, passed, label, values, streams, motion_glyphs.at(time))
             yield stage.image()
             if progress is not None:
                 progress(k + 1, len(times))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.output.coloring import Coloring
 from visviva.output.skin import skin
-from visviva.output.streamlines import StreamFunction, levels
+from visviva.output.streamlines import StreamFunction
 from visviva.output.surface import Surface
 from visviva.output.view import INK, Scene
 
@@ -89,7 +89,7 @@ class Streamlines(Part):
             self._lines.copy_from(pyvista.PolyData())
             return
         self._mesh["stream function"] = psi = self._function(velocities[self._ids])
-        found = self._mesh.contour(levels(psi, LINES), scalars="stream function")
+        found = self._mesh.contour(self._function.levels(psi, LINES), scalars="stream function")
         self._lines.copy_from(
             pyvista.PolyData(found.points + np.array([0, 0, LIFT * self._mesh.length]), lines=found.lines)
         )

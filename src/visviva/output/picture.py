@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
 from visviva.output.coloring import COLORS, Coloring, fluids_of
+from visviva.output.glyphs import NO_GLYPHS, Glyphs, MotionGlyphs
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
@@ -77,6 +78,8 @@ def snapshot(
     cmap: str = COLORS,
     deform: float = 1.0,
     transparent: bool = False,
+    vectors: str = "",
+    diagram: str = "",
 ) -> None:
     """Draw one moment of a stored motion into a PNG file.
 
@@ -107,6 +110,12 @@ def snapshot(
         Factor of displacements, of what has some.
     transparent
         Without a background.
+    vectors
+        A field of vectors that is drawn as arrows, such as velocity or heat_flux, or of symmetric tensors, such as
+        cauchy, drawn as lines along the principal directions: red in tension, blue in compression.
+    diagram
+        A force or moment in the sections of beams that is drawn along them: shear_1, shear_2, normal, bending_1,
+        bending_2 or torsion; bending moments stand on the side in tension.
 
     Raises
     ------
@@ -117,9 +126,10 @@ def snapshot(
     with Standing(trajectory, deform) as motion:
         coloring = Coloring.of(motion, field, limits, cmap) if field else None
         moment = chosen_moment(motion, time, coloring)
+        motion_glyphs = MotionGlyphs(motion, vectors, diagram, moment)
         scene = Scene(
             motion.surfaces,
-            motion.cloud(),
+            motion_glyphs.cloud(),
             tuple(colors),
             motion.camera(camera),
             size,
@@ -132,7 +142,8 @@ def snapshot(
         passed = trails_until(motion, motion.centres(trails), moment, points)
         values = coloring.values(motion, moment) if coloring else ()
         streams = coloring.streams(motion, moment) if coloring else NO_STREAMS
-        _draw(scene, points, passed, motion.moment(moment), Path(png), values, streams)
+        label = motion.moment(moment) + motion_glyphs.text
+        _draw(scene, points, passed, label, Path(png), values, streams, motion_glyphs.at(moment))
 
 
 def chosen_moment(motion: Trajectory, time: float | str | None, coloring: Coloring | None) -> float:
@@ -174,12 +185,13 @@ def _draw(
     png: Path,
     values: Values = (),
     streams: Streams = NO_STREAMS,
+    glyphs: Glyphs = NO_GLYPHS,
 ) -> None:
     import matplotlib.image
 
     stage = open_stage(scene)
     try:
-        stage.place(points, trails, label, values, streams)
+        stage.place(points, trails, label, values, streams, glyphs)
         image = stage.image()
     finally:
         stage.close()

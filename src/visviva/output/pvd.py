@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -17,8 +17,6 @@ COMPONENTS = {
     9: tuple(a + b for a in "xyz" for b in "xyz"),
 }
 """Names of the components of vectors, symmetric tensors and tensors."""
-PRINCIPAL = "principal_stresses", "stretches"
-"""Fields of three values that are no vectors."""
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
 END = "</Collection>\n</VTKFile>\n"
 
@@ -59,7 +57,7 @@ def write_pvd(
             meshes = blocks(motion, time)
             for k, name in enumerate(meshes.keys()):
                 piece = folder / f"{k:03d}-{step:05d}.vtu"
-                name_components(meshes[k])
+                name_components(meshes[k], motion.labels.parts)
                 with reporting(piece):
                     meshes[k].save(piece)
                 place = quoteattr(f"{folder.name}/{piece.name}")
@@ -73,11 +71,11 @@ def write_pvd(
     return target
 
 
-def name_components(mesh: Any) -> None:
-    """Give the fields of a mesh the names of their components."""
+def name_components(mesh: Any, parts: Mapping[str, Sequence[str]]) -> None:
+    """Give the fields of a mesh the names of their components: those in `parts`, or of vectors and tensors."""
     data = mesh.GetPointData()
     for name in mesh.point_data:
         array = data.GetAbstractArray(name)
         width = array.GetNumberOfComponents()
-        for k, component in enumerate("123" if name in PRINCIPAL else COMPONENTS.get(width, ())):
+        for k, component in enumerate(parts.get(name, COMPONENTS.get(width, ()))):
             array.SetComponentName(k, component)

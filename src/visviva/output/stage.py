@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.output.glyphs import NO_GLYPHS, Glyphs
 from visviva.output.view import NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 PROBE = """
@@ -28,9 +29,15 @@ class Stage(Protocol):
     """Draws a scene at given positions."""
 
     def place(
-        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+        self,
+        points: Points,
+        trails: Trails,
+        label: str,
+        values: Values = (),
+        streams: Streams = NO_STREAMS,
+        glyphs: Glyphs = NO_GLYPHS,
     ) -> None:
-        """Move the surfaces, draw the trails and write the label; colour surfaces by values of the field."""
+        """Move the surfaces, draw trails and glyphs and write the label; colour surfaces by values of the field."""
 
     def image(self) -> NDArray[np.uint8]:
         """Render: (height, width, 3)."""

@@ -8,8 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.output.glyphs import NO_GLYPHS, Glyphs
 from visviva.output.skin import skin
-from visviva.output.view import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
+from visviva.output.view import (
+    INK,
+    NEGATIVE,
+    NO_STREAMS,
+    POSITIVE,
+    SHEET,
+    Points,
+    Scene,
+    Streams,
+    Trails,
+    Values,
+)
 
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 DOTS_PER_INCH = 100
@@ -45,7 +57,13 @@ class MatplotlibStage:
         self._drawn: list[Any] = []
 
     def place(
-        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+        self,
+        points: Points,
+        trails: Trails,
+        label: str,
+        values: Values = (),
+        streams: Streams = NO_STREAMS,
+        glyphs: Glyphs = NO_GLYPHS,
     ) -> None:
         for artist in self._drawn:
             artist.remove()
@@ -53,6 +71,7 @@ class MatplotlibStage:
             *self._faces(points, values or (None,) * len(points)),
             *self._lines(points),
             *self._trails(trails),
+            *self._glyphs(glyphs),
         ]
         self._drawn.append(self._figure.text(0.02, 0.94, label, color=INK, size=self.scene.size[1] / 50))
 
@@ -147,6 +166,26 @@ class MatplotlibStage:
                     drawn += self._axes.plot(
                         *corners.T, color=self._colors[k], lw=2.5, marker="o", ms=4 / block.shape[1]
                     )
+        return drawn
+
+    def _glyphs(self, glyphs: Glyphs) -> list[Any]:
+        from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+        drawn: list[Any] = []
+        if len(glyphs.arrows):
+            start, vector = glyphs.arrows[:, 0], np.diff(glyphs.arrows, axis=1)[:, 0]
+            drawn.append(self._axes.quiver(*start.T, *vector.T, color=INK, lw=1.2, zorder=3))
+        if len(glyphs.sheets):
+            look = {"facecolors": SHEET, "edgecolors": "none", "alpha": 0.55, "zorder": 2}
+            drawn.append(self._axes.add_collection3d(Poly3DCollection(glyphs.sheets, **look), autolim=False))
+        for ends, color in (
+            (glyphs.positive, POSITIVE),
+            (glyphs.negative, NEGATIVE),
+            (glyphs.outlines, SHEET),
+        ):
+            if len(ends):
+                lines = Line3DCollection(ends, colors=color, linewidths=1.5, zorder=3)
+                drawn.append(self._axes.add_collection3d(lines, autolim=False))
         return drawn
 
     def _trails(self, trails: Trails) -> list[Any]:

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.output.coloring import Coloring
-from visviva.output.parts import SUN, parts_of, table
+from visviva.output.glyphs import NO_GLYPHS, Glyphs
+from visviva.output.parts import LIFT, SUN, parts_of, table
+from visviva.output.parts_glyphs import GlyphParts
 from visviva.output.view import INK, NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 FINE = 2  # pixels rendered per pixel and direction, faster here than VTK's own smoothing of edges
@@ -48,18 +50,30 @@ class PyVistaStage:
                 for k, surface in enumerate(scene.surfaces)
                 for part in parts_of(self.plotter, scene, k, surface, self._fine)
             ]
+            self._glyphs = GlyphParts(self.plotter, scene, self._fine)
             if scene.coloring is not None:
                 self._color_bar(scene.coloring)
 
     def place(
-        self, points: Points, trails: Trails, label: str, values: Values = (), streams: Streams = NO_STREAMS
+        self,
+        points: Points,
+        trails: Trails,
+        label: str,
+        values: Values = (),
+        streams: Streams = NO_STREAMS,
+        glyphs: Glyphs = NO_GLYPHS,
     ) -> None:
+        above = np.array(
+            [0.0, 0.0, 3 * LIFT * self.scene.extent]
+        )  # streamlines end at what swims in the flow
         for part in self._parts:
-            part.move(points[part.surface])
+            swims = bool(streams) and self.scene.is_flat and part.surface not in streams
+            part.move(points[part.surface] + above if swims else points[part.surface])
             if values:
                 part.paint(values[part.surface])
             part.stream(streams.get(part.surface))
         self._draw_trails(trails)
+        self._glyphs.show(glyphs)
         self._label.SetInput(label)
         self.plotter.renderer.ResetCameraClippingRange()
 

@@ -38,7 +38,7 @@ class Standing(Trajectory):
         self.surfaces = tuple(self._turned(surface) for surface in self.surfaces)
 
     def _turned(self, surface: Surface) -> Surface:
-        return Surface(surface.name, surface.points @ self._turn.T, list(surface.cells), surface.types)
+        return Surface(surface.name, self.turned(surface.points), list(surface.cells), surface.types)
 
     def points(self, step: int) -> list[Array]:
         points = super().points(step)
@@ -46,8 +46,12 @@ class Standing(Trajectory):
             moved = self.field("displacement", step)
             more = (np.nan_to_num(u) * (self._deform - 1.0) for u in moved)
             points = [p + u for p, u in zip(points, more, strict=True)]
+        return [self.turned(p) for p in points]
+
+    def turned(self, vectors: Array) -> Array:
+        """Vectors (..., 3) of the model as they stand in pictures."""
         turn: Array = getattr(self, "_turn", np.eye(3))
-        return [p @ turn.T for p in points]
+        return vectors @ turn.T
 
     def camera(self, camera: Camera | str | None) -> Camera | str | None:
         """A camera that is given in the coordinates of the model, or by its name.

@@ -25,6 +25,8 @@ Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 NO_STREAMS: Streams = {}
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
+POSITIVE, NEGATIVE, SHEET = "#c0392b", "#1f5fa8", "#e67e22"
+"""Colours of principal values above and below zero, and of diagrams."""
 PRESETS = {
     "front": ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
     "back": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),

@@ -106,9 +106,9 @@ class Drawing:
 
     @property
     def stored(self) -> set[str]:
-        """Names of all that is stored of meshes."""
+        """Names of all that is stored at points."""
         of_contacts = () if self._painting.is_blank else of_contact.FIELDS
-        return {*self.fields, *of_contacts, *(("velocity", "displacement") if self._meshes else ())}
+        return {*self.fields, *of_contacts, *(("velocity", "displacement") if self.surfaces else ())}
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""
@@ -119,12 +119,12 @@ class Drawing:
         return self._placed(self._map @ v, [c.drawn_velocities(x, v) for c in self._meshes])
 
     def values(self, x: Array, v: Array, records: Sequence[Array] | None = None) -> dict[str, Array]:
-        """Stored quantities over the points of all surfaces, (n,) or (n, components); none without meshes.
+        """Stored quantities over the points of all surfaces, (n,) or (n, components).
 
         Displacements count from the start. Where a component has no such field, there is NaN. Contacts show their
         last step, or what they recorded then (see `Result.records`).
         """
-        if not self._meshes:
+        if not self.surfaces:
             return {}
         moved = [now - then for now, then in zip(self.points(x), self._start, strict=True)]
         found = {"displacement": np.concatenate(moved), "velocity": np.concatenate(self.velocities(x, v))}

@@ -9,7 +9,7 @@ import numpy as np
 
 from visviva.base.unit_labels import BASE, DERIVED, Units
 from visviva.load.gravity import Gravity
-from visviva.measure.names import FIELDS, quantity_of, spoken
+from visviva.measure.names import FIELDS, PARTS, quantity_of, spoken
 from visviva.output.labels import Labels
 from visviva.output.tables import LOAD
 
@@ -61,6 +61,7 @@ def labels_of(
         dict(columns or {}),
         {name: spoken(name) for name in named},
         {name: unit for name in named if (unit := units[quantity_of(name)])},
+        {name: PARTS[name] for name in named if name in PARTS},
         up,
     )
 

@@ -19,7 +19,7 @@ from visviva.results.looking_back import tabulated, units_of_columns
 from visviva.results.naming import labels_of, up_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from visviva.output.labels import Labels
     from visviva.output.page import Page
@@ -87,14 +87,22 @@ def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) 
 
 
 @contextmanager
-def trajectory(result: Result) -> Iterator[Path]:
-    """The trajectory of a run in a directory, or a temporary one of the kept states."""
+def trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
+    """The trajectory of a run in a directory, or a temporary one of the kept states, with what is to be drawn."""
+    diagram = options.get("diagram")
+    asked = [options.get("field"), options.get("vectors"), f"diagram_{diagram}" if diagram else None]
+    wanted = [str(name) for name in asked if name]
     if result.directory is not None and result.directory.trajectory.exists():
-        yield result.directory.trajectory
-        return
+        from visviva.output.trajectory import Trajectory
+
+        with Trajectory(result.directory.trajectory) as stored:
+            holds_all = set(wanted) <= set(stored.fields)
+        if holds_all:
+            yield result.directory.trajectory
+            return
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trajectory.vtkhdf"
-        write_trajectory(result, path, FIELDS)
+        write_trajectory(result, path, dict.fromkeys((*FIELDS, *wanted)))
         yield path
 
 
@@ -102,7 +110,7 @@ def picture_of(result: Result, file: str | Path | None, **options: Any) -> Pictu
     """A moment of the motion."""
     from visviva.output.picture import snapshot
 
-    with trajectory(result) as motion, target(file) as path:
+    with trajectory(result, options) as motion, target(file) as path:
         snapshot(motion, path, **options)
         return made(path, file)
 
@@ -111,7 +119,7 @@ def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
     """A movie of the motion."""
     from visviva.output.movie import movie
 
-    with trajectory(result) as motion:
+    with trajectory(result, options) as motion:
         movie(motion, file, **options)
     return Path(file)
 
@@ -122,7 +130,7 @@ def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | N
     from visviva.output.viewer import has_screen, show
 
     if window:
-        with trajectory(result) as motion:
+        with trajectory(result, options) as motion:
             show(motion, **options)
         return None
     with tempfile.TemporaryDirectory() as folder:
@@ -133,12 +141,12 @@ def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | N
     return page
 
 
-def write_trajectory(result: Result, path: str | Path, fields: Sequence[str]) -> None:
+def write_trajectory(result: Result, path: str | Path, fields: Iterable[str]) -> None:
     """The kept states as a file for ParaView, pictures and movies."""
     from visviva.output.vtkhdf import TrajectoryWriter
     from visviva.results.drawing import Drawing
 
-    drawing = Drawing(result.system, fields=fields)
+    drawing = Drawing(result.system, fields=tuple(fields))
     grow = bool((np.diff(result.times) > 0).all())
     times = (result.times if grow else np.arange(len(result.times), dtype=float)).tolist()
     with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:

@@ -108,10 +108,16 @@ def shown(trajectory: Path, field: str | None) -> str:
 
 
 def looks(
-    camera: str | None, size: str | None, limits: str | None, cmap: str, deform: float
+    camera: str | None,
+    size: str | None,
+    limits: str | None,
+    cmap: str,
+    deform: float,
+    vectors: str,
+    diagram: str,
 ) -> dict[str, Any]:
     """Options of pictures from the texts of a command line."""
-    found: dict[str, Any] = {"cmap": cmap, "deform": deform}
+    found: dict[str, Any] = {"cmap": cmap, "deform": deform, "vectors": vectors, "diagram": diagram}
     if camera is not None and camera.isalpha():
         found["camera"] = camera
     elif camera is not None:
