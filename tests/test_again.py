@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from catalogue.entry import Entry
 
 import visviva as vv
 from visviva.component.component import Composed
+from visviva.system.steps import accept, solved
 
 
 def states(system: vv.System, until: float, step: float) -> np.ndarray:
@@ -252,6 +254,30 @@ def test_steps_without_rates_at_their_end_have_failed() -> None:
     system = vv.System([hinge.a, rod, hinge, vv.Gravity()])
     with pytest.raises(vv.VisvivaError):
         vv.simulate(system, until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
+
+
+def test_errors_of_functions_of_the_user_are_no_failures_of_steps() -> None:
+    """A RuntimeError in `accept` passed for a step that has no rates at its end."""
+
+    class Broken(vv.model.term.Term):
+        def residual(self, s: Any) -> Any:
+            return 10.0 * s.x
+
+        def accept(self, s: Any) -> None:
+            raise RuntimeError("of the user")
+
+    class Breaks(vv.PointMass):
+        def contribute(self, model: Any) -> None:
+            super().contribute(model)
+            model.term(self, broken)
+
+    ball, broken = Breaks(mass=1.0, position=(1, 0, 0)), Broken()
+    broken.unknowns, broken.order = np.arange(3, dtype=np.int32).reshape(1, 3), np.full(3, 2, dtype=np.int32)
+    system = vv.System([ball])
+    attempt = solved(system, vv.EnergyMomentum().step(0.0, 0.01))
+    with pytest.raises(RuntimeError, match=r"^of the user$"):
+        accept(system, attempt, vv.EnergyMomentum())
+    assert (system.time, system.x[0]) == (0, 1)
 
 
 def test_immersed_bodies_may_stand_before_their_fluid() -> None:

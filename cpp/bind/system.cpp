@@ -207,7 +207,7 @@ static void bind_steps(nb::class_<System>& system) {
         .def("accept",
              [](System& s, const Step& step, const Doubles& signals, bool ledger) {
                  nb::gil_scoped_release release;
-                 s.accept(step, signals_of(signals), ledger);
+                 return s.accept(step, signals_of(signals), ledger);
              })
         .def("discard", &System::discard)
         .def("evaluate_ledger",

@@ -304,19 +304,17 @@ int System::worst() const {
     return worst;
 }
 
-static const char* const no_rates = "no rates satisfy the constraints at the end of the step";
-
-void System::accept(const Step& step, const Signals& signals, bool ledger) {
+Report System::accept(const Step& step, const Signals& signals, bool ledger) {
     monotone_.clip(dx.data());
     update_vectors(step);
-    if (!finish(step, signals, ledger)) throw std::runtime_error(no_rates);
+    Report solved;
+    solved.converged = true;
+    return finish(std::move(solved), step, signals, ledger);
 }
 
 Report System::advance(const Step& step, const Signals& signals, const NewtonOptions& options) {
     Report report = solve(step, signals, options);
-    if (report.converged && !finish(step, signals, true))
-        return failed(std::move(report), no_rates, rate_solver_->report().singular_unknown);
-    return report;
+    return report.converged ? finish(std::move(report), step, signals, true) : report;
 }
 
 // Row k of the scheme's tables: rates or history at the end of the step. False where no unknown has any.
@@ -344,14 +342,16 @@ void System::record_mean(const Step& step) {
     for (double& rate : mean_) rate /= step.h;
 }
 
-bool System::finish(const Step& step, const Signals& signals, bool ledger) {
+Report System::finish(Report report, const Step& step, const Signals& signals, bool ledger) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
     const Context context{step, vectors, signals};
     const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
                new_w = end_of_step(step, 4, w, w_next_);
     stale_begin_ = true;
     drive_work_.assign(drives_.size(), 0.0);
-    if (step.projects_rates && projects_rates() && !project_rates(context)) return false;
+    if (step.projects_rates && projects_rates() && !project_rates(context))
+        return failed(std::move(report), "no rates satisfy the constraints at the end of the step",
+                      rate_solver_->report().singular_unknown);
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && step.balances_ends();
     if (ledger) book_step(context, step.is_static() ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
@@ -376,7 +376,7 @@ bool System::finish(const Step& step, const Signals& signals, bool ledger) {
     mark_state();
     stale_begin_ = !ledger || path;  // booking leaves the terms at the end of the step
     monotone_.accept();
-    return true;
+    return report;
 }
 
 int System::find_redundant(const Step& step, const Signals& signals, bool on) {

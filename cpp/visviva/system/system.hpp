@@ -120,7 +120,8 @@ class System {
     void set_drives(std::vector<int> multiplier, std::vector<int> account) {
         drives_ = std::move(multiplier), drive_account_ = std::move(account);
     }
-    void accept(const Step& step, const Signals& signals, bool ledger);
+    // Makes the increment of a solved step the new state; one that has no rates at its end has not converged.
+    [[nodiscard]] Report accept(const Step& step, const Signals& signals, bool ledger);
     // Gives up the trial state: nothing is left of what terms evaluated there.
     void discard();
     // The ledger of the present state (no work done).
@@ -229,7 +230,7 @@ class System {
     void update_vectors(const Step&);
     void update_rates(const Step&);
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
-    bool finish(const Step&, const Signals&, bool ledger);
+    Report finish(Report, const Step&, const Signals&, bool ledger);
     void analyze_rates();
     void evaluate_lasting(const Context&);
     void evaluate_rate_matrix(const Context&);

@@ -58,17 +58,12 @@ def solved(system: System, step: Any) -> Attempt:
 
 
 def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
-    """Make the increment of an attempt the new state; where an energy has no value there the step has failed."""
+    """Make the increment of an attempt the new state; a step to where energies or rates have no value has failed."""
     project = system.projects(scheme)
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
     with Trial(system), _failing(system, attempt.step):
         refuse_invalid(system, attempt.step)
-        try:
-            system.core.accept(attempt.step, attempt.signals, True)
-        except RuntimeError as error:
-            if type(error) is not RuntimeError:  # of a function of the user
-                raise
-            raise StepFailure(system, system.time, attempt.step.h, GivenUp(str(error))) from None
+        _refuse_failed(system, attempt.step, system.core.accept(attempt.step, attempt.signals, True))
     _arrive(system, attempt.step, attempt.signals, scheme)
     if project:
         _project(system, attempt.step, scheme, x0, dx)
@@ -99,9 +94,14 @@ def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array 
             report = solve(
                 step, signals, newton.tolerance, newton.max_iterations, _keep_factor(system), tangents
             )
-        if not report.converged:
-            raise StepFailure(system, system.time, step.h, report)
+        _refuse_failed(system, step, report)
     return report
+
+
+def _refuse_failed(system: System, step: Any, report: Any) -> None:
+    """Fail a step of which the core reports that it has failed."""
+    if not report.converged:
+        raise StepFailure(system, system.time, step.h, report)
 
 
 @contextmanager
