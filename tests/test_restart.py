@@ -110,6 +110,19 @@ def test_resumed_after_a_shorter_end_time(name: str, tmp_path: Path) -> None:
     assert_same(tmp_path / "whole", tmp_path / "split")
 
 
+@pytest.mark.parametrize("name", ["motor and damper", "generalised alpha", "pressures of elements"])
+def test_resumed_after_a_step_that_the_end_cut(name: str, tmp_path: Path) -> None:
+    """It goes on as one that marches on in memory does: by whole steps from that end."""
+    split, again, march = (STUDIES[name]() for _ in range(3))
+    split.until, again.until = 0.205, 0.3
+    run(split, tmp_path / "split")
+    result = run(again, tmp_path / "split", resume=True)
+    parts = [vv.simulate(march.system, until=t, step=0.01, scheme=march.scheme) for t in (0.205, 0.3)]
+    assert again.system.x.tobytes() == march.system.x.tobytes()
+    assert np.array_equal(result.times, np.concatenate([parts[0].times, parts[1].times[1:]]))
+    assert result.times[20:23] == pytest.approx([0.2, 0.205, 0.215], abs=1e-12)
+
+
 @pytest.mark.parametrize("name", ["crane", "generalised alpha"])
 def test_saving_at_every_step_changes_nothing(name: str, tmp_path: Path) -> None:
     run(STUDIES[name](), tmp_path / "seldom")

@@ -48,8 +48,9 @@ def run(
     directory : path
         Made if missing; must not hold a run yet unless `resume`.
     resume : bool
-        Continue the run in the directory from its last saved state, to the same bits as an unbroken run. The
-        study must be composed in the same way; only its end time, texts and wishes for pictures may differ.
+        Continue the run in the directory from its last saved state, to the same bits as an unbroken run, unless the
+        end time cut its last step. The study must be composed in the same way; only its end time, texts and wishes
+        for pictures may differ.
     force : bool
         With `resume`: go on although arguments have changed, if the unknowns are the same. The summary says when
         and what.
