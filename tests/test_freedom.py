@@ -122,3 +122,102 @@ def test_an_incompressible_solid_held_throughout(start: Callable[..., Any]) -> N
         vv.InputError, match=r"'block': all of its position .*nothing tells its pressure.*0\.4999"
     ):
         start(system, **options)
+
+
+# --- heat that nothing holds --------------------------------------------------------------------------------
+WARM = vv.Heat(conductivity=1.0, capacity=1.0, expansion=1e-3)
+CUBE = vv.BoxMesh(size=(1, 1, 1), counts=(2, 1, 1))
+
+
+def graded(X: Any) -> Any:
+    return 300 + 20 * X[:, 0]
+
+
+def warm_cube(name: str = "cube") -> Any:
+    rubber = vv.NeoHooke(young=1e3, poisson=0.3)
+    return vv.ThermoelasticSolid(
+        mesh=CUBE, material=rubber, density=1.0, heat=WARM, temperature=graded, name=name
+    )
+
+
+def expanding(cube: Any) -> list[vv.Fixed]:
+    return [slide(cube, f"{c}0", k) for k, c in enumerate("xyz")]
+
+
+def warm_beam() -> Any:
+    section = vv.RectangleSection(width=0.1, height=0.1, young=1e4, density=1.0)
+    mesh = vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=2)
+    return vv.ThermalBeam(mesh=mesh, section=section, heat=WARM, temperature=graded, name="beam")
+
+
+def warm_shell() -> Any:
+    mesh, rubber = vv.RectangleMesh(size=(1, 1), counts=(2, 2)), vv.NeoHooke(young=1e3, poisson=0.3)
+    section = vv.SolidSection(material=rubber, thickness=0.1, density=1.0)
+    return vv.ThermalShell(mesh=mesh, section=section, heat=WARM, name="shell")
+
+
+def stiff_body() -> Any:
+    return vv.ThermalBody(
+        mesh=CUBE, density=1.0, conductivity=1.0, capacity=1.0, temperature=graded, name="body"
+    )
+
+
+MADE: dict[str, Callable[[], list[Any]]] = {
+    "solid": lambda: [c := warm_cube(), *expanding(c)],
+    "heated solid": lambda: [
+        c := warm_cube(),
+        *expanding(c),
+        vv.HeatFlux(body=c, faces="x1", flux=1.0),
+    ],
+    "beam": lambda: [b := warm_beam(), vv.Clamped(solid=b, nodes="start")],
+    "shell": lambda: [s := warm_shell(), vv.Clamped(solid=s, nodes="x0")],
+    "stores": lambda: [
+        a := vv.HeatStore(capacity=1.0, temperature=300.0, name="a"),
+        b := vv.HeatStore(capacity=1.0, temperature=350.0, name="b"),
+        vv.HeatExchange(a=a, b=b, conductance=1e-3),
+    ],
+    "body and solid": lambda: [
+        b := stiff_body(),
+        c := warm_cube(),
+        *expanding(c),
+        vv.HeatExchange(a=b, b=c, faces_a="x1", faces_b="x0", conductance=1.0),
+    ],
+}
+NAMED = {
+    "solid": "ThermoelasticSolid 'cube':",
+    "heated solid": "ThermoelasticSolid 'cube':",
+    "beam": "ThermalBeam 'beam':",
+    "shell": "ThermalShell 'shell':",
+    "stores": "HeatStore 'a' and HeatStore 'b':",
+    "body and solid": "ThermalBody 'body' and ThermoelasticSolid 'cube':",
+}
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_temperatures_that_nothing_holds_are_refused(kind: str) -> None:
+    with pytest.raises(vv.InputError, match=f"nothing holds the temperature of {NAMED[kind]} a steady state"):
+        vv.quasi_static(vv.System(MADE[kind]()), until=1.0, step=1.0)
+    vv.simulate(vv.System(MADE[kind]()), until=0.01, step=0.01)
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_temperatures_that_an_exchange_holds_become_those_around(kind: str) -> None:
+    parts = MADE[kind]()
+    first = parts[0]
+    nodes = {} if kind == "stores" else {"nodes_a": "all"}
+    around = vv.HeatExchange(a=first, conductance=1.0, ambient=310.0, **nodes)
+    system = vv.System([*[p for p in parts if not isinstance(p, vv.HeatFlux)], around])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    for body in (p for p in parts if hasattr(p, "temperatures") or hasattr(p, "temperature_at")):
+        found = (
+            body.temperatures(system.x) if hasattr(body, "temperatures") else body.temperature_at(system.x)
+        )
+        np.testing.assert_allclose(found, 310.0, rtol=1e-6)
+
+
+def test_a_held_temperature_is_one_that_is_prescribed() -> None:
+    cube = warm_cube()
+    held = vv.PrescribedTemperature(body=cube, nodes="x1", value=320.0)
+    system = vv.System([cube, *expanding(cube), held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    np.testing.assert_allclose(cube.temperatures(system.x), 320.0)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
+from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.model.field import Role
 from visviva.scheme.schemes import EnergyMomentum, load_step
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ROUNDING = 3e-12
 """A motion that meets less than this part of the stiffnesses that cancel in it is free."""
@@ -116,30 +118,54 @@ def refuse_free(system: System) -> None:
 
 
 def refuse_insulated(system: System) -> None:
-    """Refuse fields of heat whose level nothing holds, for a steady state.
+    """Refuse bodies whose temperature nothing holds, alone or among themselves, for a steady state.
+
+    The heat that bodies take in follows from their balances: sums of these, where entropy is balanced by the
+    temperatures. Where it depends neither on their temperatures nor on what is held, they have any.
 
     Raises
     ------
     InputError
     """
-    fields = [
-        f
-        for f in system.model.fields
-        if f.role is Role.CONTENT and getattr(f.component, "carries_heat", False)
-    ]
-    if not fields:
+    warm = [(c, *both) for c in system.components if (both := _balances(system, c))]
+    if not warm:
         return
-    _, K = system.tangent(load_step(system.time, 0.0))
+    r, K = system.tangent(load_step(system.time, 0.0))
     free = system.free_unknowns
-    for f in fields:
-        own = (free >= f.start) & (free < f.start + f.size)
-        alike = np.where(own, 1.0, 0.0)
-        if np.any(f.fixed) or not own.any() or np.abs(K @ alike).max() > 1e-10 * np.abs(K[own]).max():
-            continue
+    multipliers = np.concatenate([np.full(f.size, f.multiplier) for f in system.model.fields])[free]
+    weights, changes = np.zeros((2, len(warm), len(system.x)))
+    own = np.zeros(len(warm))
+    for k, (_, balance, temperature) in enumerate(warm):
+        balances_entropy = balance is not temperature
+        size = system.x[temperature] if balances_entropy else np.ones(len(balance))
+        weights[k, balance] = changes[k, temperature] = size
+        own[k] = size @ r[balance] if balances_entropy else 0.0
+    weights, changes = weights[:, free], changes[:, free]
+    taken, sizes = (W @ L for W, L in ((weights, K), (np.abs(weights), abs(K))))
+    found = np.hstack([taken @ changes.T + np.diag(own), taken[:, multipliers]])
+    scale = np.hstack([sizes @ np.abs(changes).T, sizes[:, multipliers]])
+    largest = scale.max(axis=1, keepdims=True)
+    loose = null_space((found / np.where(largest > 0, largest, 1.0)).T)
+    names = [
+        c.label for (c, *_), share in zip(warm, loose, strict=True) if np.abs(share).max(initial=0.0) > CLEAR
+    ]
+    if names:
         raise InputError(
-            f"nothing holds the {f.name} of {f.component.label}: a steady state has any; hold it by "
-            "vv.PrescribedTemperature, let it exchange heat by vv.Convection, or run it in time"
+            f"nothing holds the temperature of {' and '.join(names)}: a steady state has any; hold it by "
+            "vv.PrescribedTemperature, let it exchange heat by vv.Convection or vv.HeatExchange, or run it in time"
         )
+
+
+def _balances(system: System, component: Component) -> tuple[Ints, Ints] | None:
+    """Unknowns whose equations balance a component's heat, and those of its temperature; others if it is entropy."""
+    own = [f for f in system.model.fields if f.component is component]
+    contents, temperatures = (
+        [u for f in own if f.role is role for u in f.unknowns] for role in (Role.CONTENT, Role.TEMPERATURE)
+    )
+    if not contents or not (temperatures or component.carries_heat):
+        return None
+    balance = np.array(contents)
+    return balance, np.array(temperatures) if temperatures else balance
 
 
 def refuse_massless(system: System) -> None:
