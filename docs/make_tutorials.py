@@ -1,15 +1,14 @@
-"""Run the tutorials, so that their pictures stand in them, and write each as a notebook of Jupyter as well.
+"""Write each tutorial as a notebook and run it in a kernel of Jupyter, whose outputs and pictures it and the page show.
 
     python docs/make_tutorials.py
 
-Lines with ``>>>`` and blocks of Python are run in the order of the page, in the folder ``docs/tutorials``.
+Lines with ``>>>`` and blocks of Python are the cells, run in the order of the page, in the folder ``docs/tutorials``.
 """
 
 from __future__ import annotations
 
 import doctest
 import json
-import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,22 +32,24 @@ def make_tutorials() -> None:
     """Notebooks and pictures of all tutorials."""
     FOLDER.mkdir(exist_ok=True)
     for page in sorted(HERE.glob("tutorial*.rst")):
-        write(FOLDER / f"{page.stem}.ipynb", json.dumps(notebook(page), indent=1) + "\n")
-        run(page, FOLDER)
+        write(FOLDER / f"{page.stem}.ipynb", json.dumps(executed(page, FOLDER), indent=1) + "\n")
 
 
-def run(page: Path, folder: Path) -> dict[str, Any]:
-    """Run what a page shows, with a folder for its files; gives the names that it leaves."""
-    names: dict[str, Any] = {}
-    before = Path.cwd()
-    os.chdir(folder)
-    try:
-        for kind, source in cells(page):
-            if kind == "code":
-                exec(compile(source, f"{page.name}", "exec"), names)
-    finally:
-        os.chdir(before)
-    return names
+def executed(page: Path, folder: Path) -> dict[str, Any]:
+    """A page as a notebook that has run in a kernel of its own, with a folder for its files.
+
+    Raises
+    ------
+    nbclient.exceptions.CellExecutionError
+        If a cell raises.
+    """
+    import nbformat
+    from nbclient import NotebookClient
+
+    made = nbformat.reads(json.dumps(notebook(page)), as_version=4)
+    resources = {"metadata": {"path": str(folder)}}
+    NotebookClient(made, timeout=300, kernel_name="python3", resources=resources).execute()
+    return json.loads(nbformat.writes(made))
 
 
 def notebook(page: Path) -> dict[str, Any]:
