@@ -244,6 +244,16 @@ def test_only_momenta_that_there_are() -> None:
     assert " x " not in found[1]
 
 
+def test_heat_in_a_revolution_takes_no_axes_from_what_moves() -> None:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1))
+    heated = vv.ThermalBody(mesh=mesh, conductivity=1.0, capacity=1.0, axisymmetric=True)
+    ball = vv.PointMass(mass=1.0, velocity=(1, 0, 0))
+    result = vv.simulate(vv.System([heated, ball]), until=0.1, step=0.01)
+    found = [line for line in result.audit().splitlines() if "momentum" in line]
+    assert len(found) == 2
+    assert all(axis in line for line in found for axis in "xyz")
+
+
 @pytest.mark.parametrize("run", [vv.quasi_static, vv.equilibrium])
 def test_statics_has_no_kinetic_energy(run: Any) -> None:
     """Prescribed nodes move with the load parameter, and bodies may have velocities from elsewhere."""

@@ -311,3 +311,15 @@ def test_the_centre_of_mass_of_a_ring_is_on_its_axis() -> None:
     steel = vv.LinearElastic(young=1.0, poisson=0.3)
     body = vv.Solid(mesh=grid, material=steel, density=1.0, plane="axisymmetric")
     assert vv.CentreOfMass(of=body)(vv.System([body])) == pytest.approx([0, 1, 0], abs=1e-12)
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_what_is_axisymmetric_does_not_turn(axis: int) -> None:
+    """About z its sections got radial velocities, on the axis as well."""
+    grid = vv.RectangleMesh(size=(1, 2), counts=(1, 1))
+    steel, turning = vv.LinearElastic(young=1.0, poisson=0.3), np.eye(3)[axis]
+    body = vv.Solid(
+        mesh=grid, material=steel, density=1.0, plane="axisymmetric", angular_velocity=turning, name="disc"
+    )
+    with pytest.raises(vv.InputError, match=r"Solid 'disc': what is axisymmetric does not turn.*\[0.0, "):
+        vv.System([body])

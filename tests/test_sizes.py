@@ -12,7 +12,7 @@ WIDE = {
     "mesh.mesh.Mesh": 34,
     "model.model.Model": 43,
     "system.system.System": 48,
-    "flow.fluid.Fluid": 31,
+    "flow.fluid.Fluid": 30,
     "body.director_body.DirectorBody": 26,
     "contact.contact.Contact": 27,
     "results.ledger.Ledger": 30,

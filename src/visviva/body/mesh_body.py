@@ -162,7 +162,9 @@ class MeshBody(Attachable, Meshed):
 
     def mass_moment(self, x: Array) -> Array:
         moment: Array = self.nodal_mass @ self.positions(x)
-        return moment
+        return (
+            moment * (0, 1, 0) if self.axisymmetric else moment
+        )  # the revolution's centre is on its axis, y
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         m = self.nodal_mass
@@ -179,6 +181,11 @@ class MeshBody(Attachable, Meshed):
     def initial_velocities(self) -> Array:
         """Velocities (n, d) of the nodes at the start."""
         X, v = self.points, self.sampled(self.velocity)
+        if self.axisymmetric and np.any(self.angular_velocity):
+            raise InputError(
+                f"{self.label}: what is axisymmetric does not turn in its model; leave out angular_velocity = "
+                f"{np.asarray(self.angular_velocity).tolist()}, or mesh it in space"
+            )
         if np.any(self.angular_velocity):
             v = v + np.cross(self.angular_velocity, X - self._centre())
         if self.dimension == 2 and np.any(v[:, 2] != 0):

@@ -178,11 +178,6 @@ class Fluid(Meshed):
         )  # what leaves on one side comes in on the other
         return joined(by_forces(axes_along(self.body_force)), ("", across))
 
-    @property
-    def conserves_momenta(self) -> bool:
-        # the skew form of convection keeps energy whatever the mesh, and momentum as the mesh gets finer
-        return not self.convection
-
     # --- what it contributes -------------------------------------------------------------------------------
     def announce(self, model: Model) -> None:
         self.carried = {}  # nodal fields that others make of the unknowns, by name

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
+from visviva.component.meshed import Meshed
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Vector3
 
@@ -47,12 +49,12 @@ class Gravity(Component):
 
     def contribute(self, model: Model) -> None:
         heavy = [c for c in model.components if c.total_mass]
-        flat = bool(heavy) and all(getattr(c, "dimension", 3) == 2 for c in heavy)
+        flat = bool(heavy) and all(isinstance(c, Meshed) and c.dimension == 2 for c in heavy)
         if flat and self.acceleration[2] and not self.acceleration[:2].any():
             raise InputError(
                 f"{self.label}: acts along z, on bodies that are plane; acceleration=(0, -9.81, 0) is down in y"
             )
-        turned = [c for c in heavy if getattr(c, "axisymmetric", False)]
+        turned = [c for c in heavy if isinstance(c, MeshBody) and c.axisymmetric]
         if turned and (self.acceleration[0] or self.acceleration[2]):
             raise InputError(
                 f"{self.label}: {turned[0].label} is axisymmetric about y, and {self.acceleration.tolist()} is not; "

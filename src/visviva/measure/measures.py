@@ -228,11 +228,7 @@ class CentreOfMass(Reading):
         mass = sum(c.total_mass for c in parts)
         if mass == 0:
             raise InputError(f"CentreOfMass: {', '.join(c.label for c in parts)} has no mass")
-        moments = [c.mass_moment(system.x) for c in parts]
-        for c, moment in zip(parts, moments, strict=True):
-            if getattr(c, "axisymmetric", False):
-                moment[[0, 2]] = 0.0  # a body of revolution about y
-        return np.sum(moments, axis=0) / mass
+        return np.sum([c.mass_moment(system.x) for c in parts], axis=0) / mass
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from visviva.body.mesh_body import MeshBody
+from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
@@ -242,9 +244,9 @@ def reason(result: Result, kind: str, axis: str, change: float) -> str:
     if actors:
         named = ", ".join(c.label for c in actors[:NAMED]) + (", ..." if len(actors) > NAMED else "")
         return f"not meant to be: from outside act{'s' if len(actors) == 1 else ''} {named}"
-    meshed = [c.label for c in result.system.components if not getattr(c, "conserves_momenta", True)]
-    if meshed:
-        return f"not meant to be exact: convection in {meshed[0]} keeps energy, and momentum as its mesh gets finer"
+    convected = [c.label for c in result.system.components if isinstance(c, Fluid) and c.convection]
+    if convected:  # by its skew form, which keeps energy whatever the mesh
+        return f"not meant to be exact: convection in {convected[0]} keeps energy, and momentum as its mesh gets finer"
     if not result.scheme.conserves_momenta and kind == "angular":
         return "not meant to be: this scheme does not conserve it, see how it falls with the step"
     if change <= LOOSE:
@@ -270,7 +272,7 @@ def figures(result: Result) -> dict[str, Any]:
 
 def axes_of(system: System) -> tuple[str, str]:
     """Axes along which linear and angular momentum can be there: in the plane and about revolutions not all."""
-    if any(getattr(c, "axisymmetric", False) for c in system.components):
+    if any(isinstance(c, MeshBody) and c.axisymmetric for c in system.components):
         return "y", ""
     moving = [f for f in system.model.fields if f.order == 2]
     if moving and all(f.node == 2 for f in moving):

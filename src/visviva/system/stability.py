@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.body.formulation import SUITED
+from visviva.body.solid import Solid
 from visviva.system.local import condensed
 from visviva.system.scaling import asymmetry, equilibration
 
@@ -192,7 +193,7 @@ def weak_elements(system: System) -> str:
     weak = [
         f"{c.label} ({kind})"
         for c in system.components
-        if (kind := str(getattr(c, "formulation", ""))) in SUITED
+        if isinstance(c, Solid) and (kind := c.formulation) in SUITED
     ]
     if not weak:
         return ""
