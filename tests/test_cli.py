@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.base.threads import told
 from visviva.cli import main
 from visviva.output import RunDirectory, Trajectory, load_state, read_table
 from visviva.scene.gallery import example, example_names
@@ -78,6 +79,8 @@ def test_run_crane_leaves_everything(cli: Run, tmp_path: Path, pictures: None) -
     assert summary["coordinates"] == 42
     assert summary["degrees_of_freedom"] == 5
     assert summary["steps"] == 50
+    assert f"; {told()}\n" in out
+    assert summary["threads"] == vv.use_threads()
     assert summary["conservation"]["energy"] < 1e-9
     assert summary["given"] == {"until": 0.5}
     assert summary["versions"]["visviva"] == vv.__version__
@@ -394,3 +397,19 @@ def test_sizes_that_nothing_draws_are_refused(
 def test_an_empty_directory_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "pendulum", "--out", ""]) == 2
     assert "the path is empty" in " ".join(capsys.readouterr().err.split())
+
+
+def test_threads_are_chosen(cli: Run) -> None:
+    before = vv.use_threads()
+    try:
+        code, out, err = cli(
+            "run", "pendulum", "--until", 0.02, "--threads", 1, "--out", "p", "--no-pictures"
+        )
+        assert (code, err) == (0, "")
+        assert "; 1 thread\n" in out
+        assert RunDirectory.open("p").read_summary()["threads"] == 1
+    finally:
+        vv.use_threads(before)
+    assert (
+        "use_threads: n = 0 is not a whole number" in cli("run", "pendulum", "--threads", 0, "--out", "q")[2]
+    )

@@ -26,7 +26,7 @@ OUTSIDE = {
     "Faces": "named by text in files: the sets of a mesh",
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
     "Material": BASE, "Scheme": BASE, "Term": CODE,
-    "march": CALL, "simulate": CALL, "read": CALL,
+    "march": CALL, "simulate": CALL, "read": CALL, "use_threads": CALL + " with --threads",
     "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
     "prony": "its branches themselves",
     "arc_length": CALL, "reaction": CALL + "; ReactionForce and ReactionTorque record it",

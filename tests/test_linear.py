@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 needs_pardiso = pytest.mark.skipif(bool(linear.missing_pardiso()), reason="oneMKL is not installed")
 needs_multigrid = pytest.mark.skipif(not linear.has_multigrid(), reason="PyAMG is not installed")
 PARDISO = pytest.param(Direct(library="pardiso"), marks=needs_pardiso, id="pardiso")
-THREADS = pytest.param(Direct(library="pardiso", threads=2), marks=needs_pardiso, id="pardiso-2-threads")
 EIGEN = pytest.param(Direct(library="eigen"), id="eigen")
 MULTIGRID = [
     pytest.param(Iterative(m, "multigrid", tolerance=1e-10), marks=needs_multigrid, id=f"{m}-multigrid")
@@ -78,7 +77,7 @@ def assert_solves(
     assert np.linalg.norm(x - y) < 1e4 * tolerance * np.linalg.norm(y)
 
 
-@pytest.mark.parametrize("options", [PARDISO, THREADS, EIGEN, *KRYLOV, *MULTIGRID])
+@pytest.mark.parametrize("options", [PARDISO, EIGEN, *KRYLOV, *MULTIGRID])
 @pytest.mark.parametrize("fixed", ["clamped", "symmetry"])
 def test_positive_definite(options: Any, fixed: str) -> None:
     """All solvers solve linear elasticity; nodes on symmetry planes have fewer unknowns than others."""
@@ -454,7 +453,7 @@ def test_what_is_missing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     "make",
     [
         lambda: Direct(library="mumps"),
-        lambda: Direct(threads=0),
+        lambda: Direct(memory_limit=-1.0),
         lambda: Iterative(method="minres"),
         lambda: Iterative(preconditioner="jacobi"),
         lambda: Iterative(tolerance=0.0),

@@ -53,7 +53,7 @@ def composed() -> vv.Study:
         vv.Spring(a=ground.point((1, 1, 1)), b=beam.point((1.0, 0.5, 0.4)), stiffness=2.0),
         vv.Gravity(acceleration=(0, -0.3, 0)),
     ]
-    options = vv.Newton(linear=vv.Direct(threads=1))
+    options = vv.Newton(linear=vv.Direct(memory_limit=1e12))
     probes: dict[str, Any] = {
         "rise": vv.Displacement(of=beam.point((2, 0, 0)), direction=(0, 0, 1)),
         "speed": vv.Velocity(of=plate, at=(1, 1, 0)),
@@ -121,7 +121,7 @@ system:
   floor: {Fixed: {solid: block, nodes: z0}}
   push: {Traction: {solid: block, faces: z1, traction: [0, 0, -1], times: t}}
   frame: {RigidCoupling: {solid: block, faces: x1}}
-newton: {linear: {Direct: {threads: 1}}}
+newton: {linear: {Direct: {memory_limit: 1.0e12}}}
 run: {until: 1.0, step: 0.5}
 probes:
   stress: {FieldAt: {solid: block, field: von_mises, at: [0.5, 0.5, 0.5]}}
@@ -154,7 +154,7 @@ def refused(text: str, tmp_path: Path) -> str:
         (11, "faces: x1", "faces: xx1", "did you mean 'x1'"),
         (12, "linear:", "linar:", "did you mean 'linear'"),
         (12, "Direct", "Dirct", "did you mean 'Direct'"),
-        (12, "threads", "thread", "did you mean 'threads'"),
+        (12, "memory_limit", "memory_limt", "did you mean 'memory_limit'"),
         (15, "FieldAt", "FielAt", "did you mean 'FieldAt'"),
         (15, "von_mises", "von_misses", "did you mean 'von_mises'"),
         (16, "SupportForce", "SupportForces", "did you mean 'SupportForce'"),

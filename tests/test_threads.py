@@ -5,8 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 
+import numpy as np
 import pytest
+from matrices import block
+
+import visviva as vv
+from visviva import _core
+from visviva.base.threads import told
+from visviva.linear.choice import Problem, missing_pardiso
 
 RUN = """
 import hashlib
@@ -33,3 +41,58 @@ def test_bits_do_not_depend_on_threads(linear: str) -> None:
         return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
 
     assert bits(1) == bits(2) == bits(3)
+
+
+@pytest.fixture
+def restored() -> Iterator[None]:
+    before = vv.use_threads()
+    yield
+    vv.use_threads(before)
+
+
+@pytest.mark.skipif(bool(missing_pardiso()), reason="PARDISO is not installed")
+@pytest.mark.parametrize("kind", ["definite", "symmetric", "general"])
+def test_factors_of_pardiso_are_the_same_bits(kind: str, restored: None) -> None:
+    """They were others with two threads than with one, and with two others from run to run."""
+    A = block(16).matrix
+    known = Problem(n=A.shape[0], n_entries=A.nnz, symmetric=kind != "general", definite=kind == "definite")
+    choice = vv.Direct(library="pardiso").choose(known)
+    b, found = np.random.default_rng(0).standard_normal(A.shape[0]), set()
+    for n in (1, 2, 3, 2):
+        assert vv.use_threads(n) == n
+        solver = _core.Linear(
+            list(choice.in_order[:1]),
+            A.indptr.astype(np.int64),
+            A.indices.astype(np.int32),
+            np.zeros(0, np.int32),
+            np.zeros(0),
+            np.zeros(len(b), np.int32),
+        )
+        x = np.zeros_like(b)
+        assert solver.factor(A.data)
+        assert solver.solve(b, x)
+        np.testing.assert_allclose(A @ x, b, atol=1e-9)
+        found.add(x.tobytes())
+        vv.use_threads(3 - min(n, 2))  # another number than that of the analysis ended the process
+        assert solver.factor(A.data)
+        assert solver.solve(b, x)
+        found.add(x.tobytes())
+    assert len(found) == 1
+
+
+def test_there_are_as_many_threads_as_cores() -> None:
+    """Without a word about them there are those of the affinity mask, not of the machine."""
+    held = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})"
+    code = f"{held}; import visviva as vv; print(vv.use_threads())"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("OMP_")}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "1"
+
+
+def test_more_threads_than_cores_are_told(restored: None) -> None:
+    n = len(os.sched_getaffinity(0))
+    vv.use_threads(n + 1)
+    assert told() == f"{n + 1} threads on {n} core{'s' * (n > 1)}, where they wait for each other"
+    vv.use_threads(1)
+    assert told() == "1 thread"

@@ -120,7 +120,6 @@ void bind_choice(nb::module_& m) {
         .def_rw("matching", &LinearChoice::matching)
         .def_rw("minimum_degree", &LinearChoice::minimum_degree)
         .def_rw("last_resort", &LinearChoice::last_resort)
-        .def_rw("threads", &LinearChoice::threads)
         .def_rw("method", &LinearChoice::method)
         .def_rw("preconditioner", &LinearChoice::preconditioner)
         .def_rw("tolerance", &LinearChoice::tolerance)

@@ -4,6 +4,7 @@
 
 #include "parts.hpp"
 #include "visviva/base/instructions.hpp"
+#include "visviva/base/parallel.hpp"
 
 namespace nb = nanobind;
 using namespace visviva;
@@ -26,5 +27,7 @@ NB_MODULE(_core, m) {
         for (const Instructions set : available()) names.emplace_back(name(set));
         return names;
     });
+    m.def("n_threads", &n_threads);
+    m.def("use_threads", &use_threads);
     m.def("instruction_set", [] { return std::string(name(instructions())); });
 }

@@ -1,8 +1,14 @@
 """visviva: energy-momentum conserving mechanics of bodies, joints and forces as one system."""
 
+import os
 from typing import Any
 
 import lazy_loader
+
+if "OMP_WAIT_POLICY" not in os.environ:  # read as soon as the core is loaded
+    # Where other programs share the cores, a thread that spins keeps those from running that it waits for. So many
+    # rounds are what GNU's OpenMP takes where there are more threads than cores.
+    os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 _found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 

@@ -9,6 +9,7 @@ from .analysis.load_steps import NoEquilibrium, Static, quasi_static
 from .analysis.march import march, simulate
 from .analysis.relaxation import equilibrium
 from .base.errors import InputError, RunError, VisvivaError
+from .base.threads import use_threads
 from .base.timefunction import TimeFunction
 from .body.beam import Beam
 from .body.coupling import DistributedCoupling, RigidCoupling
@@ -392,6 +393,7 @@ __all__ = [
     "read",
     "run",
     "simulate",
+    "use_threads",
 ]
 
 __version__: str

@@ -38,6 +38,7 @@ from visviva.cli_options import (
     Settings,
     SizeText,
     Step,
+    Threads,
     Tolerance,
     Trust,
     Until,
@@ -87,6 +88,7 @@ def run(
     project: Project = False,
     resume: Resume = False,
     force: Force = False,
+    threads: Threads = None,
     every: Every = None,
     save_every: Saving = 5.0,
     overwrite: Overwrite = False,
@@ -97,8 +99,10 @@ def run(
     allow_outside: Outside = False,
 ) -> int:
     """Run an example or a scene file and print an audit of what was conserved."""
+    from visviva.base.threads import use_threads
     from visviva.scene.gallery import assignments
 
+    use_threads(threads)
     if resume and overwrite:
         raise InputError(
             "--resume and --overwrite exclude each other: continue the earlier run, or delete it"
@@ -347,9 +351,10 @@ def info() -> None:
     from importlib.util import find_spec
 
     from visviva import _core
+    from visviva.base.threads import told
 
     print(f"visviva {_version()}, Python {platform.python_version()}, {platform.platform()}")
-    print(f"instruction set of the core: {_core.instruction_set()}")
+    print(f"instruction set of the core: {_core.instruction_set()}; {told()}")
     for package, use in (("pyvista", "viewer and better pictures"), ("imageio_ffmpeg", "mp4 movies"),
                          ("trimesh", "bodies from surface meshes"), ("meshio", "mesh files")):  # fmt: skip
         print(f"{package}: {'found' if find_spec(package) else 'not installed'} ({use})")

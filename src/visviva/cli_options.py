@@ -102,6 +102,12 @@ Every = Annotated[
     ),
 ]
 Saving = Annotated[float, Parameter(help="Seconds between saves of the state.")]
+Threads = Annotated[
+    int | None,
+    Parameter(
+        converter=whole, help="Threads, as many as cores may be used if not given; results are the same bits."
+    ),
+]
 Overwrite = Annotated[
     bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
 ]

@@ -10,10 +10,25 @@
 
 namespace visviva {
 
+// Threads of loops and of factorisations that are not ours.
+inline int n_threads() {
+#ifdef _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
+}
+
+inline void use_threads([[maybe_unused]] int n) {
+#ifdef _OPENMP
+    omp_set_num_threads(n);
+#endif
+}
+
 template <class F>
 void parallel_for(int n, F f) {
 #ifdef _OPENMP
-    if (n > 1 && omp_get_max_threads() > 1) {
+    if (n > 1 && n_threads() > 1) {
 #pragma omp parallel for schedule(dynamic)
         for (int i = 0; i < n; ++i) f(i);
         return;

@@ -41,7 +41,6 @@ struct LinearChoice {
     double memory_limit = 0;      // bytes; 0: what the machine has available
 
     std::string library;  // path of oneMKL's single dynamic library; empty: where the system looks
-    int threads = 1;
 
     KrylovMethod method = KrylovMethod::cg;
     Preconditioner preconditioner = Preconditioner::block;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "visviva/base/parallel.hpp"
 #include "visviva/linear/scaled.hpp"
 
 namespace visviva {
@@ -13,6 +14,8 @@ namespace {
 constexpr double accurate = 1e-8;  // a residual above it asks for a new analysis
 constexpr double useless = 1e-4;   // a residual above it is no solution
 enum { analysis = 11, factorization = 22, solution = 33, release_all = -1 };
+// Factorisations are divided as for so many threads, however many there are: the same bits for any number.
+constexpr int parts = 8;
 enum { sequential_layer = 1, gnu_layer = 3 };  // of MKL_Set_Threading_Layer
 
 struct Mkl {
@@ -130,7 +133,7 @@ class Pardiso : public LinearSolver {
     int call(int phase, double* b, double* x) {
         const int one = 1, none = 0, n = matrix_.n();
         int error = 0, unused = 0;
-        const int before = mkl_.set_threads(choice_.threads);
+        const int before = mkl_.set_threads(threads_);
         mkl_.pardiso(pt_, &one, &one, &type_, &phase, &n, matrix_.value().data(), matrix_.row().data(),
                      matrix_.col().data(), &unused, &one, iparm_, &none, b, x, &error);
         mkl_.set_threads(before);
@@ -147,11 +150,13 @@ class Pardiso : public LinearSolver {
         iparm_[12] = matches() ? 1 : 0;    // matching: saddle points need both
         iparm_[17] = -1;                   // report the entries of the factors
         iparm_[20] = 1;                    // Bunch and Kaufman's pivots
-        iparm_[34] = 1;                    // counted from zero
+        iparm_[33] = parts;
+        iparm_[34] = 1;  // counted from zero
     }
 
     bool run_analysis() {
         release();
+        threads_ = n_threads();  // what is allocated now, later phases use
         set_parameters();
         if (const int error = call(analysis, nullptr, nullptr)) return failed(meaning(error));
         analyzed_ = true, stale_ = false;
@@ -202,7 +207,7 @@ class Pardiso : public LinearSolver {
     const Mkl& mkl_;
     ScaledMatrix matrix_;
     void* pt_[64] = {};
-    int iparm_[64] = {}, type_ = 11, perturbed_when_analyzed_ = 0;
+    int iparm_[64] = {}, type_ = 11, perturbed_when_analyzed_ = 0, threads_ = 1;
     bool analyzed_ = false, factored_ = false;
     bool stale_ = false;  // factored with values that the analysis has not seen
     std::vector<double> b_, s_;

@@ -255,8 +255,6 @@ class Direct(LinearOptions):
     library : {"auto", "pardiso", "eigen"}
         PARDISO of oneMKL (``pip install visviva[mkl]``) or Eigen, which is always there; "auto" takes PARDISO
         for more than a few thousand equations, or a few hundred of quadratic hexahedra, if it is installed.
-    threads : int
-        Threads of PARDISO.
     memory_limit : float
         Factors estimated to need more bytes are refused; 0 means what the machine has available.
 
@@ -268,11 +266,10 @@ class Direct(LinearOptions):
     """
 
     library: Literal["auto", "pardiso", "eigen"] = "auto"
-    threads: int = 1
     memory_limit: float = 0.0
 
     def __post_init__(self) -> None:
-        bounded(self, threads=(1, 1e6), memory_limit=(0.0, 1e300))
+        bounded(self, memory_limit=(0.0, 1e300))
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
@@ -312,7 +309,7 @@ class Direct(LinearOptions):
     def _core(self, problem: Problem, backend: Any, kind: Any) -> _core.LinearChoice:
         c = _core.LinearChoice()
         c.backend, c.kind, c.regularization = backend, kind, problem.regularization
-        c.library, c.threads, c.memory_limit = mkl_library(), self.threads, self.memory_limit
+        c.library, c.memory_limit = mkl_library(), self.memory_limit
         c.matching, c.minimum_degree = not problem.has_diagonal, problem.is_plane_flow
         if problem.is_flow and kind == _core.MatrixKind.general and backend == _core.Backend.pardiso:
             # Velocities are definite, so pressures have pivots of one sign once their diagonal has: nothing is matched
@@ -414,21 +411,18 @@ class Automatic(LinearOptions):
 
     Parameters
     ----------
-    threads : int
-        Threads of direct solvers.
     tolerance : float
         Of iterative solvers.
     """
 
-    threads: int = 1
     tolerance: float = 1e-6
 
     def __post_init__(self) -> None:
-        bounded(self, threads=(1, 1e6), tolerance=BETWEEN)
+        bounded(self, tolerance=BETWEEN)
 
     def choose(self, problem: Problem) -> Choice:
         """Solvers for a problem."""
-        direct = Direct(threads=self.threads).choose(problem)
+        direct = Direct().choose(problem)
         large = LARGE if not missing_pardiso() else LARGE_FOR_EIGEN
         first = []
         if problem.is_contact and problem.has_inertia:

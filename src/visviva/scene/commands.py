@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from visviva.base.errors import InputError
 from visviva.base.interrupt import exit_code
+from visviva.base.threads import told
 
 if TYPE_CHECKING:
     from visviva.results.result import Result
@@ -89,7 +90,10 @@ def introduce(source: Source, project: bool) -> None:
     n, m, f = report.n_coordinates, report.n_constraints, report.degrees_of_freedom
     redundant = f", {len(report.redundant)} constraints are redundant" if report.redundant else ""
     print(source.study.title or source.name)
-    print(f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}", flush=True)
+    print(
+        f"unknown coordinates n = {n}, constraints m = {m}, {f} degrees of freedom{redundant}; {told()}",
+        flush=True,
+    )
 
 
 def shown(trajectory: Path, field: str | None) -> str:

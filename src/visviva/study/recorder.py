@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import whole
 from visviva.base.errors import InputError, RunError, VisvivaError
+from visviva.base.threads import use_threads
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.states import StateFile
@@ -342,6 +343,7 @@ def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str,
         "end_time": system.time,
         "last_step": system.gauges(),
         "solver": system.core.solver,
+        "threads": use_threads(),
         "newton": asdict(system.newton),
         "versions": {
             "visviva": __version__,

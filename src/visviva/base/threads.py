@@ -1,0 +1,64 @@
+"""Threads of this process."""
+
+from __future__ import annotations
+
+import os
+
+from visviva import _core
+from visviva.base.arguments import whole
+from visviva.base.errors import InputError
+
+MOST = 4096
+"""More are a mistake."""
+
+
+def n_cores() -> int:
+    """Cores on which this process may run, by its affinity mask."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def use_threads(n: int | None = None) -> int:
+    """Compute with so many threads from now on; returns how many there are.
+
+    They share assembly, products with matrices, contact search and factorisations, of PARDISO as well. Results are the
+    same bits for any number: what threads do is divided in one way, and so is PARDISO's factorisation.
+
+    Parameters
+    ----------
+    n : int, optional
+        Threads; None tells how many there are. Without a call there are as many as the process may use cores
+        (its affinity mask), or as ``OMP_NUM_THREADS`` says.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number from 1 to 4096.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> before = vv.use_threads()
+    >>> vv.use_threads(2)
+    2
+    >>> vv.use_threads(before) == before
+    True
+    """
+    if n is not None:
+        n = whole("use_threads", "n", n)
+        if n > MOST:
+            raise InputError(f"use_threads: n = {n} are more than {MOST}; take one a core, here {n_cores()}")
+        _core.use_threads(n)
+    return int(_core.n_threads())
+
+
+def told() -> str:
+    """How many threads there are, and what is wrong with that.
+
+    Examples
+    --------
+    >>> told().split()[0].isdigit()
+    True
+    """
+    n, cores = use_threads(), n_cores()
+    text = f"{n} thread{'s' * (n > 1)}"
+    return f"{text} on {cores} core{'s' * (cores > 1)}, where they wait for each other" * (n > cores) or text
