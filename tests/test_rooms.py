@@ -39,7 +39,7 @@ ROOMS = (
     "scene",
 )
 """From the lowest floor to the highest."""
-FLAT = {"", "__main__", "cli", "cli_options"}
+FLAT = {"", "__main__", "cli", "cli_options", "cli_shown"}
 
 Import = tuple[str, str]
 """The module, and 'executed', 'late' or 'typing'."""

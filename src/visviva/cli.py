@@ -5,57 +5,44 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
 from visviva.cli_options import (
-    CameraText,
-    Cmap,
-    Deform,
-    Diagram,
-    Directory,
     Every,
-    Field,
     Force,
     Model,
     NoLock,
     NoMovie,
     NoPictures,
     Out,
-    Outline,
     Outside,
     Overwrite,
     Project,
-    Range,
     Resume,
     Saving,
     SchemeText,
     Settings,
-    SizeText,
     Step,
     Threads,
     Tolerance,
     Trust,
     Until,
-    Vectors,
-    whole,
 )
+from visviva.cli_shown import export, html, movie, picture, plot, view
 from visviva.scene.commands import (
     FAILED,
     as_before,
     compose,
     execute,
     introduce,
-    looks,
     named_models,
     refuse_earlier_run,
     say,
-    shown,
 )
 
 BAD_INPUT = 2
@@ -72,6 +59,8 @@ app = App(
 )
 if hasattr(app, "register_install_completion_command"):  # since Cyclopts 4
     app.register_install_completion_command()
+for shows in (plot, movie, picture, html, export, view):
+    app.command(shows)
 
 
 @app.command
@@ -161,177 +150,6 @@ def examples(
     width = max(map(len, names))
     for name in names:
         print(f"{name:{width}}  {first_line(example(name))}")
-
-
-@app.command
-def plot(
-    directory: Directory,
-    /,
-    *,
-    out: Annotated[
-        Path | None, Parameter(help="Directory for the plots; that of the run if not given.")
-    ] = None,
-    format: Annotated[Literal["png", "pdf", "svg"], Parameter(help="What is written.")] = "png",
-) -> None:
-    """Plot energies, the error of the balance and all probes of a run."""
-    from visviva.output.directory import RunDirectory
-    from visviva.study.drawings import plot_energies, plot_probes
-
-    files = RunDirectory.open(directory)
-    for file in (plot_energies(files, out, format), plot_probes(files, out, format)):
-        if file is not None:
-            print(file)
-
-
-@app.command
-def movie(
-    directory: Directory,
-    /,
-    *,
-    out: Annotated[
-        Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")
-    ] = None,
-    fps: Annotated[int, Parameter(converter=whole, help="Frames per second.")] = 25,
-    speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
-    field: Field = None,
-    outline: Outline = False,
-    camera: CameraText = None,
-    size: SizeText = None,
-    limits: Range = None,
-    cmap: Cmap = "viridis",
-    deform: Deform = 1.0,
-    vectors: Vectors = "",
-    diagram: Diagram = "",
-) -> None:
-    """Turn a run into a movie."""
-    from visviva.output.directory import RunDirectory
-    from visviva.output.movie import movie as make_movie
-    from visviva.study.progress import counting_bar
-
-    files = RunDirectory.open(directory)
-    target = out or files.movie
-    with counting_bar("movie") as show:
-        make_movie(
-            files.trajectory,
-            target,
-            fps=fps,
-            speed=speed,
-            field=shown(files.trajectory, field),
-            outline=outline,
-            progress=show,
-            **looks(camera, size, limits, cmap, deform, vectors, diagram),
-        )
-    print(target)
-
-
-@app.command
-def picture(
-    directory: Directory,
-    /,
-    *,
-    out: Annotated[Path | None, Parameter(help="*.png; picture.png in the directory if not given.")] = None,
-    time: Annotated[
-        float | Literal["max"] | None,
-        Parameter(help="Moment to draw; the end if not given, max when the field is largest."),
-    ] = None,
-    field: Field = None,
-    outline: Outline = False,
-    camera: CameraText = None,
-    size: SizeText = None,
-    limits: Range = None,
-    cmap: Cmap = "viridis",
-    deform: Deform = 1.0,
-    vectors: Vectors = "",
-    diagram: Diagram = "",
-    transparent: Annotated[bool, Parameter(negative="", help="Without a background.")] = False,
-) -> None:
-    """Draw one moment of a run."""
-    from visviva.output.directory import RunDirectory
-    from visviva.output.picture import snapshot
-
-    files = RunDirectory.open(directory)
-    target = out or files.picture
-    look = looks(camera, size, limits, cmap, deform, vectors, diagram)
-    look |= {"field": shown(files.trajectory, field), "outline": outline, "transparent": transparent}
-    snapshot(files.trajectory, target, time=time, **look)
-    print(target)
-
-
-@app.command
-def html(
-    directory: Directory,
-    /,
-    *,
-    out: Annotated[Path | None, Parameter(help="*.html; motion.html in the directory if not given.")] = None,
-    size: Annotated[float, Parameter(help="Megabytes the page may have; frames are thinned to that.")] = 20.0,
-) -> None:
-    """Turn a run into one page that browsers play without a network."""
-    from visviva.output.page import write_page
-    from visviva.study.progress import counting_bar
-
-    with counting_bar("page") as show:
-        file = write_page(directory, out, largest=int(1e6 * size), progress=show)
-    print(file)
-
-
-@app.command
-def export(
-    directory: Directory,
-    /,
-    *,
-    format: Annotated[
-        Literal["pvd"], Parameter(help="pvd: a *.pvd with a *.vtu per component and moment.")
-    ] = "pvd",
-    out: Annotated[
-        Path | None, Parameter(help="*.pvd; trajectory.pvd in the directory if not given.")
-    ] = None,
-) -> None:
-    """Write a run for programs that do not read its trajectory.vtkhdf, with names of components such as xx."""
-    from visviva.output.directory import RunDirectory
-    from visviva.output.pvd import write_pvd
-    from visviva.study.progress import counting_bar
-
-    files = RunDirectory.open(directory)
-    with counting_bar(format) as show:
-        file = write_pvd(files.trajectory, out or files.trajectory.with_suffix(f".{format}"), progress=show)
-    print(file)
-
-
-@app.command
-def view(
-    directory: Directory,
-    /,
-    *,
-    live: Annotated[bool, Parameter(negative="", help="Follow a run that is going on.")] = False,
-    port: Annotated[
-        int, Parameter(converter=whole, help="Where the page is served; 0 for any free one.")
-    ] = 0,
-    browser: Annotated[bool, Parameter(help="Open a browser, where there is one.")] = True,
-    window: Annotated[bool, Parameter(negative="", help="A window of PyVista in place of a page.")] = False,
-    field: Field = None,
-) -> None:
-    """Show a run as a page in the browser, served on this machine alone until Ctrl-C; nothing can be changed by it."""
-    from visviva.output.directory import RunDirectory
-    from visviva.output.viewer import has_screen, show
-
-    trajectory = RunDirectory.open(directory).trajectory
-    colored = shown(trajectory, field)
-    if window:
-        show(trajectory, field=colored)
-        return
-    import webbrowser
-
-    from visviva.output.page_server import PageServer, RunPages
-
-    with PageServer(RunPages(directory, live, colored), port=port) as server:
-        print(
-            f"{server.address}\n(Ctrl-C ends it; on another machine: ssh -L PORT:127.0.0.1:PORT, the same PORT)"
-        )
-        sys.stdout.flush()
-        if browser and has_screen():  # browsers of terminals would take this one
-            webbrowser.open(server.address)
-        with suppress(KeyboardInterrupt):
-            server.serve_forever()
 
 
 @app.command
