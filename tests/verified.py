@@ -1,11 +1,11 @@
 """A plugin of pytest that writes down how well tests hold: what each compares, the figure, and the limit to keep.
 
-    cd tests && PYTHONPATH=../src python -m verified [FILE ...]
+    cd tests && PYTHONPATH=../src python -m verified [FILE or FILE::TEST ...]
 
-runs ``tests/verification`` and writes ``docs/campaign/verified.csv``, from which the page on verification is made.
-Noted are errors below a limit and orders above one, `pytest.approx`, `numpy.testing.assert_allclose` and
-`Result.assert_conserved`; differences are relative to the largest of what is expected, where that is not zero. Of each
-comparison the case counts that comes nearest to its limit.
+runs ``tests/verification``, or what is named of it, and writes ``docs/campaign/verified.csv``, from which the page on
+verification is made. Noted are errors below a limit and orders above one, `pytest.approx`, `Result.assert_conserved` and
+`numpy.testing.assert_allclose`; differences are relative to the largest of what is expected, where that is not zero. Of
+each comparison the case counts that comes nearest to its limit. Tests that fail or were not run keep the rows they have.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ Check = tuple[str, float, float, float]  # text, figure, limit, how much of it i
 
 noted: list[Check] = []
 nearest: dict[str, dict[str, Check]] = {}
+failed: set[str] = set()
 _differences: list[tuple[float, float, float]] = []
 
 
@@ -115,10 +116,12 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Keep of every comparison the case that comes nearest to its limit."""
+    """Keep of every comparison of tests that pass the case that comes nearest to its limit."""
+    test = re.sub(r"\[.*", "", report.nodeid.replace("tests/", "").removeprefix("verification/"))
+    if report.failed:
+        failed.add(test)
     if report.when != "call":
         return
-    test = re.sub(r"\[.*", "", report.nodeid.replace("tests/", "").removeprefix("verification/"))
     checks = nearest.setdefault(test, {})
     for text, *numbers in dict(report.user_properties).get("checks", []):
         told = " ".join(text.split())
@@ -133,10 +136,10 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def write(path: Path) -> None:
-    """Replace the rows of the files that were run."""
-    files = {test.split("::")[0] for test in nearest}
-    rows = [row for row in read(path) if row[0].split("::")[0] not in files]
-    for test, checks in nearest.items():
+    """Replace the rows of the tests that have passed."""
+    passed = {test: checks for test, checks in nearest.items() if test not in failed}
+    rows = [row for row in read(path) if row[0] not in passed]
+    for test, checks in passed.items():
         chosen = sorted(checks.values(), key=lambda check: -check[3])[:SHOWN]
         rows += [[test, told, f"{figure:.3g}", f"{limit:.3g}"] for told, figure, limit, _ in chosen]
     with path.open("w", newline="", encoding="utf-8") as file:
