@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -41,6 +41,17 @@ Field = Annotated[
     Parameter(
         help="Field that colours, or '' for none; if none is given velocity of what flows, else von_mises."
     ),
+]
+Format = Annotated[
+    Literal["pvd", "blocks"],
+    Parameter(
+        help="pvd: a *.pvd with a *.vtu per component and moment, in which the parts of tensors have names; blocks: "
+        "one *.vtkhdf."
+    ),
+]
+ExportFile = Annotated[
+    Path | None,
+    Parameter(help="File to write; trajectory.pvd or blocks.vtkhdf in the directory if not given."),
 ]
 Outline = Annotated[bool, Parameter(negative="", help="Show the start as a shade.")]
 Range = Annotated[

@@ -15,7 +15,9 @@ from visviva.cli_options import (
     Deform,
     Diagram,
     Directory,
+    ExportFile,
     Field,
+    Format,
     Outline,
     Range,
     SizeText,
@@ -136,21 +138,19 @@ def export(
     directory: Directory,
     /,
     *,
-    format: Annotated[
-        Literal["pvd"], Parameter(help="pvd: a *.pvd with a *.vtu per component and moment.")
-    ] = "pvd",
-    out: Annotated[
-        Path | None, Parameter(help="*.pvd; trajectory.pvd in the directory if not given.")
-    ] = None,
+    format: Format = "pvd",
+    out: ExportFile = None,
 ) -> None:
-    """Write a run for programs that do not read its trajectory.vtkhdf, with names of components such as xx."""
+    """Write a run with its components as blocks by their names, for ParaView and others."""
     from visviva.output.directory import RunDirectory
+    from visviva.output.named_blocks import write_blocks
     from visviva.output.pvd import write_pvd
     from visviva.study.progress import counting_bar
 
     files = RunDirectory.open(directory)
+    write, name = (write_pvd, "trajectory.pvd") if format == "pvd" else (write_blocks, "blocks.vtkhdf")
     with counting_bar(format) as show:
-        file = write_pvd(files.trajectory, out or files.trajectory.with_suffix(f".{format}"), progress=show)
+        file = write(files.trajectory, out or files.path / name, progress=show)
     print(file)
 
 
