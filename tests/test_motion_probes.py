@@ -43,6 +43,36 @@ def test_angular_velocity_and_rates() -> None:
         result.history(vv.Power(of=drive))
 
 
+def test_probes_leave_joints_as_they_are() -> None:
+    """Probes made of a joint gave it a coordinate, if they were made before the system; strokes and rates need none."""
+    ground = vv.Ground()
+    drill = vv.RigidBody(mass=1.0, inertia=(1, 1, 2), velocity=(0, 0, 0.5), angular_velocity=(0, 0, 3))
+    joint = vv.Cylindrical(a=ground, b=drill, at=(0, 0, 0), axis=(0, 0, 1))
+    told = repr(joint)
+    stroke, angle = (vv.JointCoordinate(joint=joint, coordinate=name) for name in ("stroke", "angle"))
+    rates = [vv.JointRate(joint=joint, coordinate=name) for name in ("stroke", "angle")]
+    assert repr(joint) == told
+    system = vv.System([ground, drill, joint])
+    assert system.n_coordinates == 12
+    result = vv.simulate(system, until=0.4, step=0.1)
+    np.testing.assert_allclose(result.history(stroke), 0.5 * result.times, atol=1e-12)
+    for probe, rate in zip(rates, (0.5, 3.0), strict=True):
+        np.testing.assert_allclose(result.history(probe), rate, rtol=1e-10)
+    with pytest.raises(vv.InputError, match=r"no coordinate 'angle'.*construct the joint with angle=True"):
+        result.history(angle)
+
+
+def test_what_acts_on_a_joint_makes_its_coordinate() -> None:
+    """A spring of 8 in the angle of an inertia of 2 swings by cos 2t."""
+    ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 2), angular_velocity=(0, 0, 2))
+    hinge = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1))
+    angle = vv.JointCoordinate(joint=hinge)
+    spring = vv.Potential(of=[angle], energy=lambda e: 4 * e[0] ** 2)
+    result = vv.simulate(vv.System([ground, wheel, hinge, spring]), until=0.5, step=0.002)
+    np.testing.assert_allclose(result.history(angle), np.sin(2 * result.times), atol=1e-5)
+    assert not hinge.angle
+
+
 def poiseuille(cell: str) -> tuple[vv.System, vv.Fluid]:
     """A channel of height 1 in a parabolic profile v = 4 y (1 - y)."""
     mesh = vv.RectangleMesh(size=(2, 1), counts=(4, 4), cell=cell)

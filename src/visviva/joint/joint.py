@@ -128,11 +128,6 @@ class Joint(Component):
         raise NotImplementedError
 
     # --- part in the system --------------------------------------------------------------------------------
-    def want(self, coordinate: str) -> None:
-        """Ask for a coordinate before the system is built, as probes do; components announce that they ask for one."""
-        self.refuse_without(coordinate)
-        vars(self)[coordinate] = True
-
     def refuse_without(self, coordinate: str) -> None:
         """Refuse to be a joint that has no such coordinate."""
         if not getattr(self, f"has_{coordinate}"):
@@ -148,16 +143,15 @@ class Joint(Component):
         asked = {asking.coordinate for asking in model.announced(self, Asking)}
         x, v = model.initial
         if self.angle or "angle" in asked:
-            e0, e1 = angle_strains(*self.sides)
-            s, c = e1.value(x), e0.value(x)
-            rate = (c * e1.rate(x, v) - s * e0.rate(x, v)) / (s * s + c * c)
+            cosine, sine = angle_strains(*self.sides)
+            angle = np.arctan2(sine.value(x), cosine.value(x))
             self._coordinates["angle"] = model.field(
-                self, "angle", [np.arctan2(s, c)], [rate], scale=1.0, stage=1
+                self, "angle", [angle], [self.rate("angle", x, v)], scale=1.0, stage=1
             )
         if self.stroke or "stroke" in asked:
-            u = stroke_strain(*self.sides)
+            stroke = stroke_strain(*self.sides).value(x)
             self._coordinates["stroke"] = model.field(
-                self, "stroke", [u.value(x)], [u.rate(x, v)], scale=model.length_of(self), stage=1
+                self, "stroke", [stroke], [self.rate("stroke", x, v)], scale=model.length_of(self), stage=1
             )
 
     def contribute(self, model: Model) -> None:
@@ -203,6 +197,17 @@ class Joint(Component):
                 f"with {name}=True"
             )
         return self._coordinates[name].form()
+
+    def measured(self, name: str) -> Strain:
+        """A coordinate as a strain; the stroke is one of both sides where it is no coordinate of the system."""
+        refuse_uncomposed(self)
+        if name == "stroke" and name not in self._coordinates:
+            return stroke_strain(*self.sides)
+        return strain(self.coordinate(name))
+
+    def rate(self, name: str, x: Array, v: Array) -> float:
+        """Rate of the angle or stroke between both sides, be it a coordinate of the system or not."""
+        return float(sum(slope * v[u] for u, slope in self._slope(name, x).items()))
 
     def generalised_reaction(self, x: Array) -> dict[int, float]:
         """Force of the joint on every unknown it touches, from the multipliers in `x`."""

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.component.announcements import Asking
 from visviva.component.component import COMPOSITION, Component, mentioned, settings, system_of
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, point_of
@@ -18,6 +19,7 @@ from visviva.joint.joint import Joint
 from visviva.model.form import Strain, Vector, dot, refuse_foreign, squared, strain
 
 if TYPE_CHECKING:
+    from visviva.model.model import Model
     from visviva.system.system import System
 
 Director = Literal[1, 2, 3]
@@ -87,6 +89,9 @@ class Measure(Reading):
         """Present value, a number or an array (n,)."""
         values = [system.value(e) for e in self.strains()]
         return values[0] if len(values) == 1 else np.array(values)
+
+    def announce(self, model: Model) -> None:
+        """Announce for a component that it acts on this measure."""
 
     def strains(self) -> list[Strain]:
         """The strains, available once the components have been put into a system."""
@@ -233,7 +238,20 @@ class CentreOfMass(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class JointCoordinate(Measure):
-    """Angle or stroke of a joint, which becomes a coordinate of the system."""
+    """Angle or stroke of a joint, which becomes a coordinate of the system for components that act on it.
+
+    An angle, which counts turns, is read where it is a coordinate: by `angle` of the joint, or for a drive or another
+    component. A stroke is read of all joints that have one.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, arm = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1), angular_velocity=(0, 0, 5))
+    >>> hinge = vv.Revolute(a=ground, b=arm, at=(0, 0, 0), angle=True)
+    >>> result = vv.simulate(vv.System([ground, arm, hinge]), until=2.0, step=0.01)
+    >>> float(result.history(vv.JointCoordinate(joint=hinge))[-1].round(2))
+    10.0
+    """
 
     joint: Joint
     coordinate: Literal["angle", "stroke"] | None = None
@@ -243,15 +261,18 @@ class JointCoordinate(Measure):
         return "angle" if self.name == "angle" else "length"
 
     def __post_init__(self) -> None:
-        self.joint.want(self.name)
+        self.joint.refuse_without(self.name)
 
     @property
     def name(self) -> str:
         """Chosen coordinate: the angle where the joint has one, unless said otherwise."""
         return self.joint.usual_coordinate(self.coordinate)
 
+    def announce(self, model: Model) -> None:
+        model.announce(self.joint, Asking(self.name))
+
     def strains(self) -> list[Strain]:
-        return [strain(self.joint.coordinate(self.name))]
+        return [self.joint.measured(self.name)]
 
 
 @dataclass(config=settings, frozen=True)

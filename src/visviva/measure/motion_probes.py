@@ -53,7 +53,7 @@ class AngularVelocity(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class JointRate(Reading):
-    """Probe: rate of the angle or stroke of a joint, which becomes a coordinate of the system.
+    """Probe: rate of the angle or stroke of a joint.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class JointRate(Reading):
     coordinate: Literal["angle", "stroke"] | None = None
 
     def __post_init__(self) -> None:
-        self.joint.want(self.name)
+        self.joint.refuse_without(self.name)
 
     @property
     def name(self) -> str:
@@ -90,7 +90,7 @@ class JointRate(Reading):
         return True
 
     def __call__(self, system: System) -> float:
-        return float(self.joint.coordinate(self.name).rate(system.v))
+        return self.joint.rate(self.name, system.x, system.v)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

@@ -73,6 +73,10 @@ class Servo(Component):
         self._output = measures_of(self.label, self.output)
         self._actuators = measures_of(self.label, self.actuators)
 
+    def announce(self, model: Model) -> None:
+        for measure in (*self._output, *self._actuators):
+            measure.announce(model)
+
     def contribute(self, model: Model) -> None:
         outputs, actuators = strains_of(self, self._output), strains_of(self, self._actuators)
         n = len(outputs)

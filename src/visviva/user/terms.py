@@ -38,6 +38,10 @@ class _OnMeasures(Component):
     def __post_init__(self) -> None:
         self._measures = measures_of(self.label, self.of)
 
+    def announce(self, model: Model) -> None:
+        for measure in self._measures:
+            measure.announce(model)
+
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class GeneralizedForce(_OnMeasures):
