@@ -27,3 +27,14 @@ def test_kept_tangents_that_contract_slowly_are_accelerated() -> None:
     assert np.mean(np.log(ratios[3:])) < np.log(0.1)
     _, exact = swing(0.0)
     np.testing.assert_allclose(reached, exact, atol=1e-12)
+
+
+def test_drives_are_iterated_until_their_work_is_known() -> None:
+    """Of a wheel that a motor turns about a place beside its centre, coordinates are known long before its torque:
+    with one iteration more than these need the energy was off by 6e-6."""
+    ground, wheel = vv.Ground(), vv.RigidBody(shape=vv.Sphere(radius=0.2), mass=20.0)
+    axis = vv.Revolute(a=ground, b=wheel, at=(0, 0, -0.05), axis=(0, 1, 0), angle=True)
+    motor = vv.Motor(joint=axis, motion="sin(20*t)+0.5*sin(13*t)")
+    result = vv.simulate(vv.System([ground, wheel, axis, motor, vv.Gravity()]), until=4.0, step=0.01)
+    assert result.ledger.size("imbalance") < 2e-9
+    assert result.statistics.iterations < 4.2 * result.statistics.steps

@@ -108,6 +108,16 @@ Report System::unfinished(Report report, double last) {
     return failed(std::move(report), "no convergence in " + n + " iterations", worst());
 }
 
+// Of the last iteration, relative to the forces.
+double System::drive_increment() const {
+    double largest = 0;
+    for (int u : drives_) {
+        const double force = std::max(std::abs(x[u]), std::abs(x1_[u]));
+        if (d_[u] != 0) largest = std::max(largest, std::abs(d_[u]) / force);
+    }
+    return largest;
+}
+
 double System::finest_search() const {
     double resolution = 0;
     for (const auto& [term, can] : terms_)
@@ -128,8 +138,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
     // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
-    // get one iteration more.
+    // get one iteration more, and those of drives as many as they need.
     bool confirmed = false;
+    double pull = HUGE_VAL;
     Convergence convergence(options.keep_factor, contraction_);
     Acceleration acceleration;
     const bool accelerates = !rigid_;  // by updates that are not sums
@@ -176,11 +187,16 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         // converging.
         const bool holds = !outdated && constraint_error() <= 100 * size + noise_;
         const bool done = convergence.is_there(tolerance, noise_, resolution) && holds;
+        const double last_pull = pull;
+        pull = drive_increment();
+        const bool pulls_slowly = pull > NewtonOptions::keep_factor_of_drives * last_pull;
+        const bool drives = pull <= NewtonOptions::drive_tolerance || (pulls_slowly && refresh);
         // At rounding increments rise and fall, and two in a row need not be as small.
-        if ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12))
+        if (drives && ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12)))
             return succeeded(std::move(report), context, convergence.has_tangent());
         confirmed = done;
-        refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done);
+        refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done) ||
+                  (done && !drives && pulls_slowly);
     }
     return unfinished(std::move(report), convergence.last());
 }

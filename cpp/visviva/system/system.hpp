@@ -28,6 +28,8 @@ struct NewtonOptions {
     static constexpr int many_iterations = 4;
     /// An increment of so many sizes of the model leaves no digits for what it is to find.
     static constexpr double astray = 1e4;
+    /// Relative increment of what drives pull with that is small enough, and contraction that is slow.
+    static constexpr double drive_tolerance = 1e-9, keep_factor_of_drives = 0.3;
 };
 
 struct Report {
@@ -225,6 +227,7 @@ class System {
     Report unfinished(Report, double last);
     std::string lost(const Step&, double size) const;
     double finest_search() const;
+    double drive_increment() const;
     void clear_values();
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
