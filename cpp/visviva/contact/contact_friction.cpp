@@ -16,7 +16,7 @@ void ContactTerm::find_rubbed(const Context& c) {
 // books of statics go back.
 void ContactTerm::find_traction(int A, const Context& c) {
     const FrictionOptions& o = options_.friction;
-    base_[A] = elastic_.at_start(A);
+    base_[A] = Eigen::Vector2d::Map(&elastic_.at_start()[2 * A]);
     for (int i = 0; has_tangential() && i < 2; ++i)
         base_[A][i] = i + 1 < gaps_->skin().dim ? c.vectors.x1[o.multiplier[A] + i] : 0.0;
     traction_[A] = {}, slips_[A] = 0;

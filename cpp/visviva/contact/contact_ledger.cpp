@@ -24,7 +24,8 @@ bool ContactTerm::collides(int A, const Context& c) const {
 }
 
 bool ContactTerm::closes(int A, const Context& c) const {
-    return -c.step.h * rate0_[A] > touching * search_.reach() * area0_[A];
+    const bool held = rebound(A, c) < 0 && sink(A, c) == 0;
+    return !held && -c.step.h * rate0_[A] > touching * search_.reach() * area0_[A];
 }
 
 // An impulse changes the kinetic energy by its work along the mean of the velocities before and after it.

@@ -16,7 +16,7 @@ constexpr double moved = 0.03;
 }  // namespace
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
-    : TermMemory("contact", 1),
+    : TermMemory("contact", 2),
       gaps_(std::move(gaps)),
       options_(std::move(options)),
       search_(reach),
@@ -27,12 +27,13 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
     if (has_multipliers()) gaps_->keep_sides();
+    if (rebounds()) landings_.resize(gaps_->skin().constant.size(), n, in_flight);
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
     carried_.assign(n, 0.0);
-    elastic_.resize(gaps_->skin().constant.size(), gaps_->n()), stored_.assign(n, 0.0);
+    elastic_.resize(gaps_->skin().constant.size(), 2 * n, 0.0), stored_.assign(n, 0.0);
 }
 
 void ContactTerm::couple(Pattern& pattern) const { scatter_.couple(pattern); }
@@ -68,6 +69,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     m.push_back(pushed_out_ ? 1 : 0);
     search_.write(m);
     gaps_->write_memory(m);
+    if (rebounds()) landings_.write(m);
     if (has_history()) elastic_.write(m);
 }
 
@@ -77,6 +79,7 @@ bool ContactTerm::read_memory(const double*& m) {
     forget_gradients(), known_.clear();
     const bool changed = search_.read(m, *gaps_);
     gaps_->read_memory(m);
+    if (rebounds()) landings_.read(m);
     if (has_history()) elastic_.read(m);
     return changed;
 }
@@ -103,6 +106,7 @@ void ContactTerm::begin(const double* x0) {
         const Stopwatch watch(costs_.segments);
         gaps_->values(X0_.data(), gap0_.data(), area0_.data());
     }
+    if (rebounds()) landings_.begin_step(X0_);
     if (has_history()) elastic_.begin_step(X0_);
 }
 
@@ -195,6 +199,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
     evaluate(c, false, true);
     active_.mark_tangent(), slips_at_tangent_ = slips_;
     gaps_->mark_tangent();
+    if (rebounds()) landings_.mark_tangent(X0_);
     if (has_history()) elastic_.mark_tangent(X0_);
     std::vector<char> unpressed(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
@@ -252,8 +257,11 @@ void ContactTerm::accept(const Context& c) {
     tried_ = 0;
     if (has_history()) {
         evaluate(c, false);
-        elastic_.end_step(X0_, X1_, traction_);
+        std::vector<double> tractions;
+        for (const Traction& t : traction_) tractions.insert(tractions.end(), t.value.begin(), t.value.end());
+        elastic_.end_step(X0_, X1_, std::move(tractions));
     }
+    if (rebounds()) keep_landings();
     begin(c.vectors.x1);
 }
 

@@ -7,8 +7,8 @@
 #include "visviva/base/stopwatch.hpp"
 #include "visviva/contact/active_set.hpp"
 #include "visviva/contact/contact_scatter.hpp"
-#include "visviva/contact/elastic_slip.hpp"
 #include "visviva/contact/friction.hpp"
+#include "visviva/contact/gap_memory.hpp"
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/passage.hpp"
 #include "visviva/contact/swept_search.hpp"
@@ -136,6 +136,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool wants_pressure(int A, const Context&) const;
     double least_gap(int A, const Context&) const;
     double rebound(int A, const Context&) const;
+    double sink(int A, const Context&) const;
+    void keep_landings();
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
     void find_rates(const Context&);
@@ -202,6 +204,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false;
+    // Of rigid bodies, by area: the gap at which a vertex first carried since it was open, else `in_flight`.
+    GapMemory landings_;
+    static constexpr double in_flight = -HUGE_VAL;
     void find_roaming();
     std::vector<int> unsettled_gaps_, roaming_;
     std::vector<double> tried_at_;  // where the last attempt at a step began, and how long it was
@@ -215,7 +220,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<double> carried_;        // of the velocities before the step in what must not slip
     bool impacts_ = false;               // whether what sticks does so in an impact
     std::vector<Traction> traction_;
-    ElasticSlip elastic_;
+    GapMemory elastic_;           // tractions of elastic slip, two for each gap
     std::vector<double> stored_;  // energy of elastic slip at the end of the step last booked
 };
 
