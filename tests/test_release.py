@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import yaml
 import visviva
 
 ROOT = Path(__file__).resolve().parents[1]
+PATH = os.environ["PATH"]
 WORKFLOWS = ROOT / ".github" / "workflows"
 pytestmark = pytest.mark.skipif(not WORKFLOWS.exists(), reason="not in a checkout")
 
@@ -73,6 +76,41 @@ def test_the_changelog_has_the_version_and_says_everything_once() -> None:
     told = [line for line in lines if line.startswith("- ")]
     assert sorted({line for line in told if told.count(line) > 1}) == []
     assert len(lines) < 260, "one line for what a user notices"
+
+
+def test_a_release_has_a_date() -> None:
+    """That of the changelog, in the citation as well; before a release there is none."""
+    head = next(line for line in (ROOT / "CHANGELOG.md").read_text().splitlines() if line.startswith("## "))
+    told = re.fullmatch(r"## \S+ \((unreleased|\d{4}-\d\d-\d\d)\)", head)
+    assert told is not None, "write (unreleased), or the date such as (2026-12-24)"
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text()).get("date-released")
+    assert (str(cited) if cited else "unreleased") == told[1]
+
+
+@pytest.mark.parametrize("forgotten", ["", "tag", "changelog", "citation"])
+def test_nothing_is_released_without_version_and_date(tmp_path: Path, forgotten: str) -> None:
+    version, day = project()["version"], "2031-02-03"
+    for name in ("pyproject.toml", "CHANGELOG.md", "CITATION.cff"):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    lines = (ROOT / "CHANGELOG.md").read_text().splitlines()
+    head = next(line for line in lines if line.startswith("## "))
+    if forgotten != "changelog":
+        lines[lines.index(head)] = f"## {version} ({day})"
+    else:
+        lines[lines.index(head)] = f"## {version} (unreleased)"
+    (tmp_path / "CHANGELOG.md").write_text("\n".join(lines))
+    with (tmp_path / "CITATION.cff").open("a") as citation:
+        citation.write("" if forgotten == "citation" else f"date-released: {day}\n")
+    steps = yaml.safe_load((WORKFLOWS / "release.yml").read_text())["jobs"]["version"]["steps"]
+    tag = "v9.9.9" if forgotten == "tag" else f"v{version}"
+    done = [
+        subprocess.run(
+            ["bash", "-e", "-c", step["run"]], cwd=tmp_path, env={"GITHUB_REF_NAME": tag, "PATH": PATH}
+        )
+        for step in steps
+        if "run" in step
+    ]
+    assert all(process.returncode == 0 for process in done) == (not forgotten)
 
 
 def test_links_of_the_readme_lead_somewhere_from_the_package_index() -> None:

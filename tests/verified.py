@@ -5,7 +5,7 @@
 runs ``tests/verification``, or what is named of it, and writes ``docs/campaign/verified.csv``, from which the page on
 verification is made. Noted are errors below a limit and orders above one, `pytest.approx`, `Result.assert_conserved`
 and `numpy.testing.assert_allclose`; differences are relative to the largest of what is expected, where that is not
-zero. Of each comparison the case counts that comes nearest to its limit. Tests that fail or did not run keep their row.
+zero. Of each comparison the case counts that comes nearest to its limit. Tests that fail or did not run keep theirs.
 """
 
 from __future__ import annotations
