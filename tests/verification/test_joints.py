@@ -158,6 +158,42 @@ def test_gear_balances_torques() -> None:
     assert [system.value(s.coordinate()) for s in shafts] == pytest.approx([0.0, 0.0], abs=1e-13)
 
 
+def test_teeth_drive_the_second_wheel() -> None:
+    """Wheels of radii 0.2 and 0.3 and moments 0.4 and 0.9, spun up by 5: ``a1 = 5 / (0.4 + 0.9 (2 / 3)^2)``."""
+    ground = vv.Ground()
+    wheels = [
+        vv.RigidBody(mass=1.0, inertia=(1, 1, J), position=(x, 0, 0)) for x, J in ((0.0, 0.4), (0.5, 0.9))
+    ]
+    shafts = [vv.Revolute(a=ground, b=w, at=w.position, axis=(0, 0, 1)) for w in wheels]
+    gear = vv.Gear(a=shafts[0], b=shafts[1], ratio=1.5)
+    system = vv.System([ground, *wheels, *shafts, gear, vv.JointForce(joint=shafts[0], force=5.0)])
+    probes = {"torque": vv.ReactionTorque(joint=gear), "force": vv.ReactionForce(joint=gear)}
+    result = vv.simulate(system, until=0.1, step=0.01, record=probes)
+    load = 0.9 * (2 / 3) * 5.0 / (0.4 + 0.9 * (2 / 3) ** 2)
+    np.testing.assert_allclose(
+        result.history("torque"), np.tile([0, 0, -load], (11, 1)), rtol=1e-7, atol=1e-9
+    )
+    np.testing.assert_allclose(result.history("force"), 0.0, atol=1e-9)
+
+
+def test_teeth_push_the_rack() -> None:
+    """A rack of mass 2 on a pinion of radius 0.2 and moment 0.4, turned by 3."""
+    ground, pinion = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 0.4))
+    rack = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(0.5, 0, 0))
+    shaft = vv.Revolute(a=ground, b=pinion, at=(0, 0, 0), axis=(0, 0, 1))
+    guide = vv.Prismatic(a=ground, b=rack, at=(0.5, 0, 0), axis=(0, 1, 0))
+    teeth = vv.RackAndPinion(a=shaft, b=guide, radius=0.2)
+    drive = vv.JointForce(joint=shaft, force=3.0)
+    result = vv.simulate(
+        vv.System([ground, pinion, rack, shaft, guide, teeth, drive]),
+        until=0.1,
+        step=0.01,
+        record={"force": vv.ReactionForce(joint=teeth)},
+    )
+    push = 2.0 * 0.2 * 3.0 / (0.4 + 2.0 * 0.2**2)
+    np.testing.assert_allclose(result.history("force"), np.tile([0, push, 0], (11, 1)), rtol=1e-7, atol=1e-9)
+
+
 def test_rack_balances_the_pinion() -> None:
     ground, pinion, rack = vv.Ground(), wheel(0.0), wheel(0.5)
     shaft = vv.Revolute(a=ground, b=pinion, at=(0, 0, 0))
@@ -184,6 +220,29 @@ def test_winch_holds_a_hanging_load() -> None:
     system.step(0.1)
     assert brake.effort(system) == pytest.approx(statics.winch_torque(5.0, 0.1), rel=1e-10)
     assert vv.reaction(system, rope)[0] == pytest.approx([0, 0, 5.0 * 9.81], abs=1e-9)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.VariationalMidpoint()], ids=str)
+def test_a_rope_does_not_push(scheme: vv.Scheme) -> None:
+    """A drum turned by ``10 t`` lets the load fall freely from ``t = g J / (10 r)`` on."""
+    ground, drum = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    load = vv.PointMass(mass=5.0, position=(0, 0, -2.0))
+    axle = vv.Revolute(a=ground, b=drum, at=(0, 0, 0), axis=(0, 1, 0))
+    rope = vv.RopeOverWinch(a=drum.point(), b=load.point(), winch=axle, radius=1.0, length=2.0, name="rope")
+    turn = vv.JointForce(joint=axle, force="10*t")
+    system = vv.System([ground, drum, load, axle, rope, turn, vv.Gravity()])
+    with pytest.raises(vv.StepFailure, match=r"RopeOverWinch 'rope' pushes by .* vv.Beam") as caught:
+        vv.simulate(system, until=2.0, step=0.001, scheme=scheme)
+    assert caught.value.time == pytest.approx(0.981, abs=0.005)
+
+
+def test_a_rope_that_carries_nothing_is_no_pushing_one() -> None:
+    ground, drum, load = vv.Ground(), wheel(0.0), vv.PointMass(mass=5.0, position=(0, 0.3, -2.0))
+    axle = vv.Revolute(a=ground, b=drum, at=(0, 0, 0), axis=(0, 1, 0))
+    length = float(np.hypot(0.3, 2.0))
+    rope = vv.RopeOverWinch(a=drum.point(), b=load.point(), winch=axle, radius=0.1, length=length)
+    system = vv.System([ground, drum, load, axle, rope, vv.Motor(joint=axle, motion=0.0)])
+    assert vv.simulate(system, until=1.0, step=0.01).statistics.rejected == 0
 
 
 def test_angle_counts_turns_both_ways() -> None:

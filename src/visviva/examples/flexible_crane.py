@@ -1,8 +1,9 @@
 """Rotary crane with a girder that bends: a beam on the slewing axis, a trolley held on it, a winch, a load on a rope.
 
-The girder is a slender box of aluminium, which the trolley and the load bend by some 10 cm. A torque turns the crane up
-to speed and the load swings. With `servo` the crane's angle and the height of the load follow functions of time
-instead, and the torques of slewing drive and winch are the result, with the vibrations of the girder in them (servo
+The girder is a slender box of aluminium, which the trolley and the load bend by some 10 cm. It begins at rest, bent:
+let go straight, its end would fall faster than the load, whose rope would be slack. A torque turns the crane up to
+speed and the load swings. With `servo` the crane's angle and the height of the load follow functions of time instead,
+and the torques of slewing drive and winch are the result, with the vibrations of the girder in them (servo
 constraints of Betsch & Uhlar [7]).
 """
 
@@ -53,6 +54,8 @@ def study(
             vv.JointForce(joint=slewing, force=times, name="drive"),
         ]
     system = vv.System([*bodies.values(), *joints, *drives, vv.Gravity()])
+    if not servo:
+        vv.equilibrium(system)
     return vv.Study(
         system,
         until,

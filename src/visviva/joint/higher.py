@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import refuse_unless
 from visviva.base.errors import InputError
 from visviva.component.announcements import Asking
-from visviva.component.component import settings
+from visviva.component.component import settings, system_of
+from visviva.component.limited import Limited
+from visviva.component.point import Attachable
 from visviva.component.values import Number
 from visviva.joint.joint import Joint, Side
 from visviva.model.form import Form, Strain, Vector, product, squared
@@ -18,17 +22,43 @@ from visviva.model.form import Form, Strain, Vector, product, squared
 if TYPE_CHECKING:
     from visviva.model.model import Model
 
+Array = NDArray[np.float64]
 Constraints = Sequence[Strain | Form]
+ROUNDING = 1e-10
+"""Part of the forces that rounding makes of positions, and of all reactions, that no tension is told from."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class RopeOverWinch(Joint):
+class RopeOverWinch(Joint, Limited):
     """Inextensible massless rope from `a` to `b`, paid out by a winch: ``|p| = length + radius angle``.
 
     `winch` is the revolute joint whose angle counts; the rope leaves at the point `a`. Written quadratically,
     ``(|p|^2 - (length + radius angle)^2) / (2 length)``, so that its multiplier is about the rope's tension.
-    The rope is always taut: where one would go slack, it pushes, and `ReactionForce` has the sign of that. A rope that
-    can go slack is a `Beam` of little bending stiffness, or a `Spring` whose `energy` is zero below the rope's length.
+    The rope is always taut, and never pushes: steps in which it would, where a real one goes slack, fail by its name. A
+    rope that can go slack is a `Beam` of little bending stiffness, or a `Spring` whose `energy` is zero below the
+    rope's length.
+
+    Raises
+    ------
+    StepFailure
+        By a run, at the step in which the tension turns negative.
+
+    Examples
+    --------
+    A drum that is turned faster than its load can fall, from the torque ``g J / r = 9.81`` on:
+
+    >>> import visviva as vv
+    >>> ground, drum = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    >>> load = vv.PointMass(mass=5.0, position=(0, 0, -2))
+    >>> axle = vv.Revolute(a=ground, b=drum, at=(0, 0, 0), axis=(0, 1, 0))
+    >>> rope = vv.RopeOverWinch(a=drum.point(), b=load.point(), winch=axle, radius=1.0, length=2.0, name="rope")
+    >>> turn = vv.JointForce(joint=axle, force="10*t")
+    >>> hoist = vv.System([ground, drum, load, axle, rope, turn, vv.Gravity()])
+    >>> try:
+    ...     vv.simulate(hoist, until=2.0, step=0.01)
+    ... except vv.StepFailure as error:
+    ...     print("RopeOverWinch 'rope' pushes" in str(error), round(error.time, 2))
+    True 0.98
     """
 
     winch: Joint
@@ -46,6 +76,25 @@ class RopeOverWinch(Joint):
 
     def announce(self, model: Model) -> None:
         model.announce(self.winch, Asking("angle"))
+
+    def invalid(self, x: Array) -> str:
+        tension = float(x[self._multipliers.start])
+        if tension >= 0.0 or tension >= -self._rounding(x):
+            return ""
+        return (
+            f"{self.label} pushes by {-tension:.3g} where a rope goes slack; one that can is a vv.Beam of little "
+            "bending stiffness, or a vv.Spring whose energy is zero below its length"
+        )
+
+    def _rounding(self, x: Array) -> float:
+        """Tension that rounding makes, of positions in a step and of what other reactions leave."""
+        system = system_of(self)
+        mass, step = sum(c.total_mass for c in self.partners), system.clock.step
+        by_place = mass * self.length / step**2 if system.has_inertia and step else 0.0
+        return ROUNDING * (by_place + float(np.abs(x[system.is_lasting_constraint]).max()))
+
+    def trouble(self, x: Array) -> str:
+        return self.invalid(x)
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         L = self.radius * self.winch.coordinate("angle") + self.length
@@ -79,19 +128,52 @@ class _Coupling(Joint):
     def relation(self) -> Form:
         raise NotImplementedError
 
+    @property
+    def partners(self) -> tuple[Attachable, Attachable]:
+        """The bodies on the sides b of both joints."""
+        return self.a.partners[1], self.b.partners[1]
+
     def declare(self, model: Model) -> None:
         self._coordinates = {}
 
     def contribute(self, model: Model) -> None:
+        self.sides = self.a.sides[1], self.b.sides[1]
         form = self.relation()
         self._strains = [Strain((), form - form.value(model.initial[0]))]
         self._multipliers = model.multipliers(self, "reaction", 1, stage=2, block=self)
         model.constrain(self, self._multipliers, self._strains)
 
+    def generalised_reaction(self, x: Array) -> dict[int, float]:
+        """Force of the teeth on every unknown of bodies, which coordinates pass on."""
+        on_coordinates, force = super().generalised_reaction(x), dict[int, float]()
+        for joint, coordinate in self.coupled():
+            for u, passed in joint.passed_on(coordinate, on_coordinates, x).items():
+                force[u] = force.get(u, 0.0) + passed
+        return force
+
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Gear(_Coupling):
-    """Angle of joint `a` plus `ratio` times the angle of joint `b` stays constant (1 constraint)."""
+    """Angle of joint `a` plus `ratio` times the angle of joint `b` stays constant (1 constraint).
+
+    `ReactionTorque` is the torque of the teeth on the body at the side `b` of joint `b`; divided by the pitch radius of
+    that wheel it is the load of the teeth. Only angles are coupled, so that bearings do not feel it.
+
+    Examples
+    --------
+    A wheel of pitch radius 0.2 drives one of 0.3, which a brake holds:
+
+    >>> import visviva as vv
+    >>> ground, wheels = vv.Ground(), [vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(x, 0, 0)) for x in (0, 0.5)]
+    >>> axles = [vv.Revolute(a=ground, b=w, at=w.position, axis=(0, 0, 1)) for w in wheels]
+    >>> gear = vv.Gear(a=axles[0], b=axles[1], ratio=0.3 / 0.2)
+    >>> loads = vv.JointForce(joint=axles[0], force=-2.0), vv.Motor(joint=axles[1], motion=0.0)
+    >>> system = vv.System([ground, *wheels, *axles, gear, *loads])
+    >>> report = system.step(0.1)
+    >>> torque = vv.ReactionTorque(joint=gear)(system)
+    >>> round(float(torque[2]) / 0.3, 9)  # the teeth's load, 2 / 0.2
+    10.0
+    """
 
     ratio: Number
 
@@ -111,7 +193,10 @@ class Gear(_Coupling):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class RackAndPinion(_Coupling):
-    """Stroke of the rack's joint `b` follows `radius` times the angle of pinion joint `a` (1 constraint)."""
+    """Stroke of the rack's joint `b` follows `radius` times the angle of pinion joint `a` (1 constraint).
+
+    `ReactionForce` is the load of the teeth on the body at the side `b` of joint `b`.
+    """
 
     radius: Number
 

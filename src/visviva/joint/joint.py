@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -216,11 +216,17 @@ class Joint(Component):
             lam = float(x[self._multipliers.start + k])
             for u, g in e.gradient(x).items():
                 force[u] = force.get(u, 0.0) - lam * g
-        for name, field in self._coordinates.items():  # massless: what acts on them, the bodies feel
-            passed = force.pop(field.start, 0.0)
-            for u, g in self._slope(name, x).items():
-                force[u] = force.get(u, 0.0) + passed * g
+        for name in self._coordinates:
+            for u, passed in self.passed_on(name, force, x).items():
+                force[u] = force.get(u, 0.0) + passed
+        for field in self._coordinates.values():
+            force.pop(field.start, None)
         return force
+
+    def passed_on(self, coordinate: str, force: Mapping[int, float], x: Array) -> dict[int, float]:
+        """Forces on the unknowns of the bodies from that on a coordinate, which is massless."""
+        passed = force.get(self._coordinates[coordinate].start, 0.0)
+        return {u: passed * g for u, g in self._slope(coordinate, x).items()}
 
     def _slope(self, coordinate: str, x: Array) -> dict[int, float]:
         """Derivatives of a coordinate by the unknowns of the bodies."""

@@ -49,12 +49,37 @@ class OnJoint(Component):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Motor(OnJoint):
-    """Prescribes the coordinate: ``coordinate = motion(t)``; its reaction is the motor's torque or force.
+    """Holds the coordinate of a joint at ``motion(t)``, whatever torque or force that takes: a position, no speed.
 
-    `motion` is whatever `TimeFunction` takes: a number, an expression such as ``"2*pi*t"``, a table, a
-    function. At the points of a table velocities jump with its slope, and the ledger books the work of that impulse;
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke, which becomes a coordinate of the system.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both.
+    motion : number, expression, table or callable
+        The coordinate itself as a function of time, an angle in radians, see `TimeFunction`: ``"2*pi*t"`` is one turn
+        per unit of time, a number holds it. At t = 0 it has to fit the bodies, which start with its rate.
+
+    Notes
+    -----
+    `effort` is the torque or force that it exerts, `Power` the work per time of it; a given torque is a `JointForce`,
+    and a given speed the integral of that over time.
+
+    At the points of a table velocities jump with its slope, and the ledger books the work of that impulse;
     where the rate of an expression or a function jumps they swing about the new rate with energy-momentum and midpoint
     rules: round it off, e.g. with ``smoothstep``.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 2))
+    >>> axle = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1))
+    >>> motor = vv.Motor(joint=axle, motion="t**2")
+    >>> system = vv.System([ground, wheel, axle, motor])
+    >>> _ = vv.simulate(system, until=1.0, step=0.01)
+    >>> round(float(system.value(axle.coordinate())), 9), round(motor.effort(system), 6)
+    (1.0, 4.0)
     """
 
     motion: OfTime
