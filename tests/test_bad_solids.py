@@ -286,6 +286,24 @@ def test_sections_of_what_relaxes_have_no_force() -> None:
         body.nodal_forces(system.x)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    "support",
+    [
+        lambda b: vv.SymmetryPlane(solid=b, nodes="x0", normal=(1, 0, 0)),
+        lambda b: vv.Fixed(solid=b, nodes="x0"),
+    ],
+)
+def test_nodes_are_held_and_moved_by_one_support_in_any_order(support: Any, turned: bool) -> None:
+    mesh, rubber = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), vv.NeoHooke(young=1.0, poisson=0.3)
+    block = vv.Solid(mesh=mesh, material=rubber, density=1.0)
+    both = [vv.Prescribed(solid=block, nodes="y1", motion=("0.1*t", None, None), name="lid"), support(block)]
+    with pytest.raises(
+        vv.InputError, match=r"Prescribed 'lid' prescribes position\[.*holds already; take its node"
+    ):
+        vv.System([block, *(both[::-1] if turned else both)])
+
+
 def test_solids_in_space_have_no_thickness() -> None:
     mesh, rubber = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), vv.NeoHooke(young=1.0, poisson=0.3)
     with pytest.raises(vv.InputError, match="Solid 'block': thickness is for plane meshes; leave it out"):

@@ -118,3 +118,17 @@ def test_corners_that_are_nearly_straight_are_no_points_of_quadrature(corner: fl
         vv.CahnHilliard(mesh=quad, free_energy=vv.FloryHuggins(chi=3.0), **given)
     vv.CahnHilliard(mesh=quad, free_energy=vv.DoubleWell(barrier=5.0), **given)
     vv.CahnHilliard(mesh=halves, free_energy=vv.FloryHuggins(chi=3.0), **given)
+
+
+@pytest.mark.parametrize("kind", ["box", "splines", "surface"])
+def test_thickness_is_for_planes(kind: str) -> None:
+    meshes: dict[str, Any] = {
+        "box": vv.BoxMesh(size=(4, 4, 4), counts=(8, 8, 8)),
+        "splines": vv.SplineBox(size=(4, 4, 4), counts=(8, 8, 8), degree=2),
+        "surface": vv.SphereMesh(radius=2.0, counts=(3, 2)).build().surface("outer"),
+    }
+    given: dict[str, Any] = {"mesh": meshes[kind], "free_energy": vv.DoubleWell(barrier=1.0)}
+    for made, quantity in ((vv.CahnHilliard, {"concentration": 0.5}), (vv.AllenCahn, {"order": 0.5})):
+        made(**given, gradient_energy=2.0, **quantity)
+        with pytest.raises(vv.InputError, match="thickness is for plane meshes; leave it out"):
+            made(**given, gradient_energy=2.0, thickness=3.0, **quantity)

@@ -363,3 +363,18 @@ def test_modes_are_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "mode.png").stat().st_size > 1000
     with pytest.raises(vv.InputError, match="no shape 3"):
         found.picture(tmp_path / "mode.png", 3)
+
+
+def test_a_wire_whose_bending_is_rounding_is_told_so() -> None:
+    """It was to be held, which it is."""
+    wire = vv.Beam(
+        mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=8),
+        section=vv.RectangleSection(width=1e-6, height=2e-6, young=2e11, density=7800.0),
+        name="wire",
+    )
+    press = vv.Force(on=wire.point_at((1, 0, 0)), force=(-1e-13, 0, 0), times="t")
+    system = vv.System([wire, vv.Clamped(solid=wire, nodes="start"), press])
+    with pytest.raises(
+        vv.InputError, match=r"of Beam 'wire'; bodies are held as a whole.*make it thicker or shorter"
+    ):
+        vv.buckling(system, n=1)

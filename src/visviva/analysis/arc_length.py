@@ -18,6 +18,7 @@ from visviva.output.checkpoint import Record
 from visviva.results.result import Result
 from visviva.system.memory import Trial
 from visviva.system.system import System
+from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
 
@@ -76,6 +77,7 @@ class ArcLength(Static):
         return Path(equations, unit, self.load_weight)
 
 
+@by_one_thread
 def arc_length(
     system: System,
     *,

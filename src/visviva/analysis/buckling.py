@@ -42,6 +42,11 @@ LATER, CLOSER, TRIALS = 1e-3, 0.1234, 8
 """Change of the load parameter, relative to it and 1, for the rate of loads: the first one, and how others follow."""
 AGREED, DISPUTED = 1e-6, 1e-2
 """Rates of loads over two changes that differ by less, relative to them, need no third, and by more are none."""
+SOFT = (
+    "bodies are held as a whole, so either the load is critical already, or this is softer than rounding of what is "
+    "stiff beside it, as a wire is in bending whose length is a million times its thickness: make it thicker or "
+    "shorter, and scale the factors of slender bars with the fourth power of their thickness"
+)
 ROUNDING = 2e-15
 """Changes of the tangent by loads are zero that are smaller than this, where its diagonal is scaled to 1."""
 REAL = 1e-6
@@ -165,7 +170,7 @@ class Tangent:
         S = sp.diags_array(self.scale)
         soft = sp.diags_array(np.r_[np.zeros(len(forces) - m), np.full(m, COMPLIANCE)])
         scaled = S @ symmetric(self.A) @ S - soft
-        self._solve = factored(scaled, m, system, self.unknowns, "buckling", "hold it")
+        self._solve = factored(scaled, m, system, self.unknowns, "buckling", SOFT)
 
     def of(self, step: Any) -> sp.csr_array:
         """The tangent at the end of a step, by the increments that are tried."""

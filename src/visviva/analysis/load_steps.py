@@ -23,6 +23,7 @@ from visviva.system.newton import trouble_of
 from visviva.system.stability import falling_directions, instability
 from visviva.system.steps import Attempt, invalid
 from visviva.system.system import System
+from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
 
@@ -275,6 +276,7 @@ class LoadReport:
         return LoadReport(self.iterations + other.iterations, self.factorizations + other.factorizations)
 
 
+@by_one_thread
 def quasi_static(
     system: System,
     *,

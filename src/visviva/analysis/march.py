@@ -23,6 +23,7 @@ from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
 from visviva.system.system import System, refuse_no_system
+from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
 
@@ -180,6 +181,7 @@ def still_fits(system: System) -> bool:
         return not len(at.multipliers) or (worst(at) <= FITS and rate_violation(system, at) <= DRIFTS)
 
 
+@by_one_thread
 def simulate(
     system: System,
     *,

@@ -20,6 +20,7 @@ from visviva.system.memory import returning
 from visviva.system.newton import StepFailure
 from visviva.system.stability import count_falling, instability
 from visviva.system.system import System, refuse_no_system
+from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,7 @@ class Relaxation(Scheme):
         return (NONE,) * 5
 
 
+@by_one_thread
 def equilibrium(
     system: System,
     *,

@@ -30,8 +30,10 @@ class FlowForce(Reading):
 
     It is the residual of the equations that the held velocities leave unanswered, which is as exact as the energy of
     the flow and in exact balance with all other forces, and not an integral of tractions. Forces are those of the last
-    step: of the midpoint schemes, those that acted in its middle. Nodes at the rim of the faces that other faces hold,
-    too, such as the corners of an inlet and a wall, bring a share of the force on those, of first order in the mesh.
+    step: of the midpoint schemes, `EnergyMomentum` among them, those that acted in its middle, half a step before the
+    velocities, pressures and `WallShear` of the state; other schemes balance forces at its end. Nodes at the rim of
+    the faces that other faces hold, too, such as the corners of an inlet and a wall, bring a share of the force on
+    those, of first order in the mesh.
 
     Parameters
     ----------
@@ -148,7 +150,8 @@ class FlowField(Reading):
 class WallShear(Reading):
     """Probe: mean shear stress (3,) that a fluid exerts on faces, along them, where its normal looks out of the fluid.
 
-    It is read off the gradients of the velocity at the faces' points, of one order less than the force of `FlowForce`.
+    It is read off the gradients of the velocity at the faces' points, of one order less than the force of `FlowForce`,
+    and belongs to the present instant, the end of the last step; `FlowForce` of the midpoint schemes to its middle.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -169,8 +169,17 @@ class Model:
         self._initial[:, new.start : end] = new.values, new.rates
 
     def hold(self, held: Field, numbers: ArrayLike, values: ArrayLike | None = None) -> None:
-        """Fix unknowns of a field, given by their numbers in it, at their initial or other values, at rest."""
+        """Fix unknowns of a field, given by their numbers in it, at their initial or other values, at rest.
+
+        Raises
+        ------
+        InputError
+            If something moves one of them already.
+        """
         k = np.asarray(numbers, dtype=int)
+        for p in self.driving.prescribed:
+            if (moved := np.isin(held.start + k, p.unknowns)).any():
+                self._refuse_held(p.component, held, int(k[np.argmax(moved)]), "another support")
         held.fixed[k] = True
         held.rates[k] = 0.0
         if values is not None:
@@ -200,10 +209,7 @@ class Model:
         if np.any(moved.fixed[k]):
             first = int(k[np.argmax(moved.fixed[k])])
             others = [p.component.label for p in self.driving.prescribed if moved.start + first in p.unknowns]
-            raise InputError(
-                f"{component.label} prescribes {moved.name}[{first}] of {moved.component.label}, which "
-                f"{' and '.join(others) or 'another support'} holds already; take its node out of one of them"
-            )
+            self._refuse_held(component, moved, first, " and ".join(others) or "another support")
         self.hold(moved, k, values(0.0))
         moved.rates[k] = rates(0.0, 0.0)
         self._remember(moved)
@@ -215,6 +221,13 @@ class Model:
             Prescription(component, unknowns, values, rates, account, moved.supply)
         )
         self.driving.bend(kinks, account)
+
+    @staticmethod
+    def _refuse_held(mover: Owner, moved: Field, number: int, others: str) -> NoReturn:
+        raise InputError(
+            f"{mover.label} prescribes {moved.name}[{number}] of {moved.component.label}, which {others} holds "
+            "already; take its node out of one of them"
+        )
 
     @property
     def initial(self) -> tuple[Array, Array]:

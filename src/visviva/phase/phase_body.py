@@ -72,6 +72,8 @@ class PhaseBody(Meshed):
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self.grid = self.space.grid
+        if self.thickness != 1.0 and self.grid.points.shape[1] == 3:
+            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
         self.start_values = self._sampled(given)
         self._refuse_outside()
         self._refuse_thin_interfaces()

@@ -15,6 +15,7 @@ from visviva.base.interrupt import deferred_interrupt
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
 from visviva.study.study import Study
+from visviva.system.turn import alone
 
 
 def run(
@@ -120,7 +121,7 @@ def run(
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
             recorder = Recorder.start(study, files, cadence, said, project, overwrite)
-        with recorder, deferred_interrupt() as interrupted:
+        with alone(system), recorder, deferred_interrupt() as interrupted:
             recorder.march(interrupted, progress, save_every)
         recorder.finish()
         for complaint in drawings.draw_run(study, files, movies=movies) if pictures else ():

@@ -13,6 +13,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.model.term import copies
 from visviva.output.checkpoint import Record, Records
+from visviva.system.turn import alone
 
 if TYPE_CHECKING:
     from visviva.model.term import Term
@@ -158,6 +159,11 @@ def undisturbed(system: System) -> Iterator[None]:
     if system.is_undisturbed:
         yield
         return
+    with alone(system):
+        yield from _undisturbed(system)
+
+
+def _undisturbed(system: System) -> Iterator[None]:
     core, known = system.core, histories(system)
     snapshot = core.snapshot()
     stepper, system.stepper = system.stepper, system.stepper.copy()

@@ -15,6 +15,7 @@ from visviva.base.errors import NotFinite
 from visviva.component.limited import Limited
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
+from visviva.system.turn import alone
 
 if TYPE_CHECKING:
     from visviva.scheme.schemes import Scheme
@@ -40,6 +41,11 @@ def next_kink(system: System, until: float) -> float:
 
 def take(system: System, h: float, scheme: Scheme) -> Any:
     """Advance by one step of length `h`; returns the core's report."""
+    with alone(system):
+        return _taken(system, h, scheme)
+
+
+def _taken(system: System, h: float, scheme: Scheme) -> Any:
     step = system.stepper.step_of(scheme, h)
     if system.projects(scheme) or any(isinstance(c, Limited) for c in system.components):
         attempt = solved(system, step)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,7 +93,7 @@ class System(metaclass=Named):
         refuse_other("System", "components", components, Iterable, "a list of components")
         refuse_other("System", "newton", newton, Newton | None, "Newton(...)")
         self._components, self._newton = tuple(components), newton or Newton()
-        self.units = units
+        self.units, self.turn = units, RLock()  # of the thread that works on it
         begin_if_set(self.components)
         self._compose()
 
@@ -160,7 +161,7 @@ class System(metaclass=Named):
         True
         """
         before = self.composition
-        kept = {name: vars(self)[name] for name in ("_components", "_newton", "_units")}
+        kept = {name: vars(self)[name] for name in ("_components", "_newton", "_units", "turn")}
         vars(self).clear()
         vars(self).update(kept)
         begin_anew(self.components)
