@@ -39,8 +39,8 @@ def stiffening(e: Any) -> Any:
 
 def twisted() -> Components:
     """A clamped beam turned at its end."""
-    beam, clamp = held(vv.Clamped)
-    return [beam, clamp, vv.SemitangentialTorque(on=beam.frame(2.0), torque=(0.25, 0.5, 0.15))]
+    beam, clamp = held(vv.Clamped, count=6)
+    return [beam, clamp, vv.SemitangentialTorque(on=beam.frame(2.0), torque=(0.5, 1.0, 0.3))]
 
 
 def heated() -> Components:
@@ -165,8 +165,8 @@ def clamped_panel() -> Components:
     return [shell, edge, vv.Gravity(), vv.Pressure(solid=shell, faces="upper", pressure="0.5*sin(3*t)")]
 
 
-def held(support: Any) -> Components:
-    beam = vv.Beam(mesh=vv.ArcMesh(count=3, **HELIX), section=BLADE, velocity=(0.0, 0.4, 0.3))
+def held(support: Any, count: int = 3) -> Components:
+    beam = vv.Beam(mesh=vv.ArcMesh(count=count, **HELIX), section=BLADE, velocity=(0.0, 0.4, 0.3))
     return [beam, support(solid=beam, nodes="start")]
 
 
@@ -180,7 +180,15 @@ def loaded() -> Components:
     ]
 
 
-BENT = vv.Mesh([(0, 0, 0), (0.8, 0.3, 0), (1.5, 0, 0), (1.5, -1, 0)], {"line2": [(0, 1), (1, 2), (2, 3)]})
+def bent(count: int) -> vv.Mesh:
+    """Three straight parts of so many cells each."""
+    corners = np.array([(0, 0, 0), (0.8, 0.3, 0), (1.5, 0, 0), (1.5, -1, 0)])
+    at = np.linspace(0, 3, 3 * count + 1)
+    points = np.stack([np.interp(at, range(4), c) for c in corners.T], axis=1)
+    return vv.Mesh(points, {"line2": [(k, k + 1) for k in range(3 * count)]})
+
+
+BENT = bent(1)
 FLAT_BLADE = vv.GivenSection(
     stiffness=np.diag([30.0, 300.0, 500.0, 4.0, 6.0, 2.0])
     + np.diag([0.0, 20.0, -5.0, 0.0, 0.0], 1)
@@ -200,13 +208,13 @@ def flat(mesh: Any = BENT, **options: Any) -> Components:
 
 def flat_pendulum() -> Components:
     """A beam of a plane system on a hinge, with another at each corner, and loads that follow."""
-    beam, ground = vv.PlaneBeam(mesh=BENT, section=FLAT_BLADE, kinks="hinged"), vv.Ground()
+    beam, ground = vv.PlaneBeam(mesh=bent(5), section=FLAT_BLADE, kinks="hinged"), vv.Ground()
     return [
         ground,
         beam,
         vv.Revolute(a=ground, b=beam, at=(0, 0, 0), axis=(0, 0, 1)),
         vv.LineLoad(beam=beam, force=(0, 0.2, 0.1), moment=(0.1, 0, 0), follower=True),
-        vv.Gravity(acceleration=(0, -3.0, 0)),
+        vv.Gravity(acceleration=(0, -9.81, 0)),
     ]
 
 
