@@ -20,7 +20,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried, Cells, Mask
 from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
-from visviva.flow.overlap import covered_by_mesh, refuse_covering
+from visviva.flow.overlap import inside_mesh, refuse_covering
 from visviva.flow.sheet import normals
 from visviva.model.batch import book
 
@@ -142,7 +142,8 @@ class Immersed(Carried):
         d, motion = self.solid.dimension, self.solid.motion
         places, follows = self._located(self.solid.grid.points), ~motion.fixed
         if not self.over_walls:
-            covered = covered_by_mesh(self.fluid, self.solid.grid)
+            grid = self.solid.grid
+            covered = inside_mesh(grid, self.fluid.wall_places(grid.points.mean(axis=0)))
             refuse_covering(self.label, self.solid, self.fluid, covered)
         motion.rates[follows] = self._start(places, self.fluid.flow.values)
         model.refresh(motion)

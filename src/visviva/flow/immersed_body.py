@@ -18,7 +18,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried
 from visviva.flow.leaving import Displaced
 from visviva.flow.marks import marks
-from visviva.flow.overlap import covered_by_body, refuse_covering
+from visviva.flow.overlap import inside_body, refuse_covering
 from visviva.model.batch import book
 from visviva.model.form import Vector
 
@@ -153,7 +153,8 @@ class ImmersedBody(Carried):
         outline = where[0] + self._shape.surface()[0] @ where[1].T
         cells = self._located(outline).cells
         if not self.over_walls:
-            covered = covered_by_body(self.fluid, self.body, *self._shape.surface())
+            walls = self.fluid.wall_places(self.body.position[:d])
+            covered = inside_body(self.body, *self._shape.surface(), walls)
             refuse_covering(self.label, self.body, self.fluid, covered)
         edge = float(np.min(self.fluid.grid.volumes[cells]) ** (1 / d)) / (
             1 if self.fluid.is_stabilised else 2

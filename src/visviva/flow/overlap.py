@@ -116,8 +116,8 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
             places = places[fluid.location.find(places)[0] >= 0]
         if isinstance(body, Meshed) and is_sheet(body, fluid.dimension) and len(places):
             # along a wall it is not within
-            places = places[deep_in_fluid(fluid, places, TOUCHING * fluid.extent)]
-        places = places if len(places) else swallowed(fluid, body)
+            places = places[deep_in_mesh(fluid.location, places, TOUCHING * fluid.extent)]
+        places = places if len(places) else swallowed(fluid.grid, body)
         if len(places):
             raise InputError(
                 f"{body.label} lies within {fluid.label}, at {places[0].round(6).tolist()} for instance, and neither "
@@ -125,16 +125,16 @@ def refuse_dry(fluid: Fluid, model: Model) -> None:
             )
 
 
-def swallowed(fluid: Fluid, body: Owner) -> Array:
-    """Centres (n, d) of some cells all over a fluid that lie inside of a body: all may lie in one of its cells."""
-    centres: Array = fluid.grid.centres
+def swallowed(grid: Mesh, body: Owner) -> Array:
+    """Centres (n, d) of some cells all over a mesh that lie inside of a body: all may lie in one of its cells."""
+    centres: Array = grid.centres
     some: Array = centres[np.unique(np.linspace(0, len(centres) - 1, SOME).astype(int))]
-    if isinstance(body, Meshed) and body.dimension == fluid.dimension == body.grid.dimension:
+    if isinstance(body, Meshed) and body.dimension == grid.dimension == body.grid.dimension:
         low, high = body.grid.bounding_box
         return inside_mesh(body.grid, some[np.all((low < some) & (some < high), axis=1)])
     if isinstance(body, RigidBody) and body.shape is not None:
         return inside_body(body, *body.shape.surface(), some)
-    return np.zeros((0, fluid.dimension))
+    return np.zeros((0, grid.dimension))
 
 
 def cure(body: Owner) -> str:
@@ -146,17 +146,12 @@ def cure(body: Owner) -> str:
     return "leave its place out of the mesh of the fluid"
 
 
-def deep_in_fluid(fluid: Fluid, places: Array, reach: float) -> NDArray[np.bool_]:
-    """Which places (n, d) are farther than that from the border of a fluid."""
+def deep_in_mesh(location: Location, places: Array, reach: float) -> NDArray[np.bool_]:
+    """Which places (n, d) are farther than that from the border of a mesh."""
     inside = np.ones(len(places), dtype=bool)
-    for way in itertools.product((-reach, reach), repeat=fluid.dimension):
-        inside[inside] = fluid.location.find(places[inside] + way)[0] >= 0
+    for way in itertools.product((-reach, reach), repeat=places.shape[1]):
+        inside[inside] = location.find(places[inside] + way)[0] >= 0
     return inside
-
-
-def covered_by_mesh(fluid: Fluid, grid: Mesh) -> Array:
-    """Places (n, d) of the fluid's boundary that lie inside of a mesh."""
-    return inside_mesh(grid, fluid.wall_places(grid.points.mean(axis=0)))
 
 
 def inside_mesh(grid: Mesh, places: Array) -> Array:
@@ -169,13 +164,11 @@ def inside_mesh(grid: Mesh, places: Array) -> Array:
     return np.asarray(places[within])
 
 
-def covered_by_body(fluid: Fluid, body: RigidBody, points: Array, triangles: NDArray[np.int64]) -> Array:
-    """The same of a rigid body with a surface of triangles in its own coordinates; of prisms in a plane fluid too."""
-    return inside_body(body, points, triangles, fluid.wall_places(body.position[: fluid.dimension]))
-
-
 def inside_body(body: RigidBody, points: Array, triangles: NDArray[np.int64], places: Array) -> Array:
-    """Those of places (n, d) that lie within a rigid body, and not on its surface; in a plane within the prism."""
+    """Those of places (n, d) that lie within a rigid body, and not on its surface; in a plane within the prism.
+
+    The surface has triangles between points (k, 3) in the body's own coordinates.
+    """
     flat = places.shape[1] == 2
     X = (np.pad(places, ((0, 0), (0, 1))) - body.position * [1, 1, 0]) if flat else places - body.position
     X = X @ body.rotation
