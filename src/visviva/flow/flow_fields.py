@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -49,29 +49,26 @@ def nodal_pressures(fluid: Fluid, x: Array) -> Array:
     return found - level(fluid, x)
 
 
-def gradients(fluid: Fluid, x: Array) -> Iterator[tuple[Batch, slice, Array, Array]]:
-    """Gradients (m, q, 3, 3) ``dv_i/dx_j`` of the velocity and volumes (m, q), some thousand elements at a time."""
-    v = fluid.by_node(x)
-    for batch in fluid.batches:
+def divergences(batches: Iterable[Batch], v: Array) -> Iterator[tuple[Array, Array]]:
+    """Divergences (m, q) of the nodes' velocities (n, 3) and volumes (m, q), some thousand elements at a time."""
+    for batch in batches:
         for start in range(0, len(batch.nodes), CHUNK):
-            part = slice(start, min(start + CHUNK, len(batch.nodes)))
+            part = slice(start, start + CHUNK)
             G, volume = batch.geometry(part)
-            L = np.zeros((*volume.shape, 3, 3))
-            L[..., : fluid.dimension] = np.einsum("mki,mqkj->mqij", v[batch.nodes[part]], G)
-            yield batch, part, L, volume
+            yield np.einsum("mkj,mqkj->mq", v[batch.nodes[part], : G.shape[3]], G), volume
 
 
-def nodal_gradients(fluid: Fluid, x: Array) -> Array:
-    """Gradients (n_nodes, 3, 3) at the nodes: of each element there, then the mean weighted by volumes."""
-    v, total, weight = fluid.by_node(x), np.zeros((fluid.grid.n_nodes, 3, 3)), np.zeros(fluid.grid.n_nodes)
-    for batch in fluid.batches:
+def nodal_gradients(batches: Iterable[Batch], v: Array) -> Array:
+    """Gradients (n, 3, 3) ``dv_i/dx_j`` of velocities (n, 3): of each element at its nodes, then means by volumes."""
+    total, weight = np.zeros((len(v), 3, 3)), np.zeros(len(v))
+    for batch in batches:
         cell = CELLS[batch.cell]
-        X = fluid.grid.points[batch.nodes]
+        X = batch.points[batch.nodes]
         J = np.einsum("mkd,akj->madj", X, cell.dN(cell.nodes))
         G = cell.dN(cell.nodes) @ np.linalg.inv(J)
         size = batch.geometry()[1].sum(axis=1)
         L = np.zeros((*batch.nodes.shape, 3, 3))
-        L[..., : fluid.dimension] = np.einsum("mki,makj->maij", v[batch.nodes], G)
+        L[..., : G.shape[3]] = np.einsum("mki,makj->maij", v[batch.nodes], G)
         np.add.at(total, batch.nodes, size[:, None, None, None] * L)
         np.add.at(weight, batch.nodes, size[:, None])
     mean: Array = total / weight[:, None, None]
@@ -80,19 +77,19 @@ def nodal_gradients(fluid: Fluid, x: Array) -> Array:
 
 def vorticity(fluid: Fluid, x: Array) -> Array:
     """Curl of the velocity at the nodes: (n,) in the plane, (n, 3) in space."""
-    L = nodal_gradients(fluid, x)
+    L = nodal_gradients(fluid.batches, fluid.by_node(x))
     curl = np.stack([L[:, 2, 1] - L[:, 1, 2], L[:, 0, 2] - L[:, 2, 0], L[:, 1, 0] - L[:, 0, 1]], axis=1)
     return curl[:, 2] if fluid.dimension == 2 else curl
 
 
 def velocity_gradient(fluid: Fluid, x: Array) -> Array:
     """Gradients (n, 9) ``dv_i/dx_j`` at the nodes: xx, xy, xz, yx and so on."""
-    return nodal_gradients(fluid, x).reshape(-1, 9)
+    return nodal_gradients(fluid.batches, fluid.by_node(x)).reshape(-1, 9)
 
 
 def stress(fluid: Fluid, x: Array) -> Array:
     """Cauchy's stress (n, 6) at the nodes: xx, yy, zz, xy, yz, zx of ``-p I + mu (grad v + grad v^T)``."""
-    L = nodal_gradients(fluid, x)
+    L = nodal_gradients(fluid.batches, fluid.by_node(x))
     sigma = fluid.viscosity * (L + np.swapaxes(L, 1, 2)) - nodal_pressures(fluid, x)[:, None, None] * np.eye(
         3
     )
@@ -159,20 +156,20 @@ def flow_field(fluid: Fluid, name: str) -> Callable[[Array], Array]:
     return partial(FIELDS[name], fluid)
 
 
-def courant(fluid: Fluid, x: Array, h: float) -> float:
-    """Largest part of a cell, along the velocity at one of its nodes, that the fluid passes in a time `h`."""
-    v, fastest = fluid.by_node(x)[:, : fluid.dimension], 0.0
-    for batch in fluid.batches:
-        along = np.einsum("mij,mkj->mki", batch.inverse, v[batch.nodes])
+def courant(batches: Iterable[Batch], v: Array, h: float) -> float:
+    """Largest part of a cell, along the velocity (n, 3) at one of its nodes, that the fluid passes in a time `h`."""
+    fastest = 0.0
+    for batch in batches:
+        along = np.einsum("mij,mkj->mki", batch.inverse, v[batch.nodes, : len(batch.shape)])
         squares = np.einsum("mki,ij,mkj->mk", along, batch.shape, along)
         fastest = max(fastest, float(np.sqrt(squares.max(initial=0.0))))
     return 0.5 * h * fastest
 
 
-def divergence(fluid: Fluid, x: Array) -> float:
-    """Root mean square of the divergence of the velocity over the fluid."""
+def divergence(batches: Iterable[Batch], v: Array) -> float:
+    """Root mean square of the divergence of the nodes' velocities (n, 3) over the fluid."""
     total = size = 0.0
-    for _, _, L, volume in gradients(fluid, x):
-        total += float(np.sum(volume * np.trace(L, axis1=2, axis2=3) ** 2))
+    for rate, volume in divergences(batches, v):
+        total += float(np.sum(volume * rate**2))
         size += float(volume.sum())
     return float(np.sqrt(total / size))

@@ -372,7 +372,9 @@ class Fluid(Meshed):
     def gauges(self, state: State) -> dict[str, float]:
         from visviva.flow.flow_fields import courant
 
-        return {"CFL": courant(self, state.x, state.last_step)} if state.has_inertia else {}
+        if not state.has_inertia:
+            return {}
+        return {"CFL": courant(self.batches, self.by_node(state.x), state.last_step)}
 
     def widths(self) -> Mapping[str, int]:
         from visviva.flow.flow_fields import widths

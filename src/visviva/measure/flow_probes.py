@@ -226,7 +226,7 @@ class Courant(Reading):
         return False
 
     def __call__(self, system: System) -> float:
-        return courant(self.fluid, system.x, system.last_step)
+        return courant(self.fluid.batches, self.fluid.by_node(system.x), system.last_step)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -243,4 +243,4 @@ class Divergence(Reading):
         return "rate"
 
     def __call__(self, system: System) -> float:
-        return divergence(self.fluid, system.x)
+        return divergence(self.fluid.batches, self.fluid.by_node(system.x))
