@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -300,6 +301,66 @@ def test_bad_abaqus_files(change: tuple[str, str], message: str, tmp_path: Path)
     with pytest.raises(vv.InputError, match=message) as caught:
         vv.MeshFile(file).build()
     assert "mesh.inp" in str(caught.value)
+
+
+def med_and_nastran(folder: Path) -> tuple[Path, Path]:
+    """A brick with groups of cells, faces and nodes, and two bars with properties."""
+    import meshio
+
+    corners = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+    brick, faces = corners.cells["hex8"], corners.boundary().cells["quad4"]
+    tags = {"cell_tags": [np.array([-1]), np.array([-2, -3, -2, 0, 0, 0])]}
+    on_points = {"point_tags": np.array([1, 1, 0, 0, 0, 0, 0, 2])}
+    made = meshio.Mesh(corners.points, [("hexahedron", brick), ("quad", faces)], on_points, tags)
+    made.cell_tags = {-1: ["steel"], -2: ["held", "both"], -3: ["loaded", "both"]}
+    made.point_tags = {1: ["edge", "marked"], 2: ["marked"]}
+    meshio.write(folder / "brick.med", made)
+    bars = vv.BoxMesh(size=(3, 1, 1), counts=(3, 1, 1)).build()
+    of_nastran = {"nastran:ref": [np.array([4, 4, 9])]}
+    meshio.write_points_cells(
+        folder / "bars.bdf", bars.points, [("hexahedron", bars.cells["hex8"])], cell_data=of_nastran
+    )
+    return folder / "brick.med", folder / "bars.bdf"
+
+
+def test_groups_of_med_and_properties_of_nastran(tmp_path: Path) -> None:
+    med, nastran = med_and_nastran(tmp_path)
+    brick, bars = vv.MeshFile(med).build(), vv.MeshFile(nastran).build()
+    assert {name: members.tolist() for name, members in brick.cell_sets.items()} == {"steel": [0]}
+    assert {name: faces.n_faces for name, faces in brick.face_sets.items()} == {
+        "held": 2,
+        "both": 3,
+        "loaded": 1,
+    }
+    assert {name: nodes.tolist() for name, nodes in brick.node_sets.items()} == {
+        "edge": [0, 1],
+        "marked": [0, 1, 7],
+    }
+    assert {name: members.tolist() for name, members in bars.cell_sets.items()} == {"4": [0, 1], "9": [2]}
+
+
+def test_packages_that_formats_need_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "netCDF4", None)
+    with pytest.raises(vv.InputError, match="pip install netCDF4"):
+        vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build().write(tmp_path / "m.e")
+    (tmp_path / "m.e").write_text("x")
+    with pytest.raises(vv.InputError, match="pip install netCDF4"):
+        vv.MeshFile(tmp_path / "m.e").build()
+
+
+@pytest.mark.parametrize("cell", ["tet4", "hex20", "wedge6", "tri6", "quad4"])
+def test_faces_by_where_they_look(cell: str) -> None:
+    """Outward on every side, whatever cells; those that look away are left out."""
+    flat = cell in ("tri6", "quad4")
+    source = vv.RectangleMesh if flat else vv.BoxMesh
+    d = 2 if flat else 3
+    mesh = source(size=(3, 2, 1)[:d], counts=(3, 2, 1)[:d], cell=cell).build()
+    for axis, sign in np.ndindex(d, 2):
+        direction = np.eye(d)[axis] * (1 if sign else -1)
+        found = mesh.boundary().facing(mesh.points, direction, within=30.0)
+        named = mesh.faces(f"{'xyz'[axis]}{sign}")
+        assert found.nodes.tolist() == named.nodes.tolist()
+        assert found.area(mesh.points) == pytest.approx(named.area(mesh.points))
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.arguments import Named
 from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
-from visviva.mesh.geometry import centres, equal_rows, volumes
+from visviva.mesh.geometry import centres, equal_rows, normals, volumes
 
 if TYPE_CHECKING:
     from visviva.mesh.mesh import Mesh
@@ -87,6 +87,32 @@ class Faces(metaclass=Named):
             {name: self.cells[name][part] for name, part in kept},
             {name: self.owners[name][part] for name, part in kept},
         )
+
+    def near(self, points: Array, place: ArrayLike, within: float) -> Self:
+        """The faces whose centre is not farther from a place (d,) than a distance.
+
+        Examples
+        --------
+        >>> from visviva import BoxMesh
+        >>> mesh = BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)).build()
+        >>> mesh.boundary().near(mesh.points, (0.5, 0.5, 1.0), within=0.1).n_faces
+        1
+        """
+        return self.where(np.linalg.norm(self.centres(points) - np.asarray(place, float), axis=1) <= within)
+
+    def facing(self, points: Array, direction: ArrayLike, within: float = 45.0) -> Self:
+        """The faces whose outward normal is within an angle, in degrees, of a direction (d,).
+
+        Examples
+        --------
+        >>> from visviva import BoxMesh
+        >>> mesh = BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)).build()
+        >>> top = mesh.boundary().facing(mesh.points, (0, 0, 1))
+        >>> mesh.with_faces("top", top).faces("top").area(mesh.points)
+        4.0
+        """
+        towards = np.asarray(direction, float) / np.linalg.norm(direction)
+        return self.where(normals(points, self.cells) @ towards >= np.cos(np.radians(within)))
 
     def renumbered(self, nodes: Ints, owners: Ints) -> Self:
         """The same faces after node i has become ``nodes[i]`` and cell j ``owners[j]``."""

@@ -77,6 +77,18 @@ def centres(points: Array, cells: Mapping[str, Ints]) -> Array:
     return np.concatenate(found)
 
 
+def normals(points: Array, cells: Mapping[str, Ints]) -> Array:
+    """Outward unit normals (m, d) of faces in space, or of edges in the plane, at their middles."""
+    found = [np.zeros((0, points.shape[1]))]
+    for name, nodes in cells.items():
+        cell = CELLS[name]
+        middle = cell.centre[None]
+        J = jacobians(points, nodes, cell.dN(middle))[:, 0]
+        found.append(np.cross(J[..., 0], J[..., 1]) if J.shape[-1] == 2 else J[..., ::-1, 0] * [1.0, -1.0])
+    every = np.concatenate(found)
+    return np.asarray(every / np.linalg.norm(every, axis=1, keepdims=True))
+
+
 def equal_rows(rows: Ints) -> tuple[Ints, Ints]:
     """Groups of equal rows of numbers that are not negative.
 

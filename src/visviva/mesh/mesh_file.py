@@ -34,13 +34,14 @@ class MeshFile(MeshSource):
 
     Cells of the highest dimension are the mesh. Named groups of them become sets of cells, groups of their
     faces (edges in the plane) sets of faces, groups of anything lower sets of nodes. Physical groups of Gmsh
-    without a name are called by their number.
+    without a name, and properties of Nastran, are called by their number.
 
     Parameters
     ----------
     path : path
         ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
-        ``.vtk``, where whole-numbered arrays of zeros and ones are sets; whatever else meshio reads; ``.geo``
+        ``.vtk``, where whole-numbered arrays of zeros and ones are sets; ``.med`` with its groups, ``.bdf`` of
+        Nastran with its properties, ``.e`` of Exodus with its sets of nodes, whatever else meshio reads; ``.geo``
         of Gmsh, a script which is run and meshed, if it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and
         ``.brep``, shapes which Gmsh meshes by tetrahedra, and shapes without volume by triangles.
     drop_orphans : bool
@@ -181,6 +182,10 @@ def _meshio_read(path: Path) -> Any:
     try:
         with redirect_stdout(said), redirect_stderr(said):
             return meshio.read(path, file_format=named.get(path.suffix.lower()))
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"meshio reads *{path.suffix} by another package: pip install {error.name}"
+        ) from error
     except (Exception, SystemExit) as error:  # its readers raise whatever the bytes lead them to, or exit
         raise InputError(f"meshio cannot read it ({type(error).__name__}: {error})") from error
 
@@ -218,8 +223,17 @@ def _groups(read: Any) -> Iterator[tuple[str, int, Ints]]:
             dim = dimension_of(NAMES[read.cells[k].type])
             for tag in np.unique(tags[tags != 0]):
                 yield called.get((int(tag), dim), str(tag)), k, np.flatnonzero(tags == tag)
+    for k, refs in enumerate(read.cell_data.get("nastran:ref", ())):
+        yield from ((str(ref), k, np.flatnonzero(refs == ref)) for ref in np.unique(refs))
+    for k, families in enumerate(read.cell_data.get("cell_tags", ())):  # of MED
+        for name, family in _families(getattr(read, "cell_tags", {})):
+            yield name, k, np.flatnonzero(families == family)
     for name, data in read.cell_data.items():
-        if ":" not in name and _is_set(np.concatenate([np.asarray(part) for part in data])):
+        if (
+            ":" not in name
+            and name != "cell_tags"
+            and _is_set(np.concatenate([np.asarray(part) for part in data]))
+        ):
             yield from ((name, k, np.flatnonzero(part)) for k, part in enumerate(data) if np.any(part))
 
 
@@ -227,10 +241,19 @@ def _tags(read: Any) -> dict[str, Any]:
     return {name: value for name, value in read.field_data.items() if np.size(value) == 2}
 
 
+def _families(tags: Any) -> list[tuple[str, int]]:
+    """Names of groups with the families of MED that are in them."""
+    return [(name, int(family)) for family, names in tags.items() for name in names]
+
+
 def _node_sets(read: Any) -> Iterator[tuple[str, Ints]]:
     yield from read.point_sets.items()
+    families = _families(getattr(read, "point_tags", {}))  # of MED
+    for name in dict.fromkeys(name for name, _ in families):
+        tags = [family for label, family in families if label == name]
+        yield name, np.flatnonzero(np.isin(read.point_data["point_tags"], tags))
     for name, data in read.point_data.items():
-        if ":" not in name and _is_set(data):
+        if ":" not in name and name != "point_tags" and _is_set(data):
             yield name, np.flatnonzero(data)
 
 

@@ -40,8 +40,14 @@ def write(mesh: Mesh, path: Path) -> None:
     made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh, quote if legacy else str)
     try:
         meshio.write(path, made, file_format="gmsh22" if gmsh else None)
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"meshio writes *{path.suffix} by another package: pip install {error.name}"
+        ) from error
     except (Exception, SystemExit) as error:  # its writers raise many kinds, or exit
-        raise InputError(f"meshio cannot write {path} ({type(error).__name__}: {error})") from error
+        raise InputError(
+            f"meshio cannot write {path} ({type(error).__name__}: {error}); .vtu, .msh and .inp hold all sets"
+        ) from error
 
 
 def _marked(meshio: Any, mesh: Mesh, encoded: Callable[[str], str]) -> Any:
