@@ -395,7 +395,7 @@ def parameter(f: Field[Any]) -> Parameter:
 
 def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
     """The error to raise for a failed validation."""
-    first = error.errors()[0]
+    first = worst(error)
     original = first.get("ctx", {}).get("error")
     if isinstance(original, InputError) and not first["loc"]:
         return original  # from the constructor's own checks, which say whose
@@ -410,9 +410,15 @@ def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
     return ArgumentError(whose, where, complaint)
 
 
+def worst(error: ValidationError) -> Any:
+    """What to tell of a failed validation: a name that does not exist before one that is missing in its place."""
+    found = error.errors()
+    return next((each for each in found if each["type"] == UNEXPECTED), found[0])
+
+
 def told(error: ValidationError) -> tuple[tuple[str | int, ...], str]:
-    """Place and message of the first error of a validation, in one line."""
-    first = error.errors()[0]
+    """Place and message of an error of a validation, in one line."""
+    first = worst(error)
     message = first["msg"].removeprefix("Value error, ")
     # parts of unions have names of their own, which are no arguments
     where = tuple(part for part in first["loc"] if isinstance(part, int) or part.isidentifier())[:2]
