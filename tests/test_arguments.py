@@ -28,7 +28,11 @@ class Lift(vv.Force):
         (vv.PointMass, {"mass": float("nan")}, "PointMass: mass: .*finite number, not nan"),
         (vv.PointMass, {}, "PointMass: mass: this argument is needed"),
         (vv.PointMass, {"mas": 1.0}, "PointMass: mas: there is no such argument; did you mean 'mass'"),
-        (vv.Spring, {"stifness": 1.0}, "Spring: stifness: there is no such argument; did you mean 'stiffness'"),
+        (
+            vv.Spring,
+            {"stifness": 1.0},
+            "Spring: stifness: there is no such argument; did you mean 'stiffness'",
+        ),
         (vv.RigidBody, {"densty": 1.0}, "RigidBody: densty: .*did you mean 'density'"),
         (vv.RigidBody, {"mass": 1, "name": 3}, "RigidBody: name: .*string, not 3"),
         (vv.Gravity, {"acceleration": (0, "down", 0)}, "Gravity: acceleration: expected numbers, not"),

@@ -229,3 +229,10 @@ def handedness(matrix: Array) -> float:
     """Determinant of a matrix (3, 3): positive for a right-handed triad."""
     a, b, c = matrix.tolist()
     return dot(a, cross(b, c))
+
+
+if TYPE_CHECKING:
+    Attached = Attachable | Point
+else:
+    Attached = Any  # checked by what uses it, which says more than a union can
+"""What joints, forces and springs attach to."""

@@ -108,8 +108,8 @@ class RopeOverWinch(Joint, Limited):
 class _Coupling(Joint):
     """One linear relation between two joint coordinates that keeps its initial value."""
 
-    a: Joint
-    b: Joint
+    a: Joint  # type: ignore[assignment]
+    b: Joint  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if self.a is self.b:

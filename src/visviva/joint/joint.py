@@ -14,7 +14,7 @@ from visviva.base.errors import InputError
 from visviva.component.announcements import Asking
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
-from visviva.component.point import Attachable, Frame, Point, refuse_uncomposed
+from visviva.component.point import Attachable, Attached, Frame, Point, refuse_uncomposed
 from visviva.component.values import Vector3
 from visviva.model.form import Form, Strain, Vector, dot, strain
 from visviva.model.law import Law, LawKind
@@ -77,8 +77,8 @@ class Joint(Component):
 
     outside_axes = NOWHERE
 
-    a: Any
-    b: Any
+    a: Attached
+    b: Attached
     at: Vector3 | None = None
     axis: Vector3 | None = None
     first: Vector3 | None = None

@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
-from visviva.component.point import Attachable, Frame
+from visviva.component.point import Attachable, Attached, Frame
 from visviva.component.values import Vector3
 from visviva.model.form import Strain, dot
 from visviva.model.law import quadratic, viscous
@@ -50,8 +50,8 @@ class Bushing(Component):
 
     outside_axes = NOWHERE
 
-    a: Any
-    b: Any
+    a: Attached
+    b: Attached
     at: Vector3 | None = None
     axis: Vector3 = (0.0, 0.0, 1.0)
     first: Vector3 | None = None

@@ -12,6 +12,7 @@ from visviva.base.errors import InputError, RunError, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
+from visviva.component.point import Attached
 from visviva.component.values import Vector3, VectorOrFunction
 from visviva.component.where import frame_of, movable, point_of
 from visviva.model.callback import rate_callback
@@ -54,7 +55,7 @@ class Force(Component):
     >>> system = vv.System([other, vv.Force(on=other, force=drag)])
     """
 
-    on: Any
+    on: Attached
     force: VectorOrFunction
     at: Vector3 | None = None
     times: OfTime | None = None
@@ -99,7 +100,7 @@ class FollowerForce(Component):
     >>> system = vv.System([rocket, vv.FollowerForce(on=rocket, force=(0, 0, 10), times=[[0, 1], [3, 0]])])
     """
 
-    on: Any
+    on: Attached
     force: Vector3
     at: Vector3 | None = None
     times: OfTime | None = None

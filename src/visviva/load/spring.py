@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
+from visviva.component.point import Attached
 from visviva.component.values import Function, Number, Vector3
 from visviva.component.where import point_of
 from visviva.load.force import guarded
@@ -54,8 +55,8 @@ class Spring(Component):
 
     outside_axes = NOWHERE
 
-    a: Any
-    b: Any
+    a: Attached
+    b: Attached
     stiffness: Number = 0.0
     damping: Number = 0.0
     free_length: Number | None = None

@@ -15,7 +15,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
 from visviva.component.momentum import ABOUT_ANY, NOWHERE, Axes, axes_along
-from visviva.component.point import Frame
+from visviva.component.point import Attached, Frame
 from visviva.component.values import Vector3
 from visviva.component.where import frame_of, movable
 from visviva.load.force import carried
@@ -53,7 +53,7 @@ class Torque(Component):
     4.0
     """
 
-    on: Any
+    on: Attached
     torque: Vector3
     times: OfTime | None = None
 
@@ -69,7 +69,7 @@ class Torque(Component):
 class FollowerTorque(Component):
     """Torque with constant components (3,) in the directors of what it acts on, times a function of time."""
 
-    on: Any
+    on: Attached
     torque: Vector3
     times: OfTime | None = None
 
@@ -109,7 +109,7 @@ class SemitangentialTorque(Component):
     >>> _ = vv.simulate(system, until=0.1, step=0.01)
     """
 
-    on: Any
+    on: Attached
     torque: Vector3
     times: OfTime | None = None
 
@@ -149,8 +149,8 @@ class TorquePair(Component):
 
     outside_axes = NOWHERE
 
-    a: Any
-    b: Any
+    a: Attached
+    b: Attached
     torque: Vector3
     carrier: Any = None
     times: OfTime | None = None
