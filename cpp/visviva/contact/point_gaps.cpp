@@ -57,12 +57,15 @@ bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
     return in_before <= out_before && out_before - depth(X, A, out) > depth(X, A, in) - in_before;
 }
 
+// A vertex that slides along inside goes from facet to facet of its side, so that the side turns with a
+// curved surface and does not end at some angle from where it came in.
 bool PointGaps::settle(const double* X) {
     find_middles({X, start()});
     return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
         if (deforms(A) || !is_inside(X, A)) return Sides::nearest;
-        const int came = side(X, A);
-        return came >= 0 ? came : nearest_side(X, A);
+        const int came = side(X, A), near = nearest_side(X, A);
+        const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
+        return came < 0 || follows ? near : came;
     });
 }
 
