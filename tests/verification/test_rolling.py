@@ -189,7 +189,7 @@ def test_what_presses_on_a_spinning_ball_without_friction_does_not_brake_it(sche
 def test_a_bead_is_thrown_out_along_a_driven_blade(scheme: Any) -> None:
     """r = cosh t, and its drive does the work sinh^2 t; the pressure turns with the blade."""
     far, worked = [], []
-    for step in (0.02, 0.01):
+    for step in (0.01, 0.005):  # what the gap sinks is of third order
         ground = vv.Ground()
         blade = vv.RigidBody(
             shape=vv.Box(size=(6.0, 0.2, 1.0)),
@@ -206,6 +206,6 @@ def test_a_bead_is_thrown_out_along_a_driven_blade(scheme: Any) -> None:
         ledger = vv.simulate(system, until=1.0, step=step, scheme=scheme).ledger
         far.append(abs(np.linalg.norm(system.value(bead.point().position)) - np.cosh(1.0)))
         worked.append(abs(ledger.last("work_drive") - np.sinh(1.0) ** 2))
-    assert max(far[1], worked[1]) < 2e-4
+    assert max(far[1], worked[1]) < 3e-5
     assert far[0] / far[1] == pytest.approx(4.0, abs=0.2)
     assert worked[0] / worked[1] == pytest.approx(4.0, abs=0.3)
