@@ -193,3 +193,27 @@ def test_smoothed_von_mises_has_the_kink_of_bending():
     )
     np.testing.assert_allclose(beam.nodal("von_mises", bent), 200 * 0.01 * np.abs(y), atol=1e-12)
     np.testing.assert_allclose(beam.nodal("principal_stresses", bent)[:, 0], np.maximum(2 * y, 0), atol=1e-12)
+
+
+def test_single_components_are_fields(tmp_path):
+    """A bar under tension along x: its stress alone, with name and unit; of a body that has none nothing is told."""
+    bar = vv.Solid(
+        name="bar",
+        mesh=vv.BoxMesh(size=(2, 1, 1), counts=(2, 1, 1)),
+        material=vv.LinearElastic(young=1e6, poisson=0.0),
+    )
+    ball = vv.RigidBody(name="ball", shape=vv.Sphere(0.2), density=1.0, position=(5, 0, 0))
+    pull = vv.Traction(solid=bar, faces="x1", traction=(7.0, 0, 0))
+    rest = vv.Rigid(a=vv.Ground(), b=ball, at=(5, 0, 0))
+    result = vv.quasi_static(
+        vv.System([bar, ball, pull, vv.Fixed(solid=bar, nodes="x0"), rest], units="SI"), until=1.0, step=1.0
+    )
+    result.write(tmp_path / "t.vtkhdf", fields=("cauchy_xx", "cauchy"))
+    with Trajectory(tmp_path / "t.vtkhdf") as motion:
+        names = [surface.name for surface in motion.surfaces]
+        single = motion.field("cauchy_xx", 1)
+        np.testing.assert_allclose(single[names.index("bar")], 7.0, rtol=1e-9)
+        assert np.isnan(single[names.index("ball")]).all()
+        assert motion.labels.field("cauchy_xx") == "Cauchy stress xx [Pa]"
+    with pytest.raises(vv.InputError, match="no field 'cauchy_xw'; did you mean"):
+        result.write(tmp_path / "u.vtkhdf", fields=("cauchy_xw",))

@@ -67,15 +67,26 @@ PARTS: dict[str, tuple[str, ...]] = {
     "shear_force": ("1", "2"),
 }
 """Components of fields that are no vectors."""
+SINGLE = {f"{field}_{part}": (field, k) for field, parts in PARTS.items() for k, part in enumerate(parts)}
+"""Components as fields of their own, such as ``cauchy_xx``: the field and the number of the component."""
 
 
 def quantity_of(field: str) -> str:
     """Quantity of a field; nothing if it is not known."""
-    return FIELDS.get(field, ("", ""))[1]
+    return FIELDS.get(SINGLE.get(field, (field, 0))[0], ("", ""))[1]
 
 
 def spoken(field: str) -> str:
-    """Human name of a field."""
+    """Human name of a field.
+
+    Examples
+    --------
+    >>> spoken("cauchy_xx"), quantity_of("cauchy_xx")
+    ('Cauchy stress xx', 'stress')
+    """
+    if field in SINGLE:
+        of, k = SINGLE[field]
+        return f"{spoken(of)} {PARTS[of][k].replace('_', ' ')}"
     return FIELDS.get(field, (field.replace("_", " "), ""))[0]
 
 

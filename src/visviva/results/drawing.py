@@ -16,6 +16,7 @@ from visviva.component.point import Attachable
 from visviva.contact import contact_fields as of_contact
 from visviva.contact.contact import Contact
 from visviva.flow.flow_fields import FIELDS
+from visviva.measure.names import SINGLE
 from visviva.model.form import Vector
 from visviva.output.surface import Surface
 
@@ -37,7 +38,7 @@ class Drawing:
         Further single points by name.
     fields : sequence of str
         Fields of solids and fluids to store, beside displacements, velocities and what contacts show; see
-        `Solid.nodal` and `FlowField`.
+        `Solid.nodal` and `FlowField`. Single components are fields too: ``cauchy_xx``, ``section_moment_torsion``.
 
     Attributes
     ----------
@@ -99,9 +100,11 @@ class Drawing:
         """Requested fields that some component has, with their numbers of components."""
         everything = {*QUANTITIES, *FIELDS, *(name for c in self._meshes for name in c.widths())}
         for name in fields:
-            if name not in everything:
+            if name not in everything and SINGLE.get(name, (name, 0))[0] not in everything:
                 raise InputError(f"there is no field {name!r}{nearest(name, everything)}")
         found = [(name, c.widths()[name]) for name in fields for c in self._meshes if name in c.widths()]
+        widths = {of for c in self._meshes for of in c.widths()}
+        found += [(name, 1) for name in fields if name in SINGLE and SINGLE[name][0] in widths]
         return {name: width for name, width in found if name != "velocity"}
 
     @property
@@ -134,7 +137,11 @@ class Drawing:
         for component, start in zip(self._meshes, self._starts[self._n_bodies :], strict=False):
             wide = component.widths()
             own = [name for name, width in self.fields.items() if wide.get(name) == width]
-            for name, part in component.drawn_fields(own, x).items():
+            single = [name for name in self.fields if name in SINGLE and SINGLE[name][0] in wide]
+            whole = component.drawn_fields(list(dict.fromkeys([*own, *(SINGLE[n][0] for n in single)])), x)
+            parts = {name: whole[name] for name in own}
+            parts |= {name: whole[SINGLE[name][0]][:, SINGLE[name][1]] for name in single}
+            for name, part in parts.items():
                 found[name][start : start + len(part)] = part
         if not self._painting.is_blank:
             shown = [c.record(x) for c in self._contacts] if records is None else records

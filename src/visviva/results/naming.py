@@ -9,7 +9,7 @@ import numpy as np
 
 from visviva.base.unit_labels import BASE, DERIVED, Units
 from visviva.load.gravity import Gravity
-from visviva.measure.names import FIELDS, PARTS, quantity_of, spoken
+from visviva.measure.names import FIELDS, PARTS, SINGLE, quantity_of, spoken
 from visviva.output.labels import Labels
 from visviva.output.tables import LOAD
 
@@ -53,7 +53,7 @@ def labels_of(
     'von Mises stress [MPa]'
     """
     of_quantities = {quantity: units[quantity] for quantity in LABELLED if units[quantity]}
-    named = list(fields)
+    named = [*fields, *SINGLE]
     return Labels(
         title,
         clock_of(scheme),
