@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from flow_parts import stream
@@ -259,13 +259,13 @@ def beam(cell: str) -> Components:
     ]
 
 
-def shell() -> Components:
+def shell(profile: Literal["linear", "quadratic"] = "linear", points: int = 2) -> Components:
+    material = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
     return [
         vv.ThermalShell(
             mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 1)),
-            section=vv.SolidSection(
-                material=vv.NeoHooke(lame_lambda=20.0, shear=10.0), thickness=0.2, density=1.0
-            ),
+            section=vv.SolidSection(material=material, thickness=0.2, density=1.0, points=points),
+            profile=profile,
             heat=HEAT,
             temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
             difference=lambda X: 2 + X[:, 1],
@@ -352,6 +352,7 @@ THERMAL = [
     Entry("thermal beam", lambda: beam("line2"), ALL, steps=30),
     Entry("thermal beam, line3", lambda: beam("line3"), ALL, steps=30),
     Entry("thermal shell", shell, ALL, h=0.01, steps=20),
+    Entry("thermal shell, quadratic", partial(shell, "quadratic", 3), ALL, h=0.01, steps=20),
     Entry("thermal springs", springs, ENERGY, steps=100),
     Entry("bodies that exchange heat", exchanging, NOTHING, steps=30),
     Entry("thermoelastic brick, table", lambda: [brick(heat=TABLE)], ALL, steps=30),

@@ -29,10 +29,11 @@ def flying_beam(cell: str) -> vv.ThermalBeam:
     )
 
 
-def flying_shell() -> vv.ThermalShell:
+def flying_shell(profile: Any = "linear", points: int = 2) -> vv.ThermalShell:
     return vv.ThermalShell(
         mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
-        section=vv.SolidSection(material=SOFT, thickness=0.1, density=1.0),
+        section=vv.SolidSection(material=SOFT, thickness=0.1, density=1.0, points=points),
+        profile=profile,
         heat=HEAT,
         temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
         difference=lambda X: 2 + X[:, 1],
@@ -41,9 +42,10 @@ def flying_shell() -> vv.ThermalShell:
 
 
 @pytest.mark.parametrize("h", [0.01, 0.05])
-@pytest.mark.parametrize("body", ["line2", "line3", "shell"])
+@pytest.mark.parametrize("body", ["line2", "line3", "shell", "quadratic shell"])
 def test_both_laws_hold_to_rounding(body: str, h: float) -> None:
-    thing: Any = flying_shell() if body == "shell" else flying_beam(body)
+    shells = {"shell": (), "quadratic shell": ("quadratic", 3)}
+    thing: Any = flying_shell(*shells[body]) if body in shells else flying_beam(body)
     system, entropy = vv.System([thing], vv.Newton(tolerance=1e-13)), []
     result = vv.simulate(
         system, until=10 * h, step=h, observe=lambda s: entropy.append(thing.total_entropy(s.x))
@@ -211,7 +213,31 @@ def test_heat_flows_through_a_plate() -> None:
     assert result.ledger.swing("total") < 1e-3 * 5e3 * 200
 
 
+def test_a_plate_heated_on_one_side_has_a_quadratic_profile() -> None:
+    """Once all of it warms alike, T'' = q / k h: the middle lags the mean of the faces by q h / 8 k."""
+    found = []
+    for profile, points in (("linear", 2), ("quadratic", 3)):
+        section = vv.SolidSection(
+            material=vv.SaintVenantKirchhoff(young=210e9, poisson=0.3), thickness=0.02, points=points
+        )
+        body = vv.ThermalShell(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+            section=section,
+            profile=profile,
+            heat=vv.Heat(conductivity=50.0, capacity=3.6e6, reference=293.15),
+        )
+        flux = vv.HeatFlux(body=body, faces="upper", flux=5e3)
+        system = vv.System([body, vv.Clamped(solid=body, nodes="x0"), flux])
+        vv.simulate(system, until=200.0, step=5.0)
+        faces, middle = body.face_temperatures(system.x), body.temperatures(system.x)
+        assert np.ptp(faces, axis=1) == pytest.approx(5e3 * 0.02 / (2 * 50.0), rel=2e-3)
+        found.append((faces.mean(axis=1) - middle) / (5e3 * 0.02 / (8 * 50.0)))
+    assert np.abs(found[0]).max() < 1e-9
+    assert found[1] == pytest.approx(1.0, rel=2e-3)
+
+
 BAD = [
+    (lambda: flying_shell("quadratic"), "give it points=3"),
     (lambda: strip((0.0, 0.0), -300.0), "not above absolute zero"),
     (
         lambda: vv.ThermalBeam(

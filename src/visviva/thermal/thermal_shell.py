@@ -1,9 +1,9 @@
-"""Shells that conduct heat: temperatures linear through the thickness."""
+"""Shells that conduct heat: temperatures linear or quadratic through the thickness."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ N_STRAINS = 23
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class ThermalShell(ExtensibleShell, HeatCarrier):
-    """A shell of any material in space whose temperature is linear through the thickness.
+    """A shell of any material in space whose temperature is linear or quadratic through the thickness.
 
     Takes the arguments of `ExtensibleShell`, with ``formulation="displacement"``, and
 
@@ -47,11 +47,21 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         Absolute, at the start; by default the reference of `heat`.
     difference : float, or a function of reference positions (n, 3) with values (n,)
         Temperature of the upper face less that of the lower one, at the start.
+    profile : {"linear", "quadratic"}
+        Through the thickness; quadratic ones, as those of sides that heat flows through differently, need a section
+        with three points at least.
+
+    Raises
+    ------
+    InputError
+        For temperatures not above absolute zero, for materials that are not of finite strains or of the core, for
+        sections that are not alike or have fewer points than the profile has coefficients.
 
     Notes
     -----
-    Nodes have two entropies and two temperatures, of the middle and half the difference of the faces; energy and
-    both laws are those of `ThermoelasticSolid`, at every point of every layer. Heat comes in through the sides
+    Nodes have two entropies and two temperatures, the mean through the thickness and half the difference of the faces,
+    and with quadratic profiles a third, the factor of ``zeta^2 - 1/3`` with zeta from -1 to 1; energy and both laws are
+    those of `ThermoelasticSolid`, at every point of every layer. Heat comes in through the sides
     'upper' and 'lower' by `HeatFlux`, `Convection` and `Radiation`. `PrescribedTemperature` holds nodes at one
     temperature through the thickness.
 
@@ -74,6 +84,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     heat: Heat
     temperature: NumberOrFunction | None = None
     difference: NumberOrFunction = 0.0
+    profile: Literal["linear", "quadratic"] = "linear"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -102,6 +113,20 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
                 )
         if len(self._stacks) > 1:
             raise InputError(f"{self.label}: its sections are not alike; give each a ThermalShell of its own")
+        points = len(self._stacks[0].through.heights)
+        if points < self._n_modes:
+            raise InputError(
+                f"{self.label}: a {self.profile} profile of its temperature needs {self._n_modes} points through the "
+                f"thickness, and its section has {points}; give it points={self._n_modes}"
+            )
+
+    @property
+    def _n_modes(self) -> int:
+        return 3 if self.profile == "quadratic" else 2
+
+    def _shapes(self, share: Array) -> Array:
+        """Shapes (modes, n) of the profile at heights (n,) from -1 to 1; the first is the mean."""
+        return np.stack([np.ones_like(share), share, share**2 - 1 / 3][: self._n_modes])
 
     def _materials(self) -> list[Material]:
         return [layer.material for stack in self._stacks for layer in stack.section.layers]
@@ -111,25 +136,26 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         super().declare(model)
         T, half, heat = self.start_temperatures, self._start_halves, self.heat
         s = np.stack([heat.start_entropy(T + sign * half) for sign in (-1.0, 1.0)])
-        modes = np.column_stack([s.mean(axis=0), 0.5 * (s[1] - s[0])])
+        rest = np.zeros((len(T), self._n_modes - 2))
+        modes = np.column_stack([s.mean(axis=0), 0.5 * (s[1] - s[0]), rest])
         self.entropy = model.field(self, "entropy", modes, role=Role.CONTENT, scale=heat.stores.c)
         self.algorithmic = model.field(
-            self, "temperature", np.column_stack([T, half]), role=Role.TEMPERATURE, scale=heat.reference
+            self, "temperature", np.column_stack([T, half, rest]), role=Role.TEMPERATURE, scale=heat.reference
         )
 
     def _modes(self, nodes: Ints, first: int) -> Ints:
-        """Unknowns (m, 2 k) of the means of nodes, then of the halves of differences."""
-        return np.hstack([first + 2 * nodes, first + 2 * nodes + 1])
+        """Unknowns (m, modes k) of the means of nodes, then of the halves of differences and so on."""
+        return np.hstack([first + self._n_modes * nodes + i for i in range(self._n_modes)])
 
     def contribute(self, model: Model) -> None:
         super().contribute(model)
-        means = np.asarray(self.entropy.unknowns)[::2]  # with halves of differences between them
+        means = np.asarray(self.entropy.unknowns)[:: self._n_modes]  # with other modes between them
         account = model.account(self, "conduction", PRODUCED)
         model.entropies.store(np.asarray(self.entropy.unknowns), self._content, means, account, self._terms)
 
     @property
     def _content(self) -> Array:
-        """Integrals (2 n,) of the shape functions of means and of halves of differences."""
+        """Integrals (modes n,) of the shape functions, as their unknowns are numbered."""
         stack, total = self._stacks[0], np.zeros(self.entropy.size)
         nodes = self._surface.cells[stack.cells]
         volume, N = stack.layers.volume.reshape(len(nodes), -1), self._scalar_weights(stack)[..., 0]
@@ -172,7 +198,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         return np.asarray(2 * height / stack.section.thickness_of_all)
 
     def _scalar_weights(self, stack: Stack) -> Array:
-        """Values and gradients (m, q, 8, 4) of means and differences along the axes of the section."""
+        """Values and gradients (m, q, 4 modes, 4) of the modes of nodes along the axes of the section."""
         surface, z, share = self._surface, stack.through.heights, self._share(stack)
         N, dN = CELLS["quad4"].N_dN(surface.rule[0])
         nodes = surface.cells[stack.cells]
@@ -184,13 +210,16 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         frame = np.concatenate([axes, np.cross(axes[..., :1, :], axes[..., 1:, :])], axis=2)
         J = np.einsum("mskba,msia->mskbi", np.concatenate([tangents, across[..., None, :]], axis=3), frame)
         back = np.linalg.inv(J)  # [i, b]
-        by_place = np.zeros((len(z), len(N), 8, 3))  # by the cell's coordinates and the height
-        by_place[:, :, :4, :2], by_place[:, :, 4:, :2] = dN, share[:, None, None, None] * dN
-        by_place[:, :, 4:, 2] = 2 / stack.section.thickness_of_all * N
-        weights = np.empty((*tangents.shape[:3], 8, 4))
-        weights[..., :4, 0], weights[..., 4:, 0] = N[:, None], share[:, None] * N[:, None]
-        weights[..., 1:] = np.einsum("mskib,ksnb->mskni", back, by_place)
-        return weights.reshape(len(nodes), -1, 8, 4)
+        shapes, steep = self._shapes(share), np.stack([0 * share, 1 + 0 * share, 2 * share][: self._n_modes])
+        by_place = np.zeros((len(z), len(N), self._n_modes, 4, 3))  # by the cell's coordinates and the height
+        by_place[..., :2] = np.einsum("ik,snb->ksinb", shapes, dN)
+        by_place[..., 2] = np.einsum("ik,sn->ksin", 2 / stack.section.thickness_of_all * steep, N)
+        n = 4 * self._n_modes
+        weights = np.empty((*tangents.shape[:3], n, 4))
+        weights[..., 0] = np.einsum("ik,sn->skin", shapes, N).reshape(len(N), len(z), -1)
+        slopes = by_place.reshape(len(z), len(N), n, 3)
+        weights[..., 1:] = np.einsum("mskib,ksnb->mskni", back, slopes)
+        return weights.reshape(len(nodes), -1, n, 4)
 
     def _heated_parameters(self, stack: Stack) -> Array:
         """Of the energy at the points (m, s, k, p), see ``visviva/point/heat_stores.hpp``."""
@@ -206,18 +235,18 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             raise InputError(
                 f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
             )
-        zero = np.zeros_like(now)
-        self.entropy.values.reshape(-1, 2)[nodes] = np.column_stack([self.heat.start_entropy(now), zero])
-        self.algorithmic.values.reshape(-1, 2)[nodes] = np.column_stack([now, zero])
+        n, zero = self._n_modes, np.zeros((len(now), self._n_modes - 1))
+        self.entropy.values.reshape(-1, n)[nodes] = np.column_stack([self.heat.start_entropy(now), zero])
+        self.algorithmic.values.reshape(-1, n)[nodes] = np.column_stack([now, zero])
         model.refresh(self.entropy)
         model.refresh(self.algorithmic)
-        supply = model.multipliers(owner, "supply", 2 * len(nodes), instantaneous=False)
+        supply = model.multipliers(owner, "supply", n * len(nodes), instantaneous=False)
         of_modes = [
-            np.concatenate([f.start + 2 * nodes, f.start + 2 * nodes + 1])
+            np.concatenate([f.start + n * nodes + i for i in range(n)])
             for f in (self.entropy, self.algorithmic)
         ]
         table = np.asarray(np.stack([*of_modes, np.asarray(supply.unknowns)], axis=1), dtype=np.int32)
-        model.term(owner, HeldStep(table, lambda t: np.concatenate([given.values(t), zero])))
+        model.term(owner, HeldStep(table, lambda t: np.concatenate([given.values(t), zero.T.ravel()])))
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         side = np.zeros(len(points.nodes))
@@ -234,17 +263,21 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             unknowns = np.hstack([self._modes(nodes, f.start) for f in (self.entropy, self.algorithmic)])
             part = Points(
                 nodes=nodes,
-                N=np.hstack([points.N, sign * points.N]),
+                N=np.hstack([points.N, *(a * points.N for a in self._at_side(sign))]),
                 X=points.X[some],
                 size=points.size[some],
             )
             model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), part, law))
 
+    def _at_side(self, sign: float) -> Array:
+        """Modes behind the mean on the upper side (1), on the lower one (-1), or in the mean (0)."""
+        return self._shapes(np.array([sign]))[1:, 0] if sign else np.zeros(self._n_modes - 1)
+
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
-        return np.asarray(self.algorithmic.start + 2 * np.asarray(nodes), dtype=np.int32)
+        return np.asarray(self.algorithmic.start + self._n_modes * np.asarray(nodes), dtype=np.int32)
 
     def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
-        return np.asarray(self.entropy.start + 2 * np.asarray(nodes), dtype=np.int32)
+        return np.asarray(self.entropy.start + self._n_modes * np.asarray(nodes), dtype=np.int32)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _responses(self, x: Array) -> tuple[Array, Array, Array]:
@@ -265,8 +298,8 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def stresses(self, x: Array) -> list[Array]:
         return [self._responses(x)[1]]
 
-    def face_temperatures(self, x: Array) -> Array:
-        """Temperatures (n, 2) of the lower and the upper face at the nodes, of strains and entropies."""
+    def _profiles(self, x: Array) -> Array:
+        """Modes (n, modes) of the temperatures of strains and entropies."""
         from scipy.sparse import coo_array
         from scipy.sparse.linalg import spsolve
 
@@ -277,16 +310,19 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         numbers = self._modes(nodes, 0)
         block = np.einsum("mq,mqa,mqb->mab", w, N, N)
         row, column = np.broadcast_arrays(numbers[:, :, None], numbers[:, None, :])
-        n = 2 * self.grid.n_nodes
+        n = self._n_modes * self.grid.n_nodes
         matrix = coo_array((block.ravel(), (row.ravel(), column.ravel())), shape=(n, n)).tocsc()
         right = np.zeros(n)
         np.add.at(right, numbers, np.einsum("mq,mq,mqa->ma", w, T.reshape(len(nodes), -1), N))
-        middle, half = spsolve(matrix, right).reshape(-1, 2).T
-        return np.column_stack([middle - half, middle + half])
+        return np.asarray(spsolve(matrix, right).reshape(-1, self._n_modes))
+
+    def face_temperatures(self, x: Array) -> Array:
+        """Temperatures (n, 2) of the lower and the upper face at the nodes, of strains and entropies."""
+        return self._profiles(x) @ self._shapes(np.array([-1.0, 1.0]))
 
     def temperatures(self, x: Array) -> Array:
         """Temperatures (n,) of the middle at the nodes, at the unknowns `x` of the system."""
-        return np.asarray(self.face_temperatures(x).mean(axis=1))
+        return np.asarray(self._profiles(x) @ self._shapes(np.zeros(1))[:, 0])
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
