@@ -17,6 +17,7 @@ from visviva.analysis.march import prepare
 from visviva.linear import choice as linear
 from visviva.linear import multigrid
 from visviva.linear.choice import Automatic, Choice, Direct, Iterative, Problem
+from visviva.system.build import places
 from visviva.system.problem import problem_of
 
 Array = NDArray[np.float64]
@@ -503,3 +504,19 @@ def test_pressures_of_solids_are_none_of_contact() -> None:
     problem = problem_of(system)
     assert (problem.n_pressures, problem.is_contact, problem.symmetric) == (0, False, True)
     assert "GMRES" not in Automatic().choose(problem).explanation
+
+
+def test_unknowns_of_several_fields_at_a_node_are_solved_together() -> None:
+    """Entropies and temperatures of a solid stand where its nodes do; what has no node there stays alone."""
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.NeoHooke(young=1.0, poisson=0.3),
+        heat=vv.Heat(conductivity=1.0, capacity=1.0),
+        density=1.0,
+        formulation="enhanced",
+    )
+    system = vv.System([body])
+    found = places(system.model)
+    for f in (body.entropy, body.algorithmic):
+        assert found[f.start : f.start + 8].tolist() == found[body.motion.start :: 3][:8].tolist()
+    assert np.bincount(found).max() == 5

@@ -74,6 +74,7 @@ static void bind_unknowns(nb::class_<System>& system) {
         .def("add", &System::add)
         .def("set_accounts", &System::set_accounts)
         .def("set_nodes", [](System& s, const Ints& node) { s.set_nodes(vector_of<int>(node)); })
+        .def("set_places", [](System& s, const Ints& place) { s.set_places(vector_of<int>(place)); })
         .def("set_blocks",
              [](System& s, const Ints& block, const Ints& stage, const Ints& multiplier, const Ints& rigid) {
                  s.set_blocks(blocks_of(block, stage, multiplier, rigid));

@@ -252,6 +252,24 @@ TEST_CASE("blocks: nodes that differ in size are filled up with equations of not
     CHECK(dense(matrix.blocks(), 4) == whole);
 }
 
+TEST_CASE("blocks: nodes of several fields at one place are one, wherever their equations are") {
+    Numbers numbers(61);
+    const int n = 4;  // places, each of three unknowns and of one more, n rows behind
+    const MatrixXd a = grid(numbers, n, 1, 4, 0);
+    std::vector<int> by_field;  // equations of `a` in the order of the problem
+    for (int k = 0; k < n; ++k)
+        for (int c = 0; c < 3; ++c) by_field.push_back(4 * k + c);
+    for (int k = 0; k < n; ++k) by_field.push_back(4 * k + 3);
+    MatrixXd mixed(4 * n, 4 * n);
+    for (int i = 0; i < 4 * n; ++i)
+        for (int j = 0; j < 4 * n; ++j) mixed(i, j) = a(by_field[i], by_field[j]);
+    Problem problem(mixed);
+    for (int k = 0; k < n; ++k) problem.blocks.node.push_back(3 * k);
+    for (int k = 0; k <= n; ++k) problem.blocks.node.push_back(3 * n + k);
+    for (int i : by_field) problem.blocks.place.push_back(i / 4);
+    CHECK(dense(node_matrix(problem).blocks(), n) == a);
+}
+
 TEST_CASE("aggregation: smoothed prolongation and the coarser matrix are the products they stand for") {
     Numbers numbers(60);
     const int dofs = 2, n = 12;

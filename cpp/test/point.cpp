@@ -72,9 +72,12 @@ static void check_map() {
     Numbers numbers(5);
     constexpr int n_y = Map::n_local, n_e = Map::n_strains;
     const VectorXd y = numbers.vector(n_y);
-    V lanes[n_y], e[n_e], B[n_e * n_y];
+    using Rows = Strains<Map>;
+    V lanes[n_y], e[n_e], entries[Rows::n_entries], B[n_e * n_y] = {};
     for (int j = 0; j < n_y; ++j) lanes[j] = broadcast(y[j]);
-    Strains<Map>::evaluate(lanes, e, B);
+    Rows::evaluate(lanes, e), Rows::rows(lanes, entries);
+    for (int i = 0; i < Rows::n_entries; ++i)
+        B[n_y * Rows::sparse.entry[i].k + Rows::sparse.entry[i].j] = entries[i];
     double exact[n_e];
     Map::strains(y.data(), exact);
     const auto strains = [](const VectorXd& x) {

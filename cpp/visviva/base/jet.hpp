@@ -106,6 +106,13 @@ VISVIVA_INLINE Jet<n, second> operator-(const Jet<n, second>& u, V c) {
     return u + -c;
 }
 
+VISVIVA_INLINE V inverse(V u) { return 1.0 / u; }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> inverse(const Jet<n, second>& u) {
+    const V i = 1.0 / u.v;
+    return chain(u, i, -i * i, 2.0 * i * i * i);
+}
+
 VISVIVA_INLINE V root(V u) { return vsqrt(u); }
 template <int n, bool second>
 VISVIVA_INLINE Jet<n, second> root(const Jet<n, second>& u) {

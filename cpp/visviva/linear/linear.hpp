@@ -26,6 +26,8 @@ struct Blocks {
     std::vector<RigidUnknowns> rigid;
     // For iterative solvers: the first equation of every node and n at the end (empty: every equation alone),
     std::vector<int> node;
+    // the place of every equation, where nodes of several fields stand at one (empty: every node alone),
+    std::vector<int> place;
     // and what the tangent hardly resists, for multigrid: [equation][n_modes], rigid-body modes of solids.
     std::vector<double> modes;
     int n_modes = 0;

@@ -15,10 +15,10 @@ constexpr double largest_fill = 2;  // entries of blocks over entries of the pat
 
 void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
     csr_ = &pattern;
-    partition(blocks.node);
+    partition(blocks.node, blocks.place);
     make_pattern();
     if (static_cast<double>(a_.n_values()) > largest_fill * static_cast<double>(pattern.col.size())) {
-        partition({});
+        partition({}, {});
         make_pattern();
     }
     a_.allocate();
@@ -37,12 +37,22 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
                     modes_.data() + static_cast<std::size_t>(slot_[i]) * n_modes_);
 }
 
-// Blocks have the size that most nodes have; larger nodes are cut into several.
-void NodeMatrix::partition(const std::vector<int>& node) {
+// Blocks have the size that most nodes have, or those together that stand at one place; larger ones are cut
+// into several.
+void NodeMatrix::partition(const std::vector<int>& node, const std::vector<int>& place) {
+    order_.resize(csr_->n);
+    std::iota(order_.begin(), order_.end(), 0);
     std::vector<int> start = node;
     if (start.empty()) {
         start.resize(csr_->n + 1);
         std::iota(start.begin(), start.end(), 0);
+    }
+    if (!place.empty()) {
+        std::stable_sort(order_.begin(), order_.end(), [&](int i, int j) { return place[i] < place[j]; });
+        start.clear();
+        for (int k = 0; k < csr_->n; ++k)
+            if (k == 0 || place[order_[k]] != place[order_[k - 1]]) start.push_back(k);
+        start.push_back(csr_->n);
     }
     std::vector<int> count(largest_block + 1, 0);
     for (std::size_t k = 0; k + 1 < start.size(); ++k)
@@ -54,8 +64,8 @@ void NodeMatrix::partition(const std::vector<int>& node) {
         for (int i = start[k]; i < start[k + 1]; i += a_.rows) first_.push_back(i);
     first_.push_back(csr_->n);
     for (std::size_t b = 0; b + 1 < first_.size(); ++b)
-        for (int i = first_[b]; i < first_[b + 1]; ++i)
-            slot_[i] = static_cast<int>(b) * a_.rows + i - first_[b];
+        for (int k = first_[b]; k < first_[b + 1]; ++k)
+            slot_[order_[k]] = static_cast<int>(b) * a_.rows + k - first_[b];
 }
 
 void NodeMatrix::make_pattern() {
@@ -64,10 +74,11 @@ void NodeMatrix::make_pattern() {
     std::vector<int> seen(n, -1), cols;
     for (int b = 0; b < n; ++b) {
         cols.assign(1, b), seen[b] = b;
-        for (auto k = csr_->row[first_[b]]; k < csr_->row[first_[b + 1]]; ++k) {
-            const int c = slot_[csr_->col[k]] / a_.rows;
-            if (seen[c] != b) cols.push_back(c), seen[c] = b;
-        }
+        for (int i = first_[b]; i < first_[b + 1]; ++i)
+            for (auto k = csr_->row[order_[i]]; k < csr_->row[order_[i] + 1]; ++k) {
+                const int c = slot_[csr_->col[k]] / a_.rows;
+                if (seen[c] != b) cols.push_back(c), seen[c] = b;
+            }
         std::sort(cols.begin(), cols.end());
         a_.col.insert(a_.col.end(), cols.begin(), cols.end());
         a_.row.push_back(static_cast<std::int64_t>(a_.col.size()));
@@ -99,17 +110,20 @@ bool NodeMatrix::fill(const double* values) {
     return std::find(finite.begin(), finite.end(), 0) == finite.end();
 }
 
-// Columns of both patterns ascend, so one walk along both finds every entry's place.
+// Columns of both patterns ascend, field by field where several stand at one place: a walk along both for
+// each finds every entry's place.
 bool NodeMatrix::fill(int b, const double* values) {
     const int m = a_.rows, used = first_[b + 1] - first_[b];
     std::fill(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), 0.0);
     double sum = 0;
-    for (int i = first_[b]; i < first_[b + 1]; ++i) {
+    for (int row = first_[b]; row < first_[b + 1]; ++row) {
+        const int i = order_[row];
         std::int64_t at = a_.row[b];
         for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
             const int slot = slot_[csr_->col[k]], c = slot / m;
+            if (a_.col[at] > c) at = a_.row[b];
             while (a_.col[at] < c) ++at;
-            a_.block(at)[(slot - c * m) * m + i - first_[b]] = values[k];
+            a_.block(at)[(slot - c * m) * m + row - first_[b]] = values[k];
             sum += std::abs(values[k]);
         }
     }

@@ -30,7 +30,7 @@ class NodeMatrix {
     void scatter(const double* x, double* d) const;
 
   private:
-    void partition(const std::vector<int>& node);
+    void partition(const std::vector<int>& node, const std::vector<int>& place);
     void make_pattern();
     bool fill(int b, const double* values);
     void level(int b);
@@ -45,7 +45,8 @@ class NodeMatrix {
     double scale_ = 1;  // of the numbers in it
     mutable std::vector<float> x_, y_;
     std::vector<int> slot_;   // of every equation
-    std::vector<int> first_;  // equation of every block row, and n
+    std::vector<int> order_;  // equations in the order of block rows
+    std::vector<int> first_;  // of every block row in that order, and n
     std::vector<double> modes_;
     std::vector<char> algebraic_;
     int n_modes_ = 0;

@@ -78,6 +78,7 @@ void block_multiply(const BlockView<T>& a, const T* x, T* y, int begin, int end)
     if (is(1, 1)) return multiply_blocks<T, 1, 1>(a, x, y, begin, end);
     if (is(2, 2)) return multiply_blocks<T, 2, 2>(a, x, y, begin, end);
     if (is(3, 3)) return multiply_blocks<T, 3, 3>(a, x, y, begin, end);
+    if (is(5, 5)) return multiply_blocks<T, 5, 5>(a, x, y, begin, end);
     if (is(6, 6)) return multiply_blocks<T, 6, 6>(a, x, y, begin, end);
     if (is(2, 3)) return multiply_blocks<T, 2, 3>(a, x, y, begin, end);
     if (is(3, 2)) return multiply_blocks<T, 3, 2>(a, x, y, begin, end);

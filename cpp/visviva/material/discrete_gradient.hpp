@@ -7,6 +7,44 @@
 
 namespace visviva::VISVIVA_ISA {
 
+/// Where the first block of strains stands: at e0, in the middle, at e1.
+enum Place : int { at_start, in_middle, at_end };
+
+/// What an energy takes from the first block of strains alone, found once at each of its places, if the
+/// energy has a type `Shared` for it: it says share<second>(e, shared), evaluate<second>(shared, e,
+/// potential) and increase(shared0, e0, shared1, e1). Second derivatives by these strains are asked for in
+/// the middle alone.
+template <bool tangent, class Energy>
+struct Places {
+    Places(const Energy&, const V*, const V*) {}
+    template <bool second>
+    VISVIVA_INLINE void evaluate(const Energy& energy, Place, const V* e, Potential<Energy::n>& p) const {
+        energy.template evaluate<second>(e, p);
+    }
+    VISVIVA_INLINE V increase(const Energy& energy, Place, const V* from, Place, const V* to) const {
+        return energy.increase(from, to);
+    }
+};
+template <bool tangent, class Energy>
+    requires requires { typename Energy::Shared; }
+struct Places<tangent, Energy> {
+    typename Energy::Shared at[3];
+    Places(const Energy& energy, const V* e0, const V* e1) {
+        V middle[Energy::n];
+        for (int k = 0; k < Energy::n; ++k) middle[k] = 0.5 * (e0[k] + e1[k]);
+        energy.template share<false>(e0, at[at_start]), energy.template share<false>(e1, at[at_end]);
+        energy.template share<tangent>(middle, at[in_middle]);
+    }
+    template <bool second>
+    VISVIVA_INLINE void evaluate(const Energy& energy, Place place, const V* e,
+                                 Potential<Energy::n>& p) const {
+        energy.template evaluate<second>(at[place], e, p);
+    }
+    VISVIVA_INLINE V increase(const Energy& energy, Place a, const V* from, Place b, const V* to) const {
+        return energy.increase(at[a], from, at[b], to);
+    }
+};
+
 /// All strains go from e0 to e1.
 struct Whole {
     static constexpr bool moves(int) { return true; }
@@ -25,12 +63,19 @@ struct Part {
     }
 };
 
+/// Place of the first block on a path: at its start, on the way, at its end.
+template <class Path>
+constexpr Place first_block(const Path& path, Place on_the_way) {
+    return path.moves(0) ? on_the_way : path.ends(0) ? at_end : at_start;
+}
+
 /// W(to) - W(from): energies with a large part that hardly changes, such as the heat that a body holds, say
 /// it without the digits which that part would take.
-template <class Energy>
-VISVIVA_INLINE V increase(const Energy& energy, const V* from, const V* to, V before, V after) {
+template <class Places, class Energy, class Path>
+VISVIVA_INLINE V increase(const Places& places, const Energy& energy, const Path& path, const V* from,
+                          const V* to, V before, V after) {
     if constexpr (requires { energy.increase(from, to); })
-        return energy.increase(from, to);
+        return places.increase(energy, first_block(path, at_start), from, first_block(path, at_end), to);
     else
         return after - before;
 }
@@ -39,9 +84,10 @@ VISVIVA_INLINE V increase(const Energy& energy, const V* from, const V* to, V be
 /// their ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule
 /// in the gradients, and nothing where it is below the rounding of the energy or where the strains hardly
 /// change: what is left out is of third order, what rounding leaves of f d and its gradient is not.
-template <bool tangent, class Energy, class Path, int n = Energy::n>
-VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* from, const V* to, const V* d,
-                            const Potential<n>& m, const Potential<n>& p0, const Potential<n>& p1, V* df) {
+template <bool tangent, class Places, class Energy, class Path, int n = Energy::n>
+VISVIVA_INLINE V correction(const Places& places, const Energy& energy, const Path& path, const V* from,
+                            const V* to, const V* d, const Potential<n>& m, const Potential<n>& p0,
+                            const Potential<n>& p1, V* df) {
     V first{}, second{}, simpson{}, size{}, place{}, work{}, stress{};
     for (int k = 0; k < n; ++k) {
         if (!path.moves(k)) continue;
@@ -53,7 +99,7 @@ VISVIVA_INLINE V correction(const Energy& energy, const Path& path, const V* fro
     }
     const VI smooth = second <= Energy::smooth * first;
     V b = simpson / 6.0;
-    if (!all(smooth)) b = select(smooth, b, increase(energy, from, to, p0.W, p1.W) - work);
+    if (!all(smooth)) b = select(smooth, b, increase(places, energy, path, from, to, p0.W, p1.W) - work);
     const VI idle =
         (size <= 1e-20 * vmax(place, broadcast(Energy::natural))) | (b * b <= 1e-30 * stress * place);
     const V inverse = select(idle, V{}, 1.0 / select(idle, broadcast(1.0), size)), f = b * inverse;
@@ -73,7 +119,8 @@ template <class Energy, int n = Energy::n>
 struct Corners {
     static constexpr int last = Energy::n_blocks;
     Potential<n> p[2][last + 1];  // [forward][blocks that have moved]; start and end are those of [1]
-    Corners(const Energy& energy, const V* e0, const V* e1) {
+    template <class Places>
+    Corners(const Places& places, const Energy& energy, const V* e0, const V* e1) {
         for (int moved = 0; moved <= last; ++moved)
             for (int forward = moved % last == 0; forward < 2; ++forward) {
                 V e[n];
@@ -81,7 +128,8 @@ struct Corners {
                     const int at = forward == 1 ? Energy::block(k) : last - 1 - Energy::block(k);
                     e[k] = at < moved ? e1[k] : e0[k];
                 }
-                energy.template evaluate<false>(e, p[forward][moved]);
+                const Place first = (forward == 1 ? 0 : last - 1) < moved ? at_end : at_start;
+                places.template evaluate<false>(energy, first, e, p[forward][moved]);
             }
     }
     const Potential<n>& operator()(const Part<Energy>& path, bool end) const {
@@ -92,9 +140,9 @@ struct Corners {
 
 /// Adds a share of s along a path, with s . (e1 - e0) = W(e1) - W(e0) for what moves, and of T = ds/de1, both
 /// per component of the metric.
-template <bool tangent, class Energy, class Path, class Ends, int n = Energy::n>
-VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, const Ends& at, double share,
-                              const V* e0, const V* e1, V* s, V* T) {
+template <bool tangent, class Places, class Energy, class Path, class Ends, int n = Energy::n>
+VISVIVA_INLINE void add_along(const Places& places, const Energy& energy, const Path& path, const Ends& at,
+                              double share, const V* e0, const V* e1, V* s, V* T) {
     V from[n], to[n], middle[n], d[n], f{}, df[n] = {};
     for (int k = 0; k < n; ++k) {
         from[k] = path.ends(k) ? e1[k] : e0[k];
@@ -102,9 +150,9 @@ VISVIVA_INLINE void add_along(const Energy& energy, const Path& path, const Ends
         middle[k] = 0.5 * (from[k] + to[k]), d[k] = to[k] - from[k];
     }
     Potential<n> m;
-    energy.template evaluate<tangent>(middle, m);
+    places.template evaluate<tangent>(energy, first_block(path, in_middle), middle, m);
     if (!energy.is_quadratic())
-        f = correction<tangent>(energy, path, from, to, d, m, at(path, false), at(path, true), df);
+        f = correction<tangent>(places, energy, path, from, to, d, m, at(path, false), at(path, true), df);
     for (int k = 0; k < n; ++k) {
         if (!path.moves(k)) continue;
         s[k] += share * (m.s[k] + f * d[k]);
@@ -122,17 +170,18 @@ template <bool tangent, class Energy, int n = Energy::n>
 VISVIVA_INLINE void discrete_gradient(const Energy& energy, const V* e0, const V* e1, V* s, V* T) {
     for (int k = 0; k < n; ++k) s[k] = V{};
     for (int k = 0; tangent && k < n * n; ++k) T[k] = V{};
+    const Places<tangent, Energy> places(energy, e0, e1);
     if constexpr (Energy::n_blocks == 1) {
         Potential<n> ends[2];
         if (!energy.is_quadratic())
             energy.template evaluate<false>(e0, ends[0]), energy.template evaluate<false>(e1, ends[1]);
         auto at = [&](const Whole&, bool end) -> const Potential<n>& { return ends[end]; };
-        add_along<tangent>(energy, Whole(), at, 1.0, e0, e1, s, T);
+        add_along<tangent>(places, energy, Whole(), at, 1.0, e0, e1, s, T);
     } else {
-        const Corners<Energy> at(energy, e0, e1);
+        const Corners<Energy> at(places, energy, e0, e1);
         for (int forward = 0; forward < 2; ++forward)
             for (int block = 0; block < Energy::n_blocks; ++block)
-                add_along<tangent>(energy, Part<Energy>{block, forward == 1}, at, 0.5, e0, e1, s, T);
+                add_along<tangent>(places, energy, Part<Energy>{block, forward == 1}, at, 0.5, e0, e1, s, T);
     }
 }
 

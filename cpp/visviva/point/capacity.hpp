@@ -11,16 +11,15 @@ struct Capacity {
     static constexpr int n_bends = 6, n_par = 1 + 2 * n_bends;  // slope, then t_k and b_k
     V c, zero;
     const V* p;
+    bool is_constant = true;
 
-    bool is_constant() const {
+    Capacity(V capacity, V at, const V* par) : c(capacity), zero(at), p(par) {
         for (int k = 0; k < n_par; k += 2)  // the slope, and those behind bends
-            for (int l = 0; l < W; ++l)
-                if (p[k][l] != 0) return false;
-        return true;
+            is_constant = is_constant && all(p[k] == 0.0);
     }
     V at(V rise) const {
         V sum = c * (1.0 + p[0] * rise);
-        for (int k = 1; k < n_par; k += 2) sum += p[k + 1] * vmax(zero + rise - p[k], V{});
+        for (int k = 1; !is_constant && k < n_par; k += 2) sum += p[k + 1] * vmax(zero + rise - p[k], V{});
         return sum;
     }
     /// dc / dtheta
@@ -31,7 +30,7 @@ struct Capacity {
     }
     V content(V rise) const {
         V sum = c * rise * (1.0 + 0.5 * p[0] * rise);
-        for (int k = 1; k < n_par; k += 2) {
+        for (int k = 1; !is_constant && k < n_par; k += 2) {
             const V here = vmax(zero + rise - p[k], V{}), there = vmax(zero - p[k], V{});
             sum += 0.5 * p[k + 1] * (here * here - there * there);
         }
@@ -48,10 +47,11 @@ struct Capacity {
         const V rise = vmax(theta - t, V{}), safe = select(t > 0.0, t, broadcast(1.0));
         return rise - t * vlog1p(rise / safe);
     }
-    /// theta - theta0 at the entropy H, by Newton's method in the logarithm of theta.
-    __attribute__((noinline)) V rise_of(V H) const {
+    /// theta - theta0 at the entropy H.
+    VISVIVA_INLINE V rise_of(V H) const { return is_constant ? zero * expm1(H / c) : sought(H); }
+    /// By Newton's method in the logarithm of theta.
+    __attribute__((noinline)) V sought(V H) const {
         V y = H / c;
-        if (is_constant()) return zero * expm1(y);
         for (int k = 0; k < 60; ++k) {
             const V step = (entropy(y) - H) / at(zero * expm1(y));
             y -= select(step > 1.0, broadcast(1.0), select(step < -1.0, broadcast(-1.0), step));
@@ -63,7 +63,7 @@ struct Capacity {
     }
     /// Gain of the heat content where the entropy H grows by `more`.
     V increase(V H, V more) const {
-        if (is_constant()) return c * (zero + zero * expm1(H / c)) * expm1(more / c);
+        if (is_constant) return c * (zero + zero * expm1(H / c)) * expm1(more / c);
         return content(rise_of(H + more)) - content(rise_of(H));
     }
 };

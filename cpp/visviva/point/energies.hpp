@@ -40,11 +40,11 @@ struct ConductionPairing {
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
         const V* k = z.par + CapacityEnergy::conductivity;
-        const auto factor = z.par[CapacityEnergy::slope] * (z.e[0] + (-z.par[1])) + broadcast(1.0);
-        f[0] = z.s[0] * z.rate[0];
+        const auto factor = z.par[CapacityEnergy::slope] * (z.e(0) + (-z.par[1])) + broadcast(1.0);
+        f[0] = z.s(0) * z.rate(0);
         for (int a = 0; a < 3; ++a) {
-            auto flux = k[at[a][0]] * z.e[1];
-            for (int b = 1; b < 3; ++b) flux = flux + k[at[a][b]] * z.e[1 + b];
+            auto flux = k[at[a][0]] * z.e(1);
+            for (int b = 1; b < 3; ++b) flux = flux + k[at[a][b]] * z.e(1 + b);
             f[1 + a] = factor * flux;
         }
     }
@@ -136,12 +136,12 @@ struct IrreversiblePairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        for (int k = 0; k < 10; ++k) f[k] = z.s[k];
-        if (!z.backwards) f[6] = f[6] - z.par[5] * positive(-z.change[6]);
+        for (int k = 0; k < 10; ++k) f[k] = z.s(k);
+        if (!z.backwards) f[6] = f[6] - z.par[5] * positive(-z.change(6));
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {
-        const V healed = z.backwards ? V{} : positive(-z.change[6]);
+        const V healed = z.backwards ? V{} : positive(-z.change(6));
         return z.par[5] * healed * healed;
     }
 };
@@ -170,14 +170,14 @@ struct DiffusionPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = z.rate[0];
-        f[4] = z.e[4] - z.s[0];
-        for (int k = 1; k < 4; ++k) f[k] = z.par[2] * z.e[4 + k], f[4 + k] = -z.s[k];
+        f[0] = z.rate(0);
+        f[4] = z.e(4) - z.s(0);
+        for (int k = 1; k < 4; ++k) f[k] = z.par[2] * z.e(4 + k), f[4 + k] = -z.s(k);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {
         V square{};
-        for (int k = 5; k < 8; ++k) square += z.e[k] * z.e[k];
+        for (int k = 5; k < 8; ++k) square += z.e(k) * z.e(k);
         return z.h * z.par[2] * square;
     }
 };
@@ -216,8 +216,8 @@ struct ViscousPairing {
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         for (int a = 0; a < size; ++a) {
-            f[a] = z.s[a];
-            for (int b = 0; b < size; ++b) f[a] = f[a] + viscosity(z.par, a, b) * z.rate[b];
+            f[a] = z.s(a);
+            for (int b = 0; b < size; ++b) f[a] = f[a] + viscosity(z.par, a, b) * z.rate(b);
         }
     }
     template <class State>
@@ -225,7 +225,7 @@ struct ViscousPairing {
         V sum{};
         if (!z.moves || z.h == 0) return sum;
         for (int a = 0; a < size; ++a)
-            for (int b = 0; b < size; ++b) sum += z.change[a] * viscosity(z.par, a, b) * z.change[b];
+            for (int b = 0; b < size; ++b) sum += z.change(a) * viscosity(z.par, a, b) * z.change(b);
         return sum / z.h;
     }
 };

@@ -34,7 +34,7 @@ struct StorePairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = z.rate[0], f[1] = z.e[1] - z.s[0];
+        f[0] = z.rate(0), f[1] = z.e(1) - z.s(0);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -96,10 +96,10 @@ struct SpringPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        const auto stress = (0.25 * z.par[7]) * (z.rate[0] / z.e[0]);
-        f[0] = z.s[0] + stress;
-        f[1] = z.rate[1] - stress * z.rate[0] / z.e[2];
-        f[2] = z.e[2] - z.s[1];
+        const auto stress = (0.25 * z.par[7]) * (z.rate(0) / z.e(0));
+        f[0] = z.s(0) + stress;
+        f[1] = z.rate(1) - stress * z.rate(0) / z.e(2);
+        f[2] = z.e(2) - z.s(1);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -195,18 +195,18 @@ struct HeatedSectionPairing {
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         using P = HeatedSectionEnergy;
-        for (int k = 0; k < 6; ++k) f[k] = z.s[k];
-        const auto zero = 0.0 * z.e[12], inverse = (zero + broadcast(1.0)) / z.e[12];
+        for (int k = 0; k < 6; ++k) f[k] = z.s(k);
+        const auto zero = 0.0 * z.e(12), inverse = (zero + broadcast(1.0)) / z.e(12);
         auto square = zero;
         for (int i = 0; i < 3; ++i) {
-            const auto flux = z.par[P::along + i] * z.e[15 + i];
-            square = square + flux * z.e[15 + i];
-            f[6 + i] = z.rate[6 + i], f[9 + i] = flux * inverse;
-            f[12 + i] = z.e[12 + i] - z.s[6 + i], f[15 + i] = zero;
+            const auto flux = z.par[P::along + i] * z.e(15 + i);
+            square = square + flux * z.e(15 + i);
+            f[6 + i] = z.rate(6 + i), f[9 + i] = flux * inverse;
+            f[12 + i] = z.e(12 + i) - z.s(6 + i), f[15 + i] = zero;
         }
         for (int i = 1; i < 3; ++i) {
-            const auto flux = z.par[P::across + i - 1] * z.e[12 + i];
-            square = square + flux * z.e[12 + i];
+            const auto flux = z.par[P::across + i - 1] * z.e(12 + i);
+            square = square + flux * z.e(12 + i);
             f[6 + i] = f[6 + i] + flux * inverse;
         }
         f[6] = f[6] - square * inverse * inverse;
@@ -221,6 +221,9 @@ struct HeatedSectionPairing {
 struct HeatedLayerMap : Layout<HeatedLayerMap> {
     static constexpr int n_groups = 4, n_components = 6, n_local = 33, n_strains = 23;
     static constexpr Group groups[] = {{3, 8, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr bool couples(int g, int h) { return g == 3 || (g < 2 ? h < 3 : h > 1); }
+    static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }
+    static constexpr int tried(int g) { return g == 2 ? 1 : groups[g].columns; }
     static constexpr double origin(int) { return 0.0; }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
@@ -241,9 +244,9 @@ struct HeatedLayerPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        const typename State::T* in_reference = nullptr;
-        for (int k = 0; k < 15; ++k) f[k] = z.s[k];
-        HeatPairing::balance(z.e[19], z.e + 20, z.rate[15], z.s[15], z.par + HeatedLayerEnergy::first,
+        const typename State::T slope[3] = {z.e(20), z.e(21), z.e(22)}, *in_reference = nullptr;
+        for (int k = 0; k < 15; ++k) f[k] = z.s(k);
+        HeatPairing::balance(z.e(19), slope, z.rate(15), z.s(15), z.par + HeatedLayerEnergy::first,
                              in_reference, f + 15);
     }
     template <class State>

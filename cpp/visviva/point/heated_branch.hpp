@@ -125,9 +125,9 @@ struct HeatingPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        for (int k = 0; k < 6; ++k) f[k] = z.s[k];
-        f[6] = 0.0 * z.e[6];
-        f[7] = -1.0 * (z.s[6] / z.e[6]);
+        for (int k = 0; k < 6; ++k) f[k] = z.s(k);
+        f[6] = 0.0 * z.e(6);
+        f[7] = -1.0 * (z.s(6) / z.e(6));
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

@@ -4,9 +4,14 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// Local unknowns and groups of a map by its table `groups`.
+/// Local unknowns and groups of a map by its table `groups`. Maps may say what of it stays zero: derivatives
+/// of what tests a group by another one, and columns of a group that nothing tests, or that nothing depends
+/// on, which are then the last ones.
 template <class Map>
 struct Layout {
+    static constexpr bool couples(int, int) { return true; }
+    static constexpr int tested(int g) { return Map::groups[g].columns; }
+    static constexpr int tried(int g) { return Map::groups[g].columns; }
     static constexpr int group_of(int j) {
         int g = 0;
         for (; j >= Map::groups[g].components * Map::groups[g].columns; ++g)
@@ -80,10 +85,27 @@ struct SolidScalarMap : Layout<SolidScalarMap> {
 };
 
 /// (C, s, grad s, theta, grad theta): the entropy is transported, the temperature acts as a multiplier does.
+/// Nothing depends on the gradient of the entropy, nor is that of the temperature tested.
 struct SolidEntropyMap : Layout<SolidEntropyMap> {
+    static constexpr bool couples(int g, int h) { return g > 0 || h < 2; }
+    static constexpr int tested(int g) { return g == 2 ? 1 : groups[g].columns; }
+    static constexpr int tried(int g) { return g == 1 ? 1 : groups[g].columns; }
     static constexpr int n_groups = 3, n_components = 5, n_local = 17, n_strains = 14;
     static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 1}, {1, 4, 0, true}};
     static constexpr double origin(int j) { return identity_entry(j); }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        right_cauchy_green(y, e);
+        for (int k = 0; k < 8; ++k) e[6 + k] = y[9 + k];
+    }
+};
+
+/// (C, c, grad c, mu, grad mu): what is stored, and its potential, which acts as a multiplier does.
+struct SolidMixtureMap : Layout<SolidMixtureMap> {
+    static constexpr int n_groups = 3, n_components = 5, n_local = 17, n_strains = 14;
+    static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int j) { return identity_entry(j); }
+    static constexpr bool couples(int g, int h) { return g > 0 || h < 2; }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
         right_cauchy_green(y, e);

@@ -222,17 +222,17 @@ struct MixturePairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        const auto M = mobility(z.e[at], z.par);
-        for (int k = 0; k < at; ++k) f[k] = z.s[k];
-        f[at] = z.rate[at];
-        f[at + 4] = z.e[at + 4] - z.s[at];
-        for (int k = at + 1; k < at + 4; ++k) f[k] = M * z.e[4 + k], f[4 + k] = -z.s[k];
+        const auto M = mobility(z.e(at), z.par);
+        for (int k = 0; k < at; ++k) f[k] = z.s(k);
+        f[at] = z.rate(at);
+        f[at + 4] = z.e(at + 4) - z.s(at);
+        for (int k = at + 1; k < at + 4; ++k) f[k] = M * z.e(4 + k), f[4 + k] = -z.s(k);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {
         V square{};
-        for (int k = at + 5; k < at + 8; ++k) square += z.e[k] * z.e[k];
-        return z.h * mobility(z.e[at], z.par) * square;
+        for (int k = at + 5; k < at + 8; ++k) square += z.e(k) * z.e(k);
+        return z.h * mobility(z.e(at), z.par) * square;
     }
 };
 
@@ -243,13 +243,13 @@ struct RelaxationPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = z.rate[0] / mobility(z.e[0], z.par) + z.s[0];
-        for (int k = 1; k < 4; ++k) f[k] = z.s[k];
-        if constexpr (is_conserved) f[0] = f[0] - z.e[4], f[4] = -z.rate[0];
+        f[0] = z.rate(0) / mobility(z.e(0), z.par) + z.s(0);
+        for (int k = 1; k < 4; ++k) f[k] = z.s(k);
+        if constexpr (is_conserved) f[0] = f[0] - z.e(4), f[4] = -z.rate(0);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State& z) {
-        return z.h * z.rate[0] * z.rate[0] / mobility(z.e[0], z.par);
+        return z.h * z.rate(0) * z.rate(0) / mobility(z.e(0), z.par);
     }
 };
 
@@ -258,7 +258,7 @@ struct WallPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = 0.0 * z.s[0], f[1] = -z.s[0];
+        f[0] = 0.0 * z.s(0), f[1] = -z.s(0);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -296,11 +296,11 @@ struct SmoothPairing {
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         const V K = z.par[mixture::gradient];
-        const auto M = mobility(z.e[0], z.par);
-        const auto factor = M * curvature(z.e[0], z.par) + K * (mobility_slope(z.e[0], z.par) * z.e[4]);
-        f[0] = z.rate[0];
-        for (int k = 1; k < 4; ++k) f[k] = factor * z.e[k];
-        f[4] = K * (M * z.e[4]);
+        const auto M = mobility(z.e(0), z.par);
+        const auto factor = M * curvature(z.e(0), z.par) + K * (mobility_slope(z.e(0), z.par) * z.e(4));
+        f[0] = z.rate(0);
+        for (int k = 1; k < 4; ++k) f[k] = factor * z.e(k);
+        f[4] = K * (M * z.e(4));
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

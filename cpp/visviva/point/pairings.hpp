@@ -21,16 +21,65 @@ struct Number<n, false> {
     static VISVIVA_INLINE V of(V value, const V*) { return value; }
 };
 
-/// View of a pairing, values alone or with derivatives: stresses (of the strains of the energy, the
-/// first ones of the map), strains at theta (at the end of what acts there), their change in the step, rates.
-template <class Number, int n_e, int n_s>
+/// View of a pairing, values alone or with derivatives by the local unknowns at the end, each found when it
+/// is asked for: stresses s(k) (of the strains of the energy, the first ones of the map), strains e(k) at
+/// theta (at the end of what acts there), their change(k) in the step, rate(k).
+template <class Element, bool slopes>
 struct PointState {
-    using T = typename Number::type;
-    T s[n_s], e[n_e], change[n_e], rate[n_e];
+    using Rows = typename Element::Rows;
+    using Value = Number<Element::n_y, slopes>;
+    using T = typename Value::type;
+    const Element& element;
+    const typename Element::Point& p;
+    const V* stress_rows;  // ds / dy1
     const V* par;
     double h;
     bool moves;      // increments make velocities
     bool backwards;  // the books go the step from its end to its start, see Context
+
+    PointState(const Element& e, const typename Element::Point& point, const V* rows)
+        : element(e),
+          p(point),
+          stress_rows(rows),
+          par(point.par),
+          h(e.step.h),
+          moves(!e.step.is_static()),
+          backwards(e.v.backwards) {}
+
+    VISVIVA_INLINE T s(int k) const { return Value::of(p.s[k], stress_rows + k * Element::n_y); }
+    VISVIVA_INLINE T e(int k) const {
+        T value = Value::of(p.et[k], nullptr);
+        if constexpr (slopes)
+            for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i) {
+                const int j = Rows::sparse.entry[i].j;
+                value.g[j] = element.share(Element::Map::group_of(j)) * p.Bt[i];
+            }
+        return value;
+    }
+    VISVIVA_INLINE T change(int k) const {
+        T value = Value::of(p.e1[k] - p.e0[k], nullptr);
+        if constexpr (slopes)
+            for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i)
+                value.g[Rows::sparse.entry[i].j] = p.B1[i];
+        return value;
+    }
+    VISVIVA_INLINE T rate(int k) const {
+        V speed{};
+        for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i)
+            speed += p.Bt[i] * p.rate[Rows::sparse.entry[i].j];
+        T value = Value::of(speed, nullptr);
+        if constexpr (slopes) {
+            for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i) {
+                const int j = Rows::sparse.entry[i].j;
+                value.g[j] = element.rate_factor(Element::Map::group_of(j)) * p.Bt[i];
+            }
+            for (int i = Rows::sparse.first_square[k]; i < Rows::sparse.first_square[k + 1]; ++i) {
+                const auto& q = Rows::sparse.square[i];
+                value.g[q.l] += (q.factor * element.share(Element::Map::group_of(q.l))) * p.rate[q.j];
+            }
+        }
+        return value;
+    }
 };
 
 /// Conservative: the gradient of the energy, f = s.

@@ -6,6 +6,6 @@ VISVIVA_PHYSICS(conserved_order, CONSERVED_ORDER, LoadedScalarMap, MixtureEnergy
 VISVIVA_PHYSICS(mixture_wall, MIXTURE_WALL, WallMap, WallEnergy, WallPairing)  // c, mu
 VISVIVA_PHYSICS(order_wall, ORDER_WALL, OrderWallMap, WallEnergy)  // c
 VISVIVA_PHYSICS(smooth_mixture, SMOOTH_MIXTURE, SmoothScalarMap, MixtureEnergy<>, SmoothPairing)  // c, gradient, Laplacian
-VISVIVA_PHYSICS(mixture_solid, MIXTURE_SOLID, SolidEntropyMap, MixtureSolidEnergy, MixturePairing<6>)  // C, c, mu
+VISVIVA_PHYSICS(mixture_solid, MIXTURE_SOLID, SolidMixtureMap, MixtureSolidEnergy, MixturePairing<6>)  // C, c, mu
 VISVIVA_PHYSICS(mixture_in_plane, MIXTURE_IN_PLANE, PlaneMixtureMap, MixtureSolidEnergy, MixturePairing<6>)
 // clang-format on

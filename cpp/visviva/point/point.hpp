@@ -34,7 +34,8 @@ struct PointView {
     PointGroup group[point_max_groups];
     const int* index = nullptr;   // [slot] first unknown of the slot: a node of a group
     const double* w = nullptr;    // [point] reference volume
-    const double* par = nullptr;  // [point][parameter]
+    const double* par = nullptr;  // [point][parameter], of one point if they are the same at all
+    bool is_even = false;         // they are
     const double* reference =
         nullptr;  // [point][strain] of the reference, which the energy does not see; or null
     const double* history0 = nullptr;  // [point][variable] at the start of the step

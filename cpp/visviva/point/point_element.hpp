@@ -120,23 +120,28 @@ struct PointElement {
     struct Point {
         V y0[n_y], y1[n_y], yt[n_y], rate[n_y];
         V z0[n_z], z1[n_z], zt[n_z];  // strains of the energy, internal ones last
-        V e0[n_e], e1[n_e], et[n_e], B1[n_e * n_y], Bt[n_e * n_y];  // of the map
+        V e0[n_e], e1[n_e], et[n_e], B1[Rows::n_entries], Bt[Rows::n_entries];  // of the map
         V s[n_f], T[n_f * n_f], par[Energy::max_par > 0 ? Energy::max_par : 1];
     };
 
+    template <bool tangent>
     void strains(int q, Point& p) const {
-        local(q, u0, p.y0), local(q, u1, p.y1), local(q, rate, p.rate);
+        local(q, u0, p.y0), local(q, u1, p.y1);
+        if constexpr (!Pairing::is_gradient) local(q, rate, p.rate);
         for (int j = 0; j < n_y; ++j) {
             p.y0[j] -= Map::origin(j), p.y1[j] -= Map::origin(j);
             const double theta = share(Map::group_of(j));
             p.yt[j] = theta == 1.0 ? p.y1[j] : p.y0[j] + theta * (p.y1[j] - p.y0[j]);
         }
-        Rows::evaluate(p.y0, p.e0), Rows::evaluate(p.y1, p.e1, p.B1), Rows::evaluate(p.yt, p.et, p.Bt);
+        Rows::evaluate(p.y0, p.e0), Rows::evaluate(p.y1, p.e1), Rows::evaluate(p.yt, p.et);
+        Rows::rows(p.yt, p.Bt);
+        if constexpr (tangent) Rows::rows(p.y1, p.B1);
         for (int k = 0; v.reference && k < n_e; ++k) {
             const V r = vload(at_point(v.reference, q, n_e) + k * P8);
             p.e0[k] -= r, p.e1[k] -= r, p.et[k] -= r;
         }
-        for (int k = 0; k < v.n_par; ++k) p.par[k] = vload(at_point(v.par, q, v.n_par) + k * P8);
+        const double* par = v.is_even ? v.par + lane : at_point(v.par, q, v.n_par);
+        for (int k = 0; k < v.n_par; ++k) p.par[k] = vload(par + k * P8);
         if constexpr (turned)
             turn(p.par, p.e0, p.z0), turn(p.par, p.e1, p.z1), turn(p.par, p.et, p.zt);
         else
@@ -219,48 +224,24 @@ struct PointElement {
     void stress_rows(const Point& p, V* rows) const {
         for (int k = 0; k < n_m * n_y; ++k) rows[k] = V{};
         const bool ends = step.stress == Stress::discrete_gradient;
-        for (const auto& [m, j] : Rows::sparse.entry) {
-            if (m >= n_m) continue;
-            const V b = ends ? p.B1[m * n_y + j] : share(Map::group_of(j)) * p.Bt[m * n_y + j];
+        each<Rows::n_entries>([&](auto i) {
+            const auto [m, j] = Rows::sparse.entry[i];
+            if (m >= n_m) return;
+            const V b = ends ? p.B1[i] : share(Map::group_of(j)) * p.Bt[i];
             for (int k = 0; k < n_m; ++k) rows[k * n_y + j] += p.T[n_f * k + m] * b;
-        }
+        });
     }
 
     /// Forces f on the strains of the map: values, and derivatives by y1 where T is a jet.
     template <bool slopes>
     void pair(const Point& p, const V* rows, typename Number<n_y, slopes>::type* f) const {
-        using Value = Number<n_y, slopes>;
+        const PointState<PointElement, slopes> state(*this, p, rows);
         if constexpr (Pairing::is_gradient) {
-            for (int k = 0; k < n_m; ++k) f[k] = Value::of(p.s[k], rows + k * n_y);
-            for (int k = n_m; k < n_e; ++k) f[k] = Value::of(V{}, nullptr);
+            for (int k = 0; k < n_m; ++k) f[k] = state.s(k);
+            for (int k = n_m; k < n_e; ++k) f[k] = Number<n_y, slopes>::of(V{}, nullptr);
         } else {
-            const auto state = state_of<slopes>(p, rows);
             Pairing::forces(state, f);
         }
-    }
-
-    template <bool slopes>
-    PointState<Number<n_y, slopes>, n_e, n_m> state_of(const Point& p, const V* rows) const {
-        using Value = Number<n_y, slopes>;
-        PointState<Value, n_e, n_m> state;
-        state.par = p.par, state.h = step.h, state.moves = !step.is_static();
-        state.backwards = v.backwards;
-        V at[n_y], change[n_y];
-        for (int k = 0; k < n_m; ++k) state.s[k] = Value::of(p.s[k], rows + k * n_y);
-        for (int k = 0; k < n_e; ++k) {
-            V speed{};
-            for (int j = 0; j < n_y; ++j) {
-                const V b = p.Bt[k * n_y + j];
-                at[j] = share(Map::group_of(j)) * b, change[j] = rate_factor(Map::group_of(j)) * b;
-                speed += b * p.rate[j];
-            }
-            for (const auto& [m, j, l, factor] : Rows::sparse.square)
-                if (m == k) change[l] += (factor * share(Map::group_of(l))) * p.rate[j];
-            state.e[k] = Value::of(p.et[k], at);
-            state.rate[k] = Value::of(speed, change);
-            state.change[k] = Value::of(p.e1[k] - p.e0[k], p.B1 + k * n_y);
-        }
-        return state;
     }
 
     /// Forces on the local unknowns, f . de/dy at theta; and their derivatives by y1 [n_y][n_y].
@@ -270,19 +251,24 @@ struct PointElement {
         if constexpr (!tangent) {
             V f[n_e];
             pair<false>(p, p.s, f);
-            for (const auto& [k, j] : Rows::sparse.entry) F[j] += f[k] * p.Bt[k * n_y + j];
+            each<Rows::n_entries>([&](auto i) {
+                const auto [k, j] = Rows::sparse.entry[i];
+                F[j] += f[k] * p.Bt[i];
+            });
         } else {
             V rows[n_m * n_y];
             Jet<n_y, false> f[n_e];
             stress_rows(p, rows), pair<true>(p, rows, f);
             for (int k = 0; k < n_y * n_y; ++k) K[k] = V{};
-            for (const auto& [k, j] : Rows::sparse.entry) {
-                const V b = p.Bt[k * n_y + j];
-                F[j] += f[k].v * b;
-                for (int l = 0; l < n_y; ++l) K[j * n_y + l] += b * f[k].g[l];
-            }
-            for (const auto& [k, j, l, factor] : Rows::sparse.square)
-                K[j * n_y + l] += (factor * share(Map::group_of(l))) * f[k].v;
+            each<Rows::n_entries>([&](auto i) {
+                const auto [k, j] = Rows::sparse.entry[i];
+                F[j] += f[k].v * p.Bt[i];
+                for (int l = 0; l < n_y; ++l) K[j * n_y + l] += p.Bt[i] * f[k].g[l];
+            });
+            each<Rows::n_square>([&](auto i) {
+                const auto& q = Rows::sparse.square[i];
+                K[q.j * n_y + q.l] += (q.factor * share(Map::group_of(q.l))) * f[q.k].v;
+            });
         }
     }
 
@@ -295,83 +281,105 @@ struct PointElement {
             for (int a = 0; a < v.group[g].n_nodes; ++a)
                 for (int c = 0; c < n_c; ++c) {
                     V sum = r[first[g] + a * n_c + c];
-                    for (int k = 0; k < n_k; ++k) sum += vload(weights(g, q, a) + k * P8) * f[c * n_k + k];
+                    for (int k = 0; k < Map::tested(g); ++k)
+                        sum += vload(weights(g, q, a) + k * P8) * f[c * n_k + k];
                     r[first[g] + a * n_c + c] = sum;
                 }
         });
     }
 
-    void add_moduli(int q, const V* K, V* to) const {
-        const V w = volume(q);
-        for_groups([&](auto group) {
-            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
-            for (int a = 0; a < v.group[g].n_nodes; ++a) {
-                V row[n_c * n_y] = {};
-                for (int k = 0; k < n_k; ++k) {
-                    const V weight = w * vload(weights(g, q, a) + k * P8);
+    /// Rows of a node's unknowns by local unknowns [point][component][n_y], from those of local unknowns
+    /// `moduli` [point][n_y][n_y].
+    template <int g>
+    void node_rows(int a, const V* moduli, V* rows) const {
+        constexpr int n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
+        for (int q = 0; q < v.n_points; ++q)
+            for_groups([&](auto other) {
+                constexpr int h = other, begin = start(h), n = Map::groups[h].columns;
+                if constexpr (Map::couples(g, h))
                     for (int c = 0; c < n_c; ++c)
-                        for (int l = 0; l < n_y; ++l)
-                            row[c * n_y + l] += weight * K[(start(g) + c * n_k + k) * n_y + l];
-                }
-                add_rows<n_c>(q, row, to + (first[g] + a * n_c) * v.n_unknowns);
-            }
-        });
+                        for (int l = begin; l < start(h + 1); ++l) {
+                            if ((l - begin) % n >= Map::tried(h)) continue;
+                            const V* K = moduli + (q * n_y + start(g) + c * n_k) * n_y + l;
+                            V sum{};
+                            for (int k = 0; k < Map::tested(g); ++k)
+                                sum += vload(weights(g, q, a) + k * P8) * K[k * n_y];
+                            rows[(q * n_c + c) * n_y + l] = sum;
+                        }
+            });
     }
-    // The rows of n nodal unknowns by local unknowns [n][n_y], by those of the element.
-    template <int n>
-    VISVIVA_INLINE void add_rows(int q, const V* row, V* to) const {
-        for_groups([&](auto group) {
-            constexpr int g = group, n_c = Map::groups[g].components, n_k = Map::groups[g].columns;
-            for (int b = 0; b < v.group[g].n_nodes; ++b) {
-                V weight[n_k];
-                for (int k = 0; k < n_k; ++k) weight[k] = vload(weights(g, q, b) + k * P8);
-                for (int i = 0; i < n; ++i)
-                    for (int c = 0; c < n_c; ++c) {
-                        V& entry = to[i * v.n_unknowns + first[g] + b * n_c + c];
-                        V sum = entry;
-                        for (int k = 0; k < n_k; ++k)
-                            sum += row[i * n_y + start(g) + c * n_k + k] * weight[k];
-                        entry = sum;
-                    }
-            }
-        });
+    /// The block of two nodes, [components of g][components of h], from rows of the first one.
+    template <int g, int h>
+    VISVIVA_INLINE void block_of(int b, const V* rows, V* block) const {
+        constexpr int n_c = Map::groups[g].components, n_d = Map::groups[h].components,
+                      n_k = Map::groups[h].columns;
+        V sum[n_c * n_d] = {};
+        for (int q = 0; q < v.n_points; ++q) {
+            const double* w = weights(h, q, b);
+            const V* row = rows + q * n_c * n_y + start(h);
+            each<Map::tried(h)>([&](auto k) {
+                const V weight = vload(w + k * P8);
+                each<n_c * n_d>([&](auto i) { sum[i] += row[i / n_d * n_y + i % n_d * n_k + k] * weight; });
+            });
+        }
+        for (int i = 0; i < n_c * n_d; ++i) block[i] = sum[i];
     }
 
-    /// Adds to the element's residual r, and to its tangent K unless that is null.
+    /// The element's residual r, and its moduli at the points by local unknowns [point][n_y][n_y].
     template <bool tangent>
-    void assemble(V* r, V* K) const {
+    void assemble(V* r, V* moduli) const {
         for (int k = 0; k < v.n_unknowns; ++k) r[k] = V{};
-        for (int k = 0; tangent && k < v.n_unknowns * v.n_unknowns; ++k) K[k] = V{};
-        V F[n_y], moduli[tangent ? n_y * n_y : 1];
+        V F[n_y];
         for (int q = 0; q < v.n_points; ++q) {
             Point p;
-            strains(q, p);
+            strains<tangent>(q, p);
             stress<tangent>(q, p);
             local_forces<tangent>(p, F, moduli);
             add_forces(q, F, r);
-            if constexpr (tangent) add_moduli(q, moduli, K);
+            if constexpr (tangent) {
+                const V w = volume(q);
+                for (int k = 0; k < n_y * n_y; ++k) moduli[k] *= w;
+                moduli += n_y * n_y;
+            }
         }
-        for (int g = 0; g < Map::n_groups; ++g)
-            if (v.group[g].mass) inertia<tangent>(g, r, K);
+        for (int g = 0; g < Map::n_groups; ++g) {
+            const int n_c = Map::groups[g].components;
+            for (int a = 0; v.group[g].mass && a < v.group[g].n_nodes; ++a)
+                for (int b = 0; b < v.group[g].n_nodes; ++b)
+                    for (int c = 0; c < n_c; ++c)
+                        r[first[g] + a * n_c + c] += mass(g, a, b) * second_rate[first[g] + b * n_c + c];
+        }
     }
 
-    template <bool tangent>
-    void inertia(int g, V* r, V* K) const {
-        const int n_c = Map::groups[g].components;
-        for (int a = 0; a < v.group[g].n_nodes; ++a)
-            for (int b = 0; b < v.group[g].n_nodes; ++b)
-                for (int c = 0; c < n_c; ++c) {
-                    const int i = first[g] + a * n_c + c, j = first[g] + b * n_c + c;
-                    r[i] += mass(g, a, b) * second_rate[j];
-                    if constexpr (tangent) K[i * v.n_unknowns + j] += step.motion[1][0] * mass(g, a, b);
-                }
+    /// Calls f(g, a, h, b, block) for the blocks of pairs of nodes a of g and b of h, from moduli at the
+    /// points; `rows` has room for those of a node.
+    template <class F>
+    void for_blocks(const V* moduli, V* rows, F&& f) const {
+        for_groups([&](auto group) {
+            constexpr int g = group, n_c = Map::groups[g].components;
+            for (int a = 0; a < v.group[g].n_nodes; ++a) {
+                node_rows<g>(a, moduli, rows);
+                for_groups([&](auto other) {
+                    constexpr int h = other;
+                    if constexpr (Map::couples(g, h))
+                        for (int b = 0; b < v.group[h].n_nodes; ++b) {
+                            V block[n_c * Map::groups[h].components];
+                            block_of<g, h>(b, rows, block);
+                            if (g == h && v.group[g].mass)
+                                for (int c = 0; c < n_c; ++c)
+                                    block[c * n_c + c] += step.motion[1][0] * mass(g, a, b);
+                            f(group, a, other, b, block);
+                        }
+                });
+            }
+        });
     }
 
     /// Energy and dissipated work of the step at the points, see point_ledger_rows.
     void point_ledger(V* row) const {
         for (int q = 0; q < v.n_points; ++q) {
             Point p;
-            strains(q, p);
+            strains<false>(q, p);
             stress<false>(q, p);
             const V w = volume(q);
             if (v.called_W) {
@@ -383,7 +391,8 @@ struct PointElement {
                 row[0] += w * end.W;
             }
             for (int k = n_s; !v.called_W && k < n_z; ++k) row[9] -= w * p.s[k] * (p.z1[k] - p.z0[k]);
-            if constexpr (!Pairing::is_gradient) row[2] += w * Pairing::dissipated(state_of<false>(p, p.s));
+            if constexpr (!Pairing::is_gradient)
+                row[2] += w * Pairing::dissipated(PointState<PointElement, false>(*this, p, p.s));
         }
     }
 

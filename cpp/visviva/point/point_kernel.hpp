@@ -5,10 +5,11 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// Room for the vector and matrix of W elements.
+/// Room for the vector of W elements, their moduli at points, and rows of a node there.
 struct PointScratch {
-    V *r, *K;
-    explicit PointScratch(int n) : r(new V[n + static_cast<std::int64_t>(n) * n]), K(r + n) {}
+    V *r, *moduli, *rows;
+    PointScratch(int n, int n_moduli, int n_rows)
+        : r(new V[n + n_moduli + n_rows]), moduli(r + n), rows(moduli + n_moduli) {}
     ~PointScratch() { delete[] r; }
     PointScratch(const PointScratch&) = delete;
     PointScratch& operator=(const PointScratch&) = delete;
@@ -45,26 +46,23 @@ struct PointKernel {
         });
     }
 
-    static void scatter_moduli(const Element& e, const V* K, double* values) {
+    /// Adds a block of rows `a` and columns `b`, slots of the element, to the matrix.
+    template <int rows, int columns>
+    static VISVIVA_INLINE void scatter_block(const Element& e, int a, int b, const V* block, double* values) {
         const PointView& v = e.v;
-        for_slots(e, [&](int a, int row, int rows) {
-            const std::int64_t at = (static_cast<std::int64_t>(e.block) * v.n_slots + a) * P8 + e.lane;
-            for_slots(e, [&](int b, int column, int columns) {
-                const std::int64_t pair = (at - e.lane) * v.n_slots + b * P8 + e.lane;
-                for (int l = 0; l < e.active(); ++l) {
-                    if (v.row[at + l] < 0 || v.offset[pair + l] == 0xffff) continue;
-                    double* to = values + v.row[at + l] + v.offset[pair + l];
-                    for (int i = 0; i < rows; ++i)
-                        for (int j = 0; j < columns; ++j)
-                            to[i * v.length[at + l] + j] += K[(row + i) * v.n_unknowns + column + j][l];
-                }
-            });
-        });
+        const std::int64_t at = (static_cast<std::int64_t>(e.block) * v.n_slots + a) * P8 + e.lane;
+        const std::int64_t pair = (at - e.lane) * v.n_slots + b * P8 + e.lane;
+        for (int l = 0; l < e.active(); ++l) {
+            if (v.row[at + l] < 0 || v.offset[pair + l] == 0xffff) continue;
+            double* to = values + v.row[at + l] + v.offset[pair + l];
+            for (int i = 0; i < rows; ++i)
+                for (int j = 0; j < columns; ++j) to[i * v.length[at + l] + j] += block[i * columns + j][l];
+        }
     }
 
     static void residual(const PointView& v, const Step& step, const Vectors& x, int begin, int end,
                          double* r) {
-        PointScratch scratch(v.n_unknowns);
+        PointScratch scratch(v.n_unknowns, 0, 0);
         each(v, step, x, begin, end, [&](const Element& e) {
             e.template assemble<false>(scratch.r, nullptr);
             scatter_forces(e, scratch.r, r);
@@ -73,11 +71,15 @@ struct PointKernel {
 
     static void tangent(const PointView& v, const Step& step, const Vectors& x, int begin, int end, double* r,
                         double* values) {
-        PointScratch scratch(v.n_unknowns);
+        constexpr int n_y = Element::n_y;
+        PointScratch scratch(v.n_unknowns, v.n_points * n_y * n_y, v.n_points * n_y * Map::n_components);
         each(v, step, x, begin, end, [&](const Element& e) {
-            e.template assemble<true>(scratch.r, scratch.K);
+            e.template assemble<true>(scratch.r, scratch.moduli);
             if (r) scatter_forces(e, scratch.r, r);
-            scatter_moduli(e, scratch.K, values);
+            e.for_blocks(scratch.moduli, scratch.rows, [&](auto g, int a, auto h, int b, const V* block) {
+                scatter_block<Map::groups[g].components, Map::groups[h].components>(
+                    e, v.group[g].first_slot + a, v.group[h].first_slot + b, block, values);
+            });
         });
     }
 
@@ -102,7 +104,7 @@ struct PointKernel {
         each(v, step, x, 0, v.n_blocks, [&](const Element& e) {
             for (int q = 0; q < v.n_points; ++q) {
                 typename Element::Point p;
-                e.strains(q, p);
+                e.template strains<false>(q, p);
                 for (int k = 0; k < Element::n_s; ++k) {
                     vstore(e0 + k * stride + e.point(q), p.z0[k]),
                         vstore(et + k * stride + e.point(q), p.zt[k]);

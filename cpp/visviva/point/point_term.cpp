@@ -28,14 +28,20 @@ PointTerm::PointTerm(const PointData& d)
         if (from.n_nodes > point_max_nodes) throw std::invalid_argument("an element has too many nodes");
         to.n_nodes = from.n_nodes, to.first_slot = slot, to.is_position = from.is_position;
         slot += from.n_nodes, v.n_unknowns += from.n_nodes * shape.group[g].components;
-        in_lanes(weights_[g], from.weights,
-                 static_cast<std::int64_t>(d.n_points) * from.n_nodes * shape.group[g].columns, d.n);
+        int same = 0;  // a group with these weights: what is one in memory stays longer in the cache
+        while (d.groups[same].weights != from.weights || d.groups[same].n_nodes != from.n_nodes) ++same;
+        if (same == g)
+            in_lanes(weights_[g], from.weights,
+                     static_cast<std::int64_t>(d.n_points) * from.n_nodes * shape.group[g].columns, d.n);
         in_lanes(mass_[g], from.mass, from.n_nodes * (from.n_nodes + 1) / 2, d.n);
-        to.weights = weights_[g].data(), to.mass = from.mass ? mass_[g].data() : nullptr;
+        to.weights = weights_[same].data(), to.mass = from.mass ? mass_[g].data() : nullptr;
     }
     if (slot != d.n_slots) throw std::invalid_argument("the nodes of the groups are not those of the index");
     in_lanes(w_, d.volume, d.n_points, d.n);
-    in_lanes(par_, d.par, static_cast<std::int64_t>(d.n_points) * v.n_par, d.n);
+    const std::int64_t n_all = static_cast<std::int64_t>(d.n) * d.n_points * v.n_par;
+    v.is_even = std::equal(d.par + (n_all > 0 ? v.n_par : 0), d.par + n_all, d.par);
+    in_lanes(par_, d.par, v.is_even ? v.n_par : static_cast<std::int64_t>(d.n_points) * v.n_par,
+             v.is_even ? 1 : d.n);
     in_lanes(reference_, d.reference, static_cast<std::int64_t>(d.n_points) * shape.n_strains, d.n);
     v.index = slots_.index(), v.w = w_.data(), v.par = par_.data();
     v.reference = d.reference ? reference_.data() : nullptr;
@@ -142,7 +148,7 @@ double PointTerm::share(const double* x1, const double* d) const {
         for (int q = 0; q < v.n_points; ++q) {
             const std::int64_t point = static_cast<std::int64_t>(block) * v.n_points + q;
             const double* w = g.weights + point * g.n_nodes * columns * L8 + lane;
-            const double* par = v.par + point * v.n_par * L8 + lane;
+            const double* par = v.par + (v.is_even ? 0 : point * v.n_par * L8) + lane;
             double c = 0, down = 0;
             for (int a = 0; a < g.n_nodes; ++a) {
                 c += w[a * columns * L8] * x1[slots[a * L8]];

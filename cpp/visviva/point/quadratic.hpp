@@ -1,6 +1,8 @@
 // Strain maps: strains that are polynomials of second order in local unknowns, written once; their values,
 // rows and second derivatives follow at compile time.
 #pragma once
+#include <utility>
+
 #include "visviva/base/simd.hpp"
 
 namespace visviva::VISVIVA_ISA {
@@ -59,17 +61,28 @@ constexpr Quadratic<n> operator*(const Quadratic<n>& p, const Quadratic<n>& q) {
     return r;
 }
 
+/// Calls f(0) to f(n - 1), with numbers known to the compiler unless there are too many.
+template <int n, class F>
+VISVIVA_INLINE void each(F&& f) {
+    if constexpr (n <= 64)
+        [&]<int... i>(std::integer_sequence<int, i...>) {
+            (f(std::integral_constant<int, i>{}), ...);
+        }(std::make_integer_sequence<int, n>{});
+    else
+        for (int i = 0; i < n; ++i) f(i);
+}
+
 /// Nonzero pattern of the strains of a map: Map::strains(y, e) fills n_strains of them from n_local
 /// unknowns.
 template <class Map>
 struct Strains {
     static constexpr int n_e = Map::n_strains, n_y = Map::n_local;
     struct Linear {
-        int k, j;  // strain, unknown
+        int k, j, at;  // strain, unknown, their entry
         double factor;
     };
     struct Square {
-        int k, j, l;
+        int k, j, l, at;  // at: the entry of k and j
         double factor;
     };
     struct Entry {
@@ -111,45 +124,43 @@ struct Strains {
         Linear linear[n_linear > 0 ? n_linear : 1];
         Square square[n_square > 0 ? n_square : 1];
         Entry entry[n_entries > 0 ? n_entries : 1];
+        int first[n_e + 1], first_square[n_e + 1];  // of every strain among them
     };
     static constexpr Sparse sparse = [] {
         Sparse s{};
         int a = 0, b = 0, c = 0;
-        for (int k = 0; k < n_e; ++k)
+        for (int k = 0; k < n_e; ++k) {
+            s.first[k] = c, s.first_square[k] = b;
             for (int j = 0; j < n_y; ++j) {
-                if (const double f = table.e[k].linear[j]; f != 0) s.linear[a++] = {k, j, f};
-                if (depends(k, j)) s.entry[c++] = {k, j};
+                if (const double f = table.e[k].linear[j]; f != 0) s.linear[a++] = {k, j, c, f};
                 for (int l = 0; l < n_y; ++l)
-                    if (const double f = table.e[k].square[j][l]; f != 0) s.square[b++] = {k, j, l, f};
+                    if (const double f = table.e[k].square[j][l]; f != 0) s.square[b++] = {k, j, l, c, f};
+                if (depends(k, j)) s.entry[c++] = {k, j};
             }
+        }
+        s.first[n_e] = c, s.first_square[n_e] = b;
         return s;
     }();
 
     /// Strains e [n_e] alone.
     static VISVIVA_INLINE void evaluate(const V* y, V* e) {
         for (int k = 0; k < n_e; ++k) e[k] = broadcast(table.e[k].constant);
-        for (int i = 0; i < n_linear; ++i)
-            e[sparse.linear[i].k] += sparse.linear[i].factor * y[sparse.linear[i].j];
-        for (int i = 0; i < n_square; ++i) {
+        each<n_linear>(
+            [&](auto i) { e[sparse.linear[i].k] += sparse.linear[i].factor * y[sparse.linear[i].j]; });
+        each<n_square>([&](auto i) {
             const Square& q = sparse.square[i];
             e[q.k] += 0.5 * (q.factor * y[q.l]) * y[q.j];
-        }
+        });
     }
 
-    /// Strains e [n_e] and rows B [n_e][n_y], de = B dy.
-    static VISVIVA_INLINE void evaluate(const V* y, V* e, V* B) {
-        for (int k = 0; k < n_e * n_y; ++k) B[k] = V{};
-        for (int i = 0; i < n_linear; ++i)
-            B[sparse.linear[i].k * n_y + sparse.linear[i].j] = broadcast(sparse.linear[i].factor);
-        for (int k = 0; k < n_e; ++k) e[k] = broadcast(table.e[k].constant);
-        for (int i = 0; i < n_linear; ++i)
-            e[sparse.linear[i].k] += sparse.linear[i].factor * y[sparse.linear[i].j];
-        for (int i = 0; i < n_square; ++i) {
+    /// Rows B, de = B dy, of the entries that do not vanish [n_entries].
+    static VISVIVA_INLINE void rows(const V* y, V* B) {
+        for (int i = 0; i < n_entries; ++i) B[i] = V{};
+        each<n_linear>([&](auto i) { B[sparse.linear[i].at] = broadcast(sparse.linear[i].factor); });
+        each<n_square>([&](auto i) {
             const Square& q = sparse.square[i];
-            const V product = q.factor * y[q.l];
-            B[q.k * n_y + q.j] += product;
-            e[q.k] += 0.5 * product * y[q.j];
-        }
+            B[q.at] += q.factor * y[q.l];
+        });
     }
 };
 

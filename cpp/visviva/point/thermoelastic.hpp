@@ -24,49 +24,57 @@ struct ThermoelasticEnergy : PlainEnergy {
     static constexpr int block(int k) { return k / 6; }
     static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
     const V* p;
-    explicit ThermoelasticEnergy(const V* par) : p(par) {}
+    Capacity heat;
+    explicit ThermoelasticEnergy(const V* par)
+        : p(par), heat(p[thermal::capacity], p[thermal::zero], p + thermal::more) {}
 
-    Capacity heat() const { return {p[thermal::capacity], p[thermal::zero], p + thermal::more}; }
     /// W and M of a strain.
-    void strained(const V* e, V& W, V& M) const {
-        Response w, m;
-        respond<false>(static_cast<MaterialKind>(p[thermal::kind][0]), e, p + thermal::material, w);
-        VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<false>(e, m);
-        W = w.W, M = p[thermal::coupling] * m.W - p[thermal::slope] * w.W;
+    struct Shared {
+        Response w;
+        V M, M_C[6], M_CC[21];
+    };
+    template <bool second>
+    void share(const V* e, Shared& at) const {
+        Response v;
+        respond<second>(static_cast<MaterialKind>(p[thermal::kind][0]), e, p + thermal::material, at.w);
+        VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<second>(e, v);
+        const V beta = p[thermal::coupling], slope = p[thermal::slope];
+        at.M = beta * v.W - slope * at.w.W;
+        for (int k = 0; k < 6; ++k) at.M_C[k] = beta * v.s[k] - slope * at.w.s[k];
+        for (int k = 0; second && k < 21; ++k) at.M_CC[k] = beta * v.d[k] - slope * at.w.d[k];
     }
-    V increase(const V* from, const V* to) const {
-        V W0, M0, W1, M1;
-        strained(from, W0, M0), strained(to, W1, M1);
-        return (W1 - W0) + p[thermal::zero] * (M1 - M0) +
-               heat().increase(from[6] - M0, (to[6] - from[6]) - (M1 - M0));
+    V increase(const Shared& from, const V* e0, const Shared& to, const V* e1) const {
+        const V dM = to.M - from.M;
+        return (to.w.W - from.w.W) + p[thermal::zero] * dM +
+               heat.increase(e0[6] - from.M, (e1[6] - e0[6]) - dM);
+    }
+    V increase(const V* e0, const V* e1) const {
+        Shared from, to;
+        share<false>(e0, from), share<false>(e1, to);
+        return increase(from, e0, to, e1);
     }
 
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        Response w, m;
-        respond<second>(static_cast<MaterialKind>(p[thermal::kind][0]), e, p + thermal::material, w);
-        VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<second>(e, m);
-        const V zero = p[thermal::zero], beta = p[thermal::coupling], slope = p[thermal::slope];
-        const Capacity capacity = heat();
-        const V M = beta * m.W - slope * w.W, rise = capacity.rise_of(e[6] - M), theta = zero + rise;
-        const V c = capacity.at(rise);
-        V M_C[6];
-        for (int k = 0; k < 6; ++k) {
-            M_C[k] = beta * m.s[k] - slope * w.s[k];
-            to.s[k] = w.s[k] - rise * M_C[k];
-        }
-        to.W = w.W + zero * M + capacity.content(rise);
+        Shared at;
+        share<second>(e, at), evaluate<second>(at, e, to);
+    }
+    template <bool second>
+    void evaluate(const Shared& at, const V* e, Potential<n>& to) const {
+        const V zero = p[thermal::zero], rise = heat.rise_of(e[6] - at.M), theta = zero + rise;
+        to.W = at.w.W + zero * at.M + heat.content(rise);
+        for (int k = 0; k < 6; ++k) to.s[k] = at.w.s[k] - rise * at.M_C[k];
         to.s[6] = theta;
         if constexpr (second) {
+            const V by_s = theta / heat.at(rise);
             for (int k = 0; k < 6; ++k) {
                 for (int l = k; l < 6; ++l) {
-                    const int at = packed(6, k, l);
-                    to.d[packed(n, k, l)] =
-                        w.d[at] - rise * (beta * m.d[at] - slope * w.d[at]) + theta / c * M_C[k] * M_C[l];
+                    const int i = packed(6, k, l);
+                    to.d[packed(n, k, l)] = at.w.d[i] - rise * at.M_CC[i] + by_s * at.M_C[k] * at.M_C[l];
                 }
-                to.d[packed(n, k, 6)] = -theta / c * M_C[k];
+                to.d[packed(n, k, 6)] = -by_s * at.M_C[k];
             }
-            to.d[packed(n, 6, 6)] = theta / c;
+            to.d[packed(n, 6, 6)] = by_s;
         }
     }
 };
@@ -77,20 +85,22 @@ struct ThermoelasticEnergy : PlainEnergy {
 struct HeatPairing {
     static constexpr bool is_gradient = false;
 
+    /// K slope; with the strain C of a conductivity in space, which is isotropic.
     template <class T>
-    static VISVIVA_INLINE void conduct(const T* C, const V* k, const T* slope, bool in_space, T* flux) {
-        constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-        T pulled[6];
-        for (int a = 0; a < 6; ++a) pulled[a] = 0.0 * slope[0] + k[a];
-        if (in_space) {
-            const T x = C[0] + broadcast(1.0), y = C[1] + broadcast(1.0), z = C[2] + broadcast(1.0);
-            const T cofactor[6] = {y * z - C[4] * C[4],    z * x - C[5] * C[5],    x * y - C[3] * C[3],
-                                   C[4] * C[5] - C[3] * z, C[5] * C[3] - C[4] * x, C[3] * C[4] - C[5] * y};
-            const T det = x * cofactor[0] + C[3] * cofactor[3] + C[5] * cofactor[5];
-            for (int a = 0; a < 6; ++a) pulled[a] = k[0] * (cofactor[a] / root(det));
+    static VISVIVA_INLINE void conduct(const T* C, const V* k, const T* slope, T* flux) {
+        if (!C) {
+            for (int a = 0; a < 3; ++a)
+                flux[a] = k[voigt[a][0]] * slope[0] + k[voigt[a][1]] * slope[1] + k[voigt[a][2]] * slope[2];
+            return;
         }
+        const T x = C[0] + broadcast(1.0), y = C[1] + broadcast(1.0), z = C[2] + broadcast(1.0);
+        const T cofactor[6] = {y * z - C[4] * C[4],    z * x - C[5] * C[5],    x * y - C[3] * C[3],
+                               C[4] * C[5] - C[3] * z, C[5] * C[3] - C[4] * x, C[3] * C[4] - C[5] * y};
+        const T det = x * cofactor[0] + C[3] * cofactor[3] + C[5] * cofactor[5],
+                share = k[0] * inverse(root(det));
         for (int a = 0; a < 3; ++a)
-            flux[a] = pulled[at[a][0]] * slope[0] + pulled[at[a][1]] * slope[1] + pulled[at[a][2]] * slope[2];
+            flux[a] = share * (cofactor[voigt[a][0]] * slope[0] + cofactor[voigt[a][1]] * slope[1] +
+                               cofactor[voigt[a][2]] * slope[2]);
     }
 
     /// What tests the entropy, its gradient, the temperature and its gradient (8), by the temperature, its
@@ -99,19 +109,28 @@ struct HeatPairing {
     static VISVIVA_INLINE void balance(const T& theta, const T* slope, const T& rate, const T& conjugate,
                                        const V* par, const T* C, T* f) {
         T flux[3];
-        conduct(C, par + thermal::conductivity, slope, C && par[thermal::spatial][0] > 0, flux);
-        const T factor = par[thermal::conductivity_slope] * (theta - par[thermal::zero]) + broadcast(1.0);
-        for (int a = 0; a < 3; ++a) flux[a] = factor * flux[a];
-        const T square = slope[0] * flux[0] + slope[1] * flux[1] + slope[2] * flux[2];
-        f[0] = rate - square / (theta * theta);
+        conduct(C, par + thermal::conductivity, slope, flux);
+        if (!all(par[thermal::conductivity_slope] == 0.0)) {
+            const T factor = par[thermal::conductivity_slope] * (theta - par[thermal::zero]) + broadcast(1.0);
+            for (int a = 0; a < 3; ++a) flux[a] = factor * flux[a];
+        }
+        const T over = inverse(theta);
+        f[0] = rate;
+        for (int a = 0; a < 3; ++a) {
+            f[1 + a] = flux[a] * over, f[5 + a] = 0.0 * theta;
+            f[0] = f[0] - (slope[a] * over) * f[1 + a];
+        }
         f[4] = theta - conjugate;
-        for (int a = 0; a < 3; ++a) f[1 + a] = flux[a] / theta, f[5 + a] = 0.0 * theta;
     }
 
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        for (int a = 0; a < 6; ++a) f[a] = z.s[a];
-        balance(z.e[10], z.e + 11, z.rate[6], z.s[6], z.par, z.e, f + 6);
+        typename State::T C[6], slope[3];
+        const bool in_space = z.par[thermal::spatial][0] > 0;
+        for (int a = 0; a < 6; ++a) f[a] = z.s(a);
+        for (int a = 0; a < 6 && in_space; ++a) C[a] = z.e(a);
+        for (int a = 0; a < 3; ++a) slope[a] = z.e(11 + a);
+        balance(z.e(10), slope, z.rate(6), z.s(6), z.par, in_space ? C : nullptr, f + 6);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

@@ -64,6 +64,8 @@ class System {
     }
     // node[unknown]: first unknown of the mesh node it belongs to, or the unknown itself.
     void set_nodes(std::vector<int> node) { node_ = std::move(node); }
+    /// Place of every unknown, where nodes of several fields stand at one.
+    void set_places(std::vector<int> place) { place_ = std::move(place); }
     void set_blocks(Blocks blocks) { blocks_ = std::move(blocks); }
     // Reductions of the equations before they are solved, in this order.
     void add_reduction(std::shared_ptr<Reduction> reduction) { reductions_.push_back(std::move(reduction)); }
@@ -285,7 +287,7 @@ class System {
     std::vector<double> modes_;
     int n_modes_ = 0;
     std::vector<int> island_, constraint_account_, account_island_;
-    std::vector<int> node_, held_;  // held: fixed unknowns with equations
+    std::vector<int> node_, place_, held_;  // held: fixed unknowns with equations
     std::vector<int> prescribed_, prescribed_account_, drives_, drive_account_;
     std::vector<double> drive_work_;  // of each drive, by the projection of the rates of this step
     std::vector<Supply> supply_;

@@ -32,10 +32,11 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
 
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
 void System::describe_nodes() {
-    blocks_.node.clear(), blocks_.algebraic.clear(), blocks_.scale.clear();
+    blocks_.node.clear(), blocks_.place.clear(), blocks_.algebraic.clear(), blocks_.scale.clear();
     for (int i = 0; i < csr_.n; ++i)
         if (i == 0 || node_[csr_.unknown[i]] != node_[csr_.unknown[i - 1]]) blocks_.node.push_back(i);
     for (int u : csr_.unknown) {
+        if (!place_.empty()) blocks_.place.push_back(place_[u]);
         blocks_.algebraic.push_back(order_[u] == 0);
         blocks_.scale.push_back(inverse_scale_[u] > 0 ? 1 / inverse_scale_[u] : 0);
     }

@@ -125,6 +125,8 @@ class Field:
         Unknowns that keep their values and have no equation.
     node : int
         So many consecutive unknowns make up a node of a mesh.
+    beside : Field or None
+        One whose nodes are at the same places: iterative solvers take the unknowns of both there together.
     part : int
         So many consecutive unknowns make up a block of their own, together with the part of the same number of other
         fields of that block; 0: all are one.
@@ -154,6 +156,7 @@ class Field:
     instantaneous: bool = True
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     composition: Composition | None = None
+    beside: Field | None = None
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:

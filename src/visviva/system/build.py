@@ -33,6 +33,8 @@ def build_core(system: System) -> _core.System:
         core.add(term)
     core.set_blocks(*blocks(model))
     core.set_nodes(nodes(model))
+    if any(f.beside for f in model.fields):
+        core.set_places(places(model))
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
     model.entropies.hand_over(core)
@@ -121,6 +123,16 @@ def islands(model: Model) -> tuple[Ints, ...]:
     accounts = [k for k, a in enumerate(model.accounts) if a.category == "constraint"]
     of_accounts = island[[model.accounts[k].component for k in accounts]]
     return island[owner], np.array(accounts, dtype=np.int32), of_accounts
+
+
+def places(model: Model) -> Ints:
+    """A number of the place of each unknown: the first unknown of the node there of the field it is beside."""
+    at = nodes(model)
+    for f in model.fields:
+        if f.beside:
+            there = f.beside.start + np.arange(f.size // f.node) * f.beside.node
+            at[f.start : f.start + f.size] = np.repeat(there, f.node)
+    return at
 
 
 def nodes(model: Model) -> Ints:

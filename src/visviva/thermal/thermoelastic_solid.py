@@ -175,6 +175,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         self.algorithmic = model.field(
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
+        self.entropy.beside = self.algorithmic.beside = self.motion
 
     def _vectors(self, nodes: Ints, first: int) -> Ints:
         """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
