@@ -98,6 +98,11 @@ class Role(Enum):
         return self not in ORDERS and self not in (Role.STATE, Role.POTENTIAL, Role.TEMPERATURE)
 
     @property
+    def supply(self) -> int:
+        """Kind of energy that held unknowns receive from the force r that holds them, see the core's `Supply`."""
+        return SUPPLIES.get(self, 0)
+
+    @property
     def has_least_energy(self) -> bool:
         """Whether stable equilibria have the least energy in it."""
         return self in (Role.MOTION, Role.STATE)
@@ -192,11 +197,6 @@ class Field:
         """Category of what held unknowns take in: heat, or work."""
         return "heat" if self.role is Role.CONTENT and self.component.carries_heat else "work"
 
-    @property
-    def supply(self) -> int:
-        """Kind of energy that held unknowns receive from the force r that holds them, see the core's `Supply`."""
-        return SUPPLIES.get(self.role, 0)
-
     def form(self, k: int = 0) -> Form:
         """The `k`-th unknown as a form."""
         return Form(((self.start + k, 1.0),), 0.0, self.composition)
@@ -220,7 +220,7 @@ class Prescription:
     account : int
         Where the work of what moves them is booked.
     supply : int
-        See `Field.supply`.
+        See `Role.supply`.
     """
 
     component: Owner

@@ -218,7 +218,7 @@ class Model:
         )
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.driving.prescribed.append(
-            Prescription(component, unknowns, values, rates, account, moved.supply)
+            Prescription(component, unknowns, values, rates, account, moved.role.supply)
         )
         self.driving.bend(kinks, account)
 

@@ -74,7 +74,7 @@ def supplied(model: Model) -> tuple[Ints, ...]:
     moving = {u for u, _, _ in rows}
     for f in model.fields:
         still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
-        rows += [(u, model.account(f.component, "supply", f.supplied), f.supply) for u in still]
+        rows += [(u, model.account(f.component, "supply", f.supplied), f.role.supply) for u in still]
     return tuple(np.ascontiguousarray(column) for column in np.array(rows, dtype=np.int32).reshape(-1, 3).T)
 
 
