@@ -224,6 +224,21 @@ def bathed() -> Components:
     return [fluid, heat, cube, immersed, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
 
 
+def sunk() -> Components:
+    """A warm rigid box in a fluid."""
+    fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0)
+    shape = vv.Box(size=(0.3, 0.35, 0.4))
+    box = vv.RigidBody(shape=shape, density=2.0, position=(0.45, 0.5, 0.55))
+    wet, store = (
+        vv.ImmersedBody(body=box, fluid=fluid),
+        vv.HeatStore(capacity=4.0, temperature=23.0, reference=20.0),
+    )
+    cooling = vv.ImmersedHeat(immersed=wet, heat=heat, conductance=0.5, store=store)
+    down = vv.Gravity(acceleration=(0.3, -1.0, 0.2))
+    return [fluid, heat, box, wet, store, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
+
+
 def touching(**options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
@@ -322,6 +337,7 @@ THERMAL = [
         for c in (None, 2.0)
     ],
     Entry("warm cube in a fluid", bathed, NOTHING, h=0.02, steps=10),
+    Entry("warm rigid box in a fluid", sunk, NOTHING, h=0.02, steps=10),
     Entry("heat links", linked, NOTHING, steps=20),
     *[
         Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)

@@ -62,6 +62,62 @@ def test_a_body_that_conducts_well_cools_as_newton_says() -> None:
     assert (cube.temperatures(system.x).mean() - 300) / 50 == pytest.approx(left, rel=2e-3)
 
 
+def log(dimension: int, conductance: float = 2.0, conductivity: float = 0.1) -> tuple[Any, ...]:
+    """A warm rigid body that sinks in a box."""
+    if dimension == 2:
+        mesh: Any = vv.RectangleMesh(size=(1, 1), counts=(8, 8), cell="quad9")
+        shape: Any = vv.Cylinder(radius=0.2, length=1.0)
+    else:
+        mesh, shape = vv.BoxMesh(size=(1, 1, 1), counts=(5, 5, 5)), vv.Box(size=(0.4, 0.3, 0.35))
+    place = np.array([0.5, 0.6, 0.0 if dimension == 2 else 0.5])
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    heat = vv.FluidHeat(
+        fluid=water, conductivity=conductivity, capacity=3.0, temperature=300.0, reference=300.0
+    )
+    body = vv.RigidBody(shape=shape, density=1.5, position=place)
+    wet, store = (
+        vv.ImmersedBody(body=body, fluid=water),
+        vv.HeatStore(capacity=0.5, temperature=350.0, body=body),
+    )
+    cooling = vv.ImmersedHeat(immersed=wet, heat=heat, conductance=conductance, store=store)
+    weight = vv.Gravity(acceleration=(0, -1, 0))
+    return store, heat, water, vv.NoSlip(fluid=water, faces="all"), body, wet, cooling, weight
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_the_fluid_gives_a_rigid_body_takes(dimension: int) -> None:
+    """While it sinks; in the end both are as warm as their capacities say."""
+    parts = log(dimension, conductivity=1.0)
+    system = vv.System(list(parts), vv.Newton(tolerance=1e-14))
+    result = vv.simulate(system, until=3.0, step=0.1)
+    assert result.ledger.imbalance() < 1e-9
+    common = 300 + 50 * 0.5 / (0.5 + 3.0)  # the fluid that the body displaces stores heat as well
+    assert parts[0].temperature_at(system.x) == pytest.approx(common, abs=0.01)
+
+
+@pytest.mark.parametrize(("dimension", "area"), [(2, 0.4 * np.pi), (3, 2 * (0.12 + 0.14 + 0.105))])
+def test_a_rigid_body_cools_as_newton_says(dimension: int, area: float) -> None:
+    store, heat, *others = log(dimension, conductance=0.5)
+    bath = vv.PrescribedTemperature(body=heat, nodes="all", value=300.0)
+    system = vv.System([store, heat, *others, bath])
+    vv.simulate(system, until=0.2, step=0.02)
+    left = np.exp(-0.5 * area * 0.2 / 0.5)
+    assert (store.temperature_at(system.x) - 300) / 50 == pytest.approx(left, rel=2e-3)
+
+
+def test_refusals_of_rigid_bodies() -> None:
+    store, heat, _, _, _, wet, _, _ = log(2)
+    solid = bathed()
+    given: dict[str, Any] = {"immersed": wet, "heat": heat, "conductance": 1.0, "store": store}
+    for options, words in (
+        ({"store": None}, "give store, a vv.HeatStore"),
+        ({"faces": "north"}, "leave out faces"),
+        ({"immersed": solid[3], "heat": solid[1]}, "store is for rigid bodies"),
+    ):
+        with pytest.raises(vv.InputError, match=words):
+            vv.ImmersedHeat(**{**given, **options})
+
+
 def test_refusals() -> None:
     water, heat, cube, immersed, _, _ = bathed()
     plain = vv.Immersed(solid=vv.Solid(mesh=cube.grid, material=RUBBER, density=1.0), fluid=water)

@@ -100,7 +100,7 @@ class ImmersedBody(Carried):
             )
         if self.body.shape is None:
             raise InputError(f"{self.label}: {self.body.label} has no shape; give it one")
-        self._shape: AnyShape = self.body.shape
+        self.shape: AnyShape = self.body.shape
         if np.any(self.body.velocity) or np.any(self.body.angular_velocity):
             raise InputError(
                 f"{self.label}: {self.body.label} starts with the velocity of {self.fluid.label}; leave out its own"
@@ -115,7 +115,7 @@ class ImmersedBody(Carried):
         return LEAST_SIMPLEX if next(iter(self.fluid.grid.cells)).startswith(("tri", "tet")) else LEAST_BOX
 
     def _check_plane(self) -> None:
-        z = self._shape.surface()[0][:, 2]
+        z = self.shape.surface()[0][:, 2]
         if abs(np.ptp(z) - 1.0) > 1e-9:
             raise InputError(
                 f"{self.label}: the shape of {self.body.label} is {np.ptp(z):.6g} long along its z axis and must have "
@@ -150,16 +150,17 @@ class ImmersedBody(Carried):
         d = self.fluid.dimension
         self.body.is_flat = d == 2
         where = self.body.position[:d], self.body.rotation[:d]
-        outline = where[0] + self._shape.surface()[0] @ where[1].T
+        outline = where[0] + self.shape.surface()[0] @ where[1].T
         cells = self._located(outline).cells
         if not self.over_walls:
             walls = self.fluid.wall_places(self.body.position[:d])
-            covered = inside_body(self.body, *self._shape.surface(), walls)
+            covered = inside_body(self.body, *self.shape.surface(), walls)
             refuse_covering(self.label, self.body, self.fluid, covered)
         edge = float(np.min(self.fluid.grid.volumes[cells]) ** (1 / d)) / (
             1 if self.fluid.is_stabilised else 2
         )
-        self.marks = marks(self._shape, self.spacing * edge, plane=d == 2)
+        self.distance = self.spacing * edge
+        self.marks = marks(self.shape, self.distance, plane=d == 2)
         self.force = model.multipliers(self, "force", d * len(self.marks), instantaneous=False)
 
     def contribute(self, model: Model) -> None:
@@ -190,7 +191,7 @@ class ImmersedBody(Carried):
     # --- the fluid that is not there --------------------------------------------------------------------------
     @property
     def _displaced(self) -> MassProperties:
-        return self._shape.inertia(self.fluid.density)
+        return self.shape.inertia(self.fluid.density)
 
     def _displace(self, model: Model) -> None:
         d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")

@@ -137,6 +137,44 @@ def covering(points: Array, triangles: Ints, spacing: float) -> Array:
     return thinned(np.vstack(fine), 0.8 * spacing)
 
 
+def shares(shape: AnyShape, places: Array, spacing: float, *, plane: bool) -> Array:
+    """Areas (n,) of the surface of a shape that are nearest to marks (n, 3); in a plane those of the sides of a prism.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import visviva as vv
+    >>> bar = vv.Box(size=(4.0, 2.0, 1.0))
+    >>> shares(bar, np.array([[-2.0, 0, 0], [2.0, 0, 0], [0, 0, 0]]), 0.2, plane=True).round(2).tolist()
+    [4.0, 4.0, 4.0]
+    """
+    from scipy.spatial import cKDTree
+
+    points, triangles = shape.surface(resolution=96)
+    corners = points[triangles]
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    if plane:
+        around = np.abs(normals[:, 2]) < 0.5 * areas
+        corners, areas = corners[around], areas[around]
+    found, seen = np.zeros(len(places)), slice(0, 2 if plane else 3)
+    tree = cKDTree(places[:, seen])
+    for triangle, area in zip(corners, areas, strict=True):
+        longest = max(np.linalg.norm(triangle - np.roll(triangle, 1, axis=0), axis=1))
+        middles = _middles(int(np.ceil(4 * longest / spacing))) @ triangle
+        np.add.at(found, tree.query(middles[:, seen])[1], area / len(middles))
+    return found
+
+
+def _middles(n: int) -> Array:
+    """Coordinates (n^2, 3) of the middles of equal parts of a triangle."""
+    i, j = (w.ravel() for w in np.meshgrid(np.arange(n), np.arange(n)))
+    up, down = i + j < n, i + j < n - 1
+    first = np.concatenate([i[up] + 1 / 3, i[down] + 2 / 3]) / n
+    second = np.concatenate([j[up] + 1 / 3, j[down] + 2 / 3]) / n
+    return np.column_stack([first, second, 1 - first - second])
+
+
 # --- distances ----------------------------------------------------------------------------------------------
 def _distance(places: Array, others: Array) -> Array:
     from scipy.spatial import cKDTree
