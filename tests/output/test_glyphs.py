@@ -133,6 +133,18 @@ def test_few_marks_of_many_points(tmp_path: Path) -> None:
     assert (np.abs(arrows[:, 0, 1:] - 0.5).max(axis=1) > 0.49).sum() > 80  # on the faces, not inside
 
 
+def test_bodies_of_the_same_shape_stand_apart(tmp_path: Path) -> None:
+    """The length of arrows goes by distances in space, not in the bodies' own coordinates."""
+    cubes = [
+        vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, position=(10.0 * k, 0, 0), velocity=(0, 0, 1))
+        for k in range(2)
+    ]
+    vv.simulate(vv.System(cubes), until=0.1, step=0.1).write(tmp_path / "t.vtkhdf")
+    with Standing(tmp_path / "t.vtkhdf") as motion:
+        arrows = MotionGlyphs(motion, "velocity").at(0.1).arrows
+    assert np.linalg.norm(arrows[:, 1] - arrows[:, 0], axis=1) == pytest.approx(1.12, abs=0.01)
+
+
 def test_what_is_no_vector_is_refused(pulled: vv.Result, cantilever: vv.Result, tmp_path: Path) -> None:
     for wrong, said in {
         "vonmises": "there is no field",

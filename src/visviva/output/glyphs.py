@@ -300,13 +300,14 @@ def width_of(motion: Standing, name: str) -> int:
 
 def spots_of(motion: Standing, name: str) -> dict[int, Ints]:
     """Points of the surfaces that have a field, few enough to be told apart; of volumes those that are seen."""
-    low = np.min([surface.points.min(axis=0) for surface in motion.surfaces], axis=0)
+    start = motion.points(0)  # surfaces of rigid bodies have points in coordinates of their own
+    low = np.min([points.min(axis=0) for points in start], axis=0)
     having = [k for k, v in enumerate(motion.field(name, 0)) if not np.isnan(v).all()]
     still = fluids_of(motion)
     shown = {k: seen(motion.surfaces[k], inside=k in still) for k in having}
-    size = max((float(np.ptp(motion.surfaces[k].points, axis=0).max()) for k in having), default=0.0) / 40
+    size = max((float(np.ptp(start[k], axis=0).max()) for k in having), default=0.0) / 40
     while True:
-        chosen = {k: spread(motion.surfaces[k].points, ids, low, size) for k, ids in shown.items()}
+        chosen = {k: spread(start[k], ids, low, size) for k, ids in shown.items()}
         if sum(map(len, chosen.values())) <= max(MOST, len(having)):
             return chosen
         size *= 1.2
@@ -314,7 +315,8 @@ def spots_of(motion: Standing, name: str) -> dict[int, Ints]:
 
 def apart(motion: Standing, spots: dict[int, Ints], extent: float) -> float:
     """Length of glyphs somewhat above the distance of these points, within bounds."""
-    points = np.concatenate([np.zeros((0, 3)), *(motion.surfaces[k].points[ids] for k, ids in spots.items())])
+    start = motion.points(0)
+    points = np.concatenate([np.zeros((0, 3)), *(start[k][ids] for k, ids in spots.items())])
     distances = cKDTree(points).query(points, k=2)[0][:, 1] if len(points) > 1 else np.zeros(1)
     return float(np.clip(1.6 * np.median(distances), 0.03 * extent, REACH * extent))
 
