@@ -81,7 +81,8 @@ static void bind_unknowns(nb::class_<System>& system) {
              })
         .def("finalize", &System::finalize)
         .def("set_signal_count", &System::set_signal_count)
-        .def("set_driven", &System::set_driven)
+        .def("set_judged",
+             [](System& s, const Ints& multipliers) { s.set_judged(vector_of<int>(multipliers)); })
         .def("set_prescribed",
              [](System& s, const Ints& unknown, const Ints& account, const Ints& supply) {
                  std::vector<Supply> kinds;

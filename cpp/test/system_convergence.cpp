@@ -32,3 +32,19 @@ TEST_CASE("a return from far outside the model is no contraction") {
     CHECK_FALSE(ends({1e3, 1e-6}, 1e-13));
     CHECK(ends({7e-3, 10, 2e12, 9e-3, 3e-4, 4e-7, 1e-13}));
 }
+
+TEST_CASE("two increments by tangents just made, the second hardly less, are a stall") {
+    double contraction = 0;
+    visviva::Convergence convergence(0.3, contraction);
+    convergence.judge(0, 1e-3), convergence.judge(1, 9e-4);
+    CHECK_FALSE(convergence.stalls());  // the tangent was kept
+    convergence.renew(2), convergence.judge(2, 8e-4);
+    CHECK_FALSE(convergence.stalls());  // the first one by the new tangent
+    convergence.judge(3, 8e-4);
+    CHECK(convergence.stalls());
+    convergence.renew(4), convergence.judge(4, 8e-4);
+    convergence.renew(5), convergence.judge(5, 8e-4);
+    CHECK(convergence.stalls());
+    convergence.renew(6), convergence.judge(6, 1e-4);
+    CHECK_FALSE(convergence.stalls());
+}

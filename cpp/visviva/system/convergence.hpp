@@ -13,7 +13,7 @@ class Convergence {
         : keep_factor_(keep_factor), contraction_(contraction) {}
 
     /// Iteration k has a tangent of its own.
-    void renew(int k) { first_ = std::min(first_, k), latest_ = k, contraction_ = 0; }
+    void renew(int k) { first_ = std::min(first_, k), before_ = latest_, latest_ = k, contraction_ = 0; }
 
     /// The next increment says nothing by its ratio to the last.
     void forget() { last_ = 0; }
@@ -21,9 +21,9 @@ class Convergence {
     /// Judges the increment of iteration k. What remains after it: with a tangent kept from earlier steps by
     /// the slowest contraction seen since it was made, and never better than 0.05, because a part that
     /// contracts slowly may show late. A second increment that is hardly less than the first tells of the
-    /// multipliers, which are not judged, and nothing of contraction: that is then taken to be as slow as a
-    /// kept tangent may be. A return from an excursion beyond the model tells of no contraction: a ratio is
-    /// never taken to be better than an increment is small, as that of quadratic convergence near a solution.
+    /// multipliers before it, and nothing of contraction: that is then taken to be as slow as a kept tangent
+    /// may be. A return from an excursion beyond the model tells of no contraction: a ratio is never taken to
+    /// be better than an increment is small, as that of quadratic convergence near a solution.
     void judge(int k, double size) {
         k_ = k, size_ = size;
         ratio_ = k > 0 && last_ > 0 ? std::min(1.0, size / last_) : 0;
@@ -42,6 +42,10 @@ class Convergence {
     bool is_slow() const { return ratio_ > keep_factor_; }
     /// Too slow to be left as it is, not slow enough for a new tangent.
     bool is_sluggish() const { return ratio_ > 0.1; }
+    /// Two increments in a row by tangents just made, and the second hardly less: nothing gets nearer.
+    bool stalls() const {
+        return ratio_ > 0.5 && (latest_ == k_ - 1 || (latest_ == k_ && before_ == k_ - 1));
+    }
 
     /// The relative residual that solutions of iteration k may leave: with a kept tangent the error of the
     /// tangent is larger.
@@ -61,7 +65,7 @@ class Convergence {
   private:
     double keep_factor_, &contraction_;
     double last_ = 0, size_ = 0, ratio_ = 0, error_ = 0;
-    int k_ = 0, first_ = std::numeric_limits<int>::max(), latest_ = -1;
+    int k_ = 0, first_ = std::numeric_limits<int>::max(), latest_ = -1, before_ = -1;
 };
 
 }  // namespace visviva

@@ -98,24 +98,16 @@ std::string System::lost(const Step& step, double size) const {
     return {};
 }
 
-Report System::unfinished(Report report, double last) {
+Report System::unfinished(Report report, double last, bool arrived) {
     if (last <= 1e-12 && constraint_error() > 100 * last + noise_)
         return failed(std::move(report),
                       "nothing moves any more but constraints stay violated (they contradict each other, or "
                       "lead no further from here)",
                       worst_constraint());
     const std::string n = std::to_string(report.iterations);
-    return failed(std::move(report), "no convergence in " + n + " iterations", worst());
-}
-
-// Of the last iteration, relative to the forces.
-double System::drive_increment() const {
-    double largest = 0;
-    for (int u : drives_) {
-        const double force = std::max(std::abs(x[u]), std::abs(x1_[u]));
-        if (d_[u] != 0) largest = std::max(largest, std::abs(d_[u]) / force);
-    }
-    return largest;
+    return failed(std::move(report),
+                  "no convergence in " + n + " iterations" + (arrived ? " of the forces of constraints" : ""),
+                  worst());
 }
 
 double System::finest_search() const {
@@ -137,11 +129,11 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     monotone_.begin_step();
     bool refresh = stale_factor_ || full || options.n_tangents > 0 || !same_matrix(step, factored_) ||
                    iterations_last_ > NewtonOptions::many_iterations;
-    // Where motion is prescribed, coordinates converge without their multipliers, whose work is booked: these
-    // get one iteration more, and those of drives as many as they need.
-    bool confirmed = false;
-    double pull = HUGE_VAL;
-    Convergence convergence(options.keep_factor, contraction_);
+    // Coordinates that constraints determine converge without their multipliers, whose work is booked: these
+    // are judged by themselves.
+    Convergence convergence(options.keep_factor, contraction_),
+        forces(options.keep_factor, contraction_of_forces_);
+    bool arrived = false;
     Acceleration acceleration;
     const bool accelerates = !rigid_;  // by updates that are not sums
     update_vectors(step);
@@ -156,14 +148,14 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         bool outdated = has_branched();
         if (outdated && !refresh) {
             refresh = full || !update_tangent(context);
-            convergence.forget();
+            convergence.forget(), forces.forget();
             acceleration.forget();
         }
         if (refresh) {
             ++report.factorizations;
             if (!renew_tangent(context, fused))
                 return failed(std::move(report), singular(), solver_->report().singular_unknown);
-            convergence.renew(k);
+            convergence.renew(k), forces.renew(k);
             acceleration.forget();
         }
         outdated = outdated || monotone_.has_changed();
@@ -171,8 +163,11 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         monotone_.clear(r_.data());
         if (!solver_->solve(r_.data(), place(step), d_.data(), convergence.enough(k)))
             return failed(std::move(report), solver_->report().message, -1);
+        const double change = multiplier_forces_.largest(values_.data(), d_.data());
         double size = 0;  // that of the kept tangent's own increment tells of the residual
-        if (accelerates && (acceleration.runs() || convergence.is_sluggish())) {
+        // Coordinates that are there tell nothing of what the increments of multipliers have in common.
+        if (accelerates && convergence.last() > noise_ &&
+            (acceleration.runs() || convergence.is_sluggish())) {
             size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());
             acceleration.apply(d_, inverse_scale_);
         }
@@ -182,23 +177,22 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.iterations = k + 1;
         if (const std::string why = lost(step, size); !why.empty())
             return failed(std::move(report), why, worst());
-        convergence.judge(k, size);
+        const MultiplierForces::Size force =
+            multiplier_forces_.relative(change, values_.data(), x1_.data(), dx.data());
+        convergence.judge(k, size), forces.judge(k, force.change);
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
         // converging.
         const bool holds = !outdated && constraint_error() <= 100 * size + noise_;
-        const bool done = convergence.is_there(tolerance, noise_, resolution) && holds;
-        const double last_pull = pull;
-        pull = drive_increment();
-        const bool pulls_slowly = pull > NewtonOptions::keep_factor_of_drives * last_pull;
-        const bool drives = pull <= NewtonOptions::drive_tolerance || (pulls_slowly && refresh);
-        // At rounding increments rise and fall, and two in a row need not be as small.
-        if (drives && ((done && (!driven_ || confirmed)) || (confirmed && holds && size <= 1e-12)))
-            return succeeded(std::move(report), context, convergence.has_tangent());
-        confirmed = done;
-        refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !done) ||
-                  (done && !drives && pulls_slowly);
+        arrived = holds && convergence.is_there(tolerance, noise_, resolution);
+        const bool balanced = forces.stalls() || forces.is_there(NewtonOptions::of_forces * options.tolerance,
+                                                                 noise_ * force.stiffest, resolution);
+        if (arrived && balanced) return succeeded(std::move(report), context, convergence.has_tangent());
+        // Multipliers far off put their curvature into a tangent made with them.
+        const bool astray = refresh && force.change > 10;
+        refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !arrived) ||
+                  ((forces.is_slow() || astray) && !balanced);
     }
-    return unfinished(std::move(report), convergence.last());
+    return unfinished(std::move(report), convergence.last(), arrived);
 }
 
 }  // namespace visviva

@@ -16,7 +16,9 @@ std::string System::memory_name(std::size_t term) const {
 
 std::vector<Record> System::memory() const {
     std::vector<Record> all;
-    all.push_back({"iterations", 1, {contraction_, noise_, static_cast<double>(iterations_last_)}});
+    all.push_back({"iterations",
+                   2,
+                   {contraction_, contraction_of_forces_, noise_, static_cast<double>(iterations_last_)}});
     if (const SolverSequence* sequence = solver_->capabilities().sequence)
         all.push_back({"solver", 1, sequence->state()});
     predictor_.write(all.emplace_back(Record{"predictor", 1, {}}).numbers);
@@ -55,7 +57,7 @@ void System::refuse_unknown(const std::vector<Record>& memory) const {
         if (record.name != tangent_name && !record_named(memory, record.name))
             throw std::invalid_argument("the record " + record.titled() + " is missing");
     if (const Record* iterations = record_named(memory, "iterations"))
-        iterations->end(iterations->numbers.data() + 3);
+        iterations->end(iterations->numbers.data() + 4);
 }
 
 // Records of the terms alone.
@@ -111,7 +113,8 @@ void System::recall(const std::vector<Record>& memory) {
         stale_factor_ = false;
     }
     stale_begin_ = true;
-    contraction_ = iterations[0], noise_ = iterations[1], iterations_last_ = static_cast<int>(iterations[2]);
+    contraction_ = iterations[0], contraction_of_forces_ = iterations[1], noise_ = iterations[2];
+    iterations_last_ = static_cast<int>(iterations[3]);
 }
 
 // The kept factorisation, where it was made.

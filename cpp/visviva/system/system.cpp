@@ -90,6 +90,7 @@ void System::rewire() {
     const Stopwatch watch(rewiring_);
     finalize();
     describe_nodes();
+    find_judged();
     solver_->analyze(csr_, blocks_);
     stale_factor_ = true;
 }

@@ -9,6 +9,7 @@
 #include "visviva/linear/linear.hpp"
 #include "visviva/linear/reduce/reduction.hpp"
 #include "visviva/system/monotone.hpp"
+#include "visviva/system/multiplier_forces.hpp"
 #include "visviva/system/predictor.hpp"
 #include "visviva/term/term.hpp"
 
@@ -28,8 +29,9 @@ struct NewtonOptions {
     static constexpr int many_iterations = 4;
     /// An increment of so many sizes of the model leaves no digits for what it is to find.
     static constexpr double astray = 1e4;
-    /// Relative increment of what drives pull with that is small enough, and contraction that is slow.
-    static constexpr double drive_tolerance = 1e-9, keep_factor_of_drives = 0.3;
+    /// Forces of multipliers relative to those that balance each other in the step may be wrong by so many
+    /// tolerances: as much as coordinates that are there leave to those which determine nothing.
+    static constexpr double of_forces = 10;
 };
 
 struct Report {
@@ -97,7 +99,11 @@ class System {
         const double* zero = no_signals_.data();
         return {zero, zero, zero, zero};
     }
-    void set_driven(bool driven) { driven_ = driven; }
+    // Multipliers that Newton's method judges by the forces they make.
+    void set_judged(const std::vector<int>& multipliers) {
+        is_judged_.assign(n_, 0);
+        for (int u : multipliers) is_judged_[u] = 1;
+    }
     // Unknowns of order 0 that may only grow, see Monotone; their tangents are never kept.
     void set_monotone(std::vector<int> unknowns) { monotone_.set(std::move(unknowns)); }
     // Unknowns [n] that take no part in what is linearised from now on; none where empty.
@@ -202,8 +208,8 @@ class System {
 
   private:
     void forget() {
-        stale_begin_ = stale_factor_ = true, contraction_ = 1, noise_ = 0, iterations_last_ = 0,
-        predictor_.forget();
+        stale_begin_ = stale_factor_ = true, contraction_ = contraction_of_forces_ = 1, noise_ = 0,
+        iterations_last_ = 0, predictor_.forget();
         mean_.clear();
     }
     void find_held(const Pattern&);
@@ -226,10 +232,9 @@ class System {
     std::string singular() const;
     Report failed(Report, const std::string& reason, int unknown);
     Report succeeded(Report, const Context&, bool renewed);
-    Report unfinished(Report, double last);
+    Report unfinished(Report, double last, bool arrived);
     std::string lost(const Step&, double size) const;
     double finest_search() const;
-    double drive_increment() const;
     void clear_values();
     void set_base_rates(const Step&);
     void update_vectors(const Step&);
@@ -284,6 +289,7 @@ class System {
     std::vector<Part> terms_;
     Blocks blocks_;
     void describe_nodes();
+    void find_judged();
     std::vector<double> modes_;
     int n_modes_ = 0;
     std::vector<int> island_, constraint_account_, account_island_;
@@ -305,7 +311,7 @@ class System {
         int begin, end, order;  // unknowns of equal order in a row
     };
     std::vector<Segment> segments_;
-    bool needs_rates_ = false, driven_ = false;
+    bool needs_rates_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
@@ -314,7 +320,9 @@ class System {
     std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
     std::vector<double> marked_[4];                 // x, v, a, w at its end
     std::vector<std::any> accepted_;                // what terms evaluated in it
-    double contraction_ = 1, noise_ = 0;
+    double contraction_ = 1, contraction_of_forces_ = 1, noise_ = 0;
+    std::vector<char> is_judged_;  // by unknown
+    MultiplierForces multiplier_forces_;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     Monotone monotone_;

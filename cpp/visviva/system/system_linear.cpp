@@ -25,9 +25,19 @@ void System::set_solver(std::unique_ptr<LinearSolver> solver) {
     solver_ = std::move(solver);
     rigid_ = solver_->capabilities().rigid;
     describe_nodes();
+    find_judged();
     solver_->analyze(csr_, blocks_);
     stale_factor_ = true;
     prepare_predictor();
+}
+
+// A solver that keeps bodies rigid finds the multipliers for that, which change by other forces alone.
+void System::find_judged() {
+    std::vector<char> judged = is_judged_;
+    judged.resize(n_);
+    for (const RigidUnknowns& body : blocks_.rigid)
+        for (int k = 0; rigid_ && k < 6; ++k) judged[body.multiplier[k]] = 0;
+    multiplier_forces_.analyze(csr_, judged, inverse_scale_);
 }
 
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.model.field import Role
 from visviva.model.stencil import inertia_terms, strain_terms
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def build_core(system: System) -> _core.System:
     for term in terms:
         core.add(term)
     core.set_blocks(*blocks(model))
+    core.set_judged(judged(model))
     core.set_nodes(nodes(model))
     if any(f.beside for f in model.fields):
         core.set_places(places(model))
@@ -50,7 +52,6 @@ def build_core(system: System) -> _core.System:
 def hand_driving(core: _core.System, driving: Driving) -> None:
     """Parts driven by functions of time."""
     core.set_signal_count(max(len(driving.signals), 1))
-    core.set_driven(driving.is_driven)
     if driving.drives:
         core.set_drives(*columns(driving.drives))
 
@@ -102,6 +103,12 @@ def blocks(model: Model) -> tuple[Ints, ...]:
         multiplier[f.start : f.start + f.size] = f.multiplier and f.stage > 0
     rigid = np.array(model.reductions.rigid, dtype=np.int32).reshape(-1, 18)
     return block, np.array(stages, dtype=np.int32), multiplier, rigid
+
+
+def judged(model: Model) -> Ints:
+    """Multipliers that stand for forces in space, which Newton's method judges beside coordinates."""
+    bearing = (f for f in model.fields if f.multiplier or f.role is Role.CONTACT_PRESSURE)
+    return np.array([u for f in bearing for u in f.unknowns], dtype=np.int32)
 
 
 def islands(model: Model) -> tuple[Ints, ...]:

@@ -24,7 +24,9 @@ class Newton(metaclass=Validated):
     ----------
     tolerance : float
         Largest estimated error of an accepted iterate, relative to each unknown's own scale and to how far
-        the step goes.
+        the step goes. Forces of constraints and contact on a coordinate, whose work is booked, may be wrong by ten
+        times that part of the largest force in the step: of constraints, or of inertia and stiffness by the diagonal of
+        the tangent.
     max_iterations : int
         After this many the step has failed.
     keep_factor : float
