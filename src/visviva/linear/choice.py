@@ -406,7 +406,8 @@ class Automatic(LinearOptions):
     solids in contact whose iterative solver fails are cut in halves, three times, before factors are made. In time
     steps, conjugate gradients with the diagonal alone come first: where steps are short they need a few iterations
     only. They do so too under discrete gradients, the tangents of which are not quite symmetric: what is not is small
-    beside the mass then, and the residual is looked at. Solids with temperatures take BiCGStab in their place. Where
+    beside the mass then, and the residual is looked at. Solids with temperatures take BiCGStab with the blocks
+    of all unknowns of a node in their place. Where
     multigrid takes over, GMRES takes the place of conjugate gradients.
 
     Parameters
@@ -454,7 +455,7 @@ class Automatic(LinearOptions):
             )
         if is_heated_solid(problem) and problem.has_inertia:
             first.append(
-                Iterative(method="bicgstab", preconditioner="diagonal", tolerance=LOOSE, max_iterations=FEW)
+                Iterative(method="bicgstab", preconditioner="block", tolerance=LOOSE, max_iterations=FEW)
             )
         is_linear = problem.temperatures is Temperatures.ALONE  # then factors serve all steps of a length
         if problem.is_solid and problem.n >= (large if is_linear else LARGE_SOLID) and has_multigrid():
