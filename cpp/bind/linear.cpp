@@ -157,4 +157,5 @@ void bind_linear(nb::module_& m) {
     bind_solver(m);
     m.def("missing_pardiso", &missing_pardiso, nb::arg("library"));
     m.def("available_memory", &available_memory);
+    m.def("left_in_groups", &left_in_groups);
 }

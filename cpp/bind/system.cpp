@@ -271,6 +271,17 @@ static void bind_assembly(nb::class_<System>& system) {
         .def("find_neighbours", [](System& s) { return s.find_neighbours(); })
         .def_prop_ro("revision", &System::revision)
         .def_prop_ro("rewiring", &System::rewiring)
+        .def("profile", &System::profile)
+        .def_prop_ro("phases",
+                     [](const System& s) {
+                         const Phases& p = s.phases();
+                         nb::dict found;
+                         found["assembly"] = p.assembly, found["contact"] = p.contact;
+                         found["factorisation"] = p.factorisation, found["solution"] = p.solution;
+                         found["ledger"] = p.ledger, found["solutions"] = p.n_solutions;
+                         found["iterations"] = p.n_iterations;
+                         return found;
+                     })
         .def_prop_ro("is_outdated", &System::is_outdated)
         .def_prop_ro("is_settled", &System::is_settled)
         .def("set_monotone", &System::set_monotone)

@@ -10,8 +10,10 @@ from typing import Annotated, Any
 
 from cyclopts import App, CycloptsError, Parameter
 
+from visviva.base.deadline import left_of
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
+from visviva.base.processes import is_first
 from visviva.cli_options import (
     Every,
     Force,
@@ -22,6 +24,7 @@ from visviva.cli_options import (
     Out,
     Outside,
     Overwrite,
+    Profiled,
     Project,
     Resume,
     Saving,
@@ -29,6 +32,7 @@ from visviva.cli_options import (
     Settings,
     Step,
     Threads,
+    TimeGiven,
     Tolerance,
     Trust,
     Until,
@@ -78,6 +82,8 @@ def run(
     resume: Resume = False,
     force: Force = False,
     threads: Threads = None,
+    time_limit: TimeGiven = None,
+    profile: Profiled = False,
     every: Every = None,
     save_every: Saving = 5.0,
     overwrite: Overwrite = False,
@@ -88,9 +94,11 @@ def run(
     allow_outside: Outside = False,
 ) -> int:
     """Run an example or a scene file and print an audit of what was conserved."""
+    from visviva.base.processes import refuse_unaware
     from visviva.base.threads import use_threads
     from visviva.scene.gallery import assignments
 
+    refuse_unaware()
     use_threads(threads)
     if resume and overwrite:
         raise InputError(
@@ -112,6 +120,9 @@ def run(
         "save_every": save_every,
         "overwrite": overwrite,
         "lock": not no_lock,
+        "time_limit": left_of(time_limit),
+        "profile": profile,
+        "tell": print,
     }
     going_on = {"resume": resume, "force": force, "project": project}
     drawn = {"pictures": not no_pictures, "movies": not no_movie}
@@ -185,7 +196,7 @@ def _version() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code: 0, 2 for bad input, 1 for a failed run, 130 on Ctrl-C.
+    """Run the command line and give the exit code: 0, 2 for bad input, 1 for failures, 130 on Ctrl-C, 75 out of time.
 
     With ``--debug`` anywhere errors are raised, so that Python tells where they come from.
     """
@@ -204,7 +215,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(f"{one_line(error)} (see visviva --help)")
         return BAD_INPUT
     except InputError as error:
-        say(str(error))
+        if is_first():  # of processes that all refuse the same
+            say(str(error))
         return BAD_INPUT
     except ImportError as error:  # VISVIVA_ISA, or an optional package
         say(one_line(error))

@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from visviva.base.deadline import seconds_of
+
 
 def whole(_: Any, tokens: Sequence[Any]) -> int:
     """A whole number; Cyclopts rounds others."""
@@ -118,6 +120,17 @@ Threads = Annotated[
     Parameter(
         converter=whole, help="Threads, as many as cores may be used if not given; results are the same bits."
     ),
+]
+TimeGiven = Annotated[
+    float | None,
+    Parameter(
+        name="--time-limit",
+        converter=lambda _, tokens: seconds_of(tokens[0].value),
+        help="HH:MM:SS from now on (or D-HH:MM:SS): stop in time with the state saved, exit code 75.",
+    ),
+]
+Profiled = Annotated[
+    bool, Parameter(name="--profile", negative="", help="Print where the time went, by phase.")
 ]
 Overwrite = Annotated[
     bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")

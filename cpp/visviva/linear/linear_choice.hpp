@@ -62,6 +62,9 @@ std::string missing_pardiso(const std::string& library);
 
 // Memory in bytes that the system can give without swapping, 0 if it does not say.
 double available_memory();
+// The same of the groups of processes (cgroups) that the file names, with their limits below `root`; infinite
+// without limits.
+double left_in_groups(const std::string& groups, const std::string& root);
 // Throws MemoryShortage if `bytes` exceed the limit (0: what is available).
 void require_memory(double bytes, double limit, int n);
 

@@ -39,7 +39,7 @@ bool System::extend_prescribed_motion(const Context& c) {
     stale_factor_ = true;
     for (int i = 0; i < n_; ++i) r_[i] += (moved[i] - r_[i]) / little;
     for (int u : held_) r_[u] = 0;
-    solvable = solvable && solver_->solve(r_.data(), place(c.step), d_.data(), 0);
+    solvable = solvable && solve_increment(c.step, 0);
     if (solvable) iterate(c.step);
     for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = motion[k];
     return solvable;
@@ -161,7 +161,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         outdated = outdated || monotone_.has_changed();
         for (int u : held_) r_[u] = 0;
         monotone_.clear(r_.data());
-        if (!solver_->solve(r_.data(), place(step), d_.data(), convergence.enough(k)))
+        if (!solve_increment(step, convergence.enough(k)))
             return failed(std::move(report), solver_->report().message, -1);
         const double change = multiplier_forces_.largest(values_.data(), d_.data());
         double size = 0;  // that of the kept tangent's own increment tells of the residual

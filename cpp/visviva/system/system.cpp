@@ -99,9 +99,15 @@ bool System::find_neighbours(double theta, double h) {
     const double* rate = mean_.empty() ? v.data() : mean_.data();
     vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
     bool changed = false;
-    for (const auto& [term, can] : terms_)
-        if (can.search && can.search->find_neighbours({x.data(), x1_.data(), rate, theta, h})) changed = true;
-    if (changed) rewire(), stale_begin_ = true;
+    for (const Part& part : terms_) {
+        const Lap lap(timed(part));
+        if (part.can.search && part.can.search->find_neighbours({x.data(), x1_.data(), rate, theta, h}))
+            changed = true;
+    }
+    if (changed) {
+        const Lap lap(timed(&Phases::contact));
+        rewire(), stale_begin_ = true;
+    }
     return changed;
 }
 
@@ -189,22 +195,26 @@ double System::iterate(const Step& step) {
 void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
     if (with_mesh_tangents) clear_values(), stale_factor_ = true;
-    for (const auto& [term, can] : terms_)
-        if (with_mesh_tangents && can.mesh)
-            can.mesh->linearise(c, r_.data(), values_.data());
-        else if (all || !term->is_rigidity)
-            term->residual(c, r_.data());
+    for (const Part& part : terms_) {
+        const Lap lap(timed(part));
+        if (with_mesh_tangents && part.can.mesh)
+            part.can.mesh->linearise(c, r_.data(), values_.data());
+        else if (all || !part.term->is_rigidity)
+            part.term->residual(c, r_.data());
+    }
 }
 
 void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
     stale_factor_ = true;  // until it is factorised
     if (!has_mesh_tangents) {
         clear_values();
-        for (const auto& [term, can] : terms_)
-            if (can.mesh) term->tangent(c, values_.data());
     }
-    for (const auto& [term, can] : terms_)
-        if (!can.mesh) term->tangent(c, values_.data());
+    for (const bool on_mesh : {true, false})
+        for (const Part& part : terms_) {
+            const Lap lap(timed(part));
+            const bool is_due = part.can.mesh ? on_mesh && !has_mesh_tangents : !on_mesh;
+            if (is_due) part.term->tangent(c, values_.data());
+        }
 }
 
 // From the tangent's rows of constraints: by what their violation is weighed to compare with relative
@@ -265,7 +275,20 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     factored_signals_.clear();
     for (const double* u : {c.signals.at0, c.signals.ate, c.signals.at1, c.signals.rate1})
         factored_signals_.insert(factored_signals_.end(), u, u + n_signals_);
+    return factor(step);
+}
+
+bool System::factor(const Step& step) {
+    const Lap lap(timed(&Phases::factorisation));
     return solver_->factor(values_.data(), place(step));
+}
+
+// From the residual to the increment.
+bool System::solve_increment(const Step& step, double tolerance) {
+    const Lap lap(timed(&Phases::solution));
+    const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
+    ++phases_.n_solutions, phases_.n_iterations += solver_->report().n_iterations;
+    return solved;
 }
 
 bool System::has_branched() const {
@@ -281,7 +304,7 @@ bool System::update_tangent(const Context& c) {
             return false;
     for (auto k : held_zero_) values_[k] = 0;
     updated_ = true;
-    return solver_->factor(values_.data(), place(c.step));
+    return factor(c.step);
 }
 
 // Size of the predicted step, relative to the unknowns' scales; 1 where nothing is predicted.
@@ -355,8 +378,12 @@ Report System::finish(Report report, const Step& step, const Signals& signals, b
                       rate_solver_->report().singular_unknown);
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && step.balances_ends();
-    if (ledger) book_step(context, step.is_static() ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
-    if (path) book_path(context);
+    {
+        const Lap lap(timed(&Phases::ledger));
+        if (ledger)
+            book_step(context, step.is_static() ? still_.data() : new_v ? v_next_.data() : v.data(), 1);
+        if (path) book_path(context);
+    }
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
     for (const bool from_outside : {true, false})  // no term accepts what another one refuses
         for (const auto& [term, can] : terms_)

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "visviva/base/lap.hpp"
 #include "visviva/linear/linear.hpp"
 #include "visviva/linear/reduce/reduction.hpp"
 #include "visviva/system/monotone.hpp"
@@ -53,6 +54,13 @@ struct Snapshot {
     std::vector<Record> memory;
     std::vector<std::any> evaluated, accepted;
     bool stale_begin = true;
+};
+
+// Seconds by the clock of what steps consist of; contact: terms that search for what they couple, their
+// search and new patterns. And how often was solved, in how many iterations of a Krylov method.
+struct Phases {
+    double assembly = 0, contact = 0, factorisation = 0, solution = 0, ledger = 0;
+    long n_solutions = 0, n_iterations = 0;
 };
 
 class System {
@@ -200,6 +208,9 @@ class System {
     const std::vector<std::shared_ptr<Reduction>>& reductions() const { return reductions_; }
     int revision() const { return revision_; }     // of the pattern
     double rewiring() const { return rewiring_; }  // CPU seconds for new ones
+    // From now on the phases are timed, which takes microseconds of a step.
+    void profile(bool on) { profiles_ = on; }
+    const Phases& phases() const { return phases_; }
     const LinearSolver* solver() const { return solver_.get(); }
 
     // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
@@ -279,6 +290,9 @@ class System {
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
+    bool profiles_ = false;
+    Phases phases_;
+    double* timed(double Phases::* phase) { return profiles_ ? &(phases_.*phase) : nullptr; }
     std::vector<int> order_;
     std::vector<char> fixed_;
     std::vector<double> inverse_scale_;
@@ -286,6 +300,9 @@ class System {
         std::shared_ptr<Term> term;
         TermCapabilities can;
     };
+    double* timed(const Part& part) { return timed(part.can.search ? &Phases::contact : &Phases::assembly); }
+    bool factor(const Step& step);
+    bool solve_increment(const Step& step, double tolerance);
     std::vector<Part> terms_;
     Blocks blocks_;
     void describe_nodes();

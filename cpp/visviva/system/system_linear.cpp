@@ -79,7 +79,7 @@ bool System::linear_solve(const Step& step, const double* residual, double* d, d
     for (int u : held_) r_[u] = 0;
     monotone_.clear(r_.data());
     std::fill(d_.begin(), d_.end(), 0.0);
-    const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
+    const bool solved = solve_increment(step, tolerance);
     std::copy(d_.begin(), d_.begin() + n_, d);
     return solved;
 }

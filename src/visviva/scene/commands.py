@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from visviva.base.deadline import TimeLimit
 from visviva.base.errors import InputError
 from visviva.base.interrupt import exit_code
 from visviva.base.threads import told
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from visviva.scene.gallery import Source
 
 FAILED = 1
+TIME_IS_UP = 75  # EX_TEMPFAIL of sysexits.h: try again
 SCENES = (".yaml", ".yml", ".toml")
 
 
@@ -158,6 +160,9 @@ def execute(
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
         say(f"{where} (state and files are in {directory})")
         return exit_code(interrupt)
+    except TimeLimit as stopped:
+        say(f"{stopped}; continue with --resume (state and files are in {directory})")
+        return TIME_IS_UP
     result.audit()
     passed = report_check(source, result)
     if pictures:

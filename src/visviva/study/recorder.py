@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from visviva.analysis.march import advance, begin, keep
 from visviva.base.arguments import whole
+from visviva.base.deadline import Deadline, TimeLimit
 from visviva.base.errors import InputError, RunError, VisvivaError
 from visviva.base.threads import use_threads
 from visviva.output.directory import RunDirectory
@@ -27,6 +28,7 @@ from visviva.results.naming import labels_of, ledger_units, up_of, with_clock
 from visviva.results.result import Result
 from visviva.study import restart
 from visviva.study.origin import Origin
+from visviva.study.profile import Profile
 from visviva.study.progress import progress_bar
 from visviva.study.shown import draw
 from visviva.study.study import Study, measure, probe_columns
@@ -98,6 +100,7 @@ class Recorder:
         self._saved = 0.0
         self._cost = 0.0
         self.trajectory: TrajectoryWriter | None = None
+        self.profile: Profile | None = None  # if somebody wants to know
 
     # --- opening --------------------------------------------------------------------------------------------
     @classmethod
@@ -207,7 +210,9 @@ class Recorder:
                 file.close()
 
     # --- marching -------------------------------------------------------------------------------------------
-    def march(self, interrupted: Any, progress: bool, save_every: float) -> None:
+    def march(
+        self, interrupted: Any, progress: bool, save_every: float, deadline: Deadline | None = None
+    ) -> None:
         """March to the end, writing as the cadence says; whatever happens, the last state is saved."""
         study, steps, row = self.study, self.result.statistics, None
         if self.is_complete():
@@ -217,12 +222,11 @@ class Recorder:
                 for row in advance(
                     self.result, self.books, until=study.until, step=study.step, adaptive=study.adaptive
                 ):
-                    self.write(steps.steps, row)
-                    self.save_now_and_then(save_every)
+                    with nullcontext() if self.profile is None else self.profile.writing():
+                        self.write(steps.steps, row)
+                        self.save_now_and_then(save_every)
                     show(row)
-                    if number := interrupted():
-                        self.save()
-                        raise KeyboardInterrupt(number)
+                    self.stop_if_due(interrupted(), deadline)
             if row is not None and not self.is_complete():  # a path of statics may end before
                 self.write_all(row, [steps.steps % n != 0 for n in self.cadence.steps])
             self.save()
@@ -236,6 +240,14 @@ class Recorder:
                     *error.args[1:],
                 )
             raise
+
+    def stop_if_due(self, signal: int, deadline: Deadline | None) -> None:
+        """Stop where a signal came, or where the time given is nearly over."""
+        if signal:
+            self.save()
+            raise KeyboardInterrupt(signal)
+        if deadline is not None and deadline.is_near(self._cost) and not self.is_complete():
+            raise TimeLimit(f"the time given is nearly over at t = {self.study.system.time:.6g}")
 
     def is_complete(self) -> bool:
         """Whether there is nothing left to march."""
@@ -317,7 +329,9 @@ class Recorder:
     def finish(self) -> None:
         """Write the summary of a complete run."""
         files, study = self.files, self.study
-        origin = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
+        origin: dict[str, Any] = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
+        if self.profile is not None:
+            origin["profile"] = self.profile.figures()
         files.write_summary(summary(study, self.result, self.notes | origin))
 
 

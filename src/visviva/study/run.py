@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from visviva.analysis.march import checked_times
 from visviva.base.arguments import number, positive
+from visviva.base.deadline import Deadline
 from visviva.base.errors import InputError
 from visviva.base.interrupt import deferred_interrupt
+from visviva.base.processes import refuse_unaware
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
+from visviva.study.profile import Profile, profile_text
 from visviva.study.study import Study
 from visviva.system.turn import alone
+
+if TYPE_CHECKING:
+    from visviva.study.recorder import Recorder
 
 
 def run(
@@ -33,6 +40,9 @@ def run(
     movies: bool = True,
     project: bool = False,
     lock: bool = True,
+    time_limit: float | None = None,
+    profile: bool = False,
+    tell: Callable[[str], None] | None = None,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
     """Run a study and leave everything in a directory.
@@ -74,13 +84,23 @@ def run(
     lock : bool
         Refuse to write where another process does; False is for file systems without locks, where nobody else sees to
         it that no two runs write into one directory.
+    time_limit : float
+        Seconds by the clock after which the run has to be over, its state saved: it stops where another step might take
+        too long.
+    profile : bool
+        Time the phases of the run, for the summary.
+    tell : callable
+        Called with texts about the run: the table of the phases at its end, however it ends.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
     Raises
     ------
     InputError
-        If the directory cannot be used or the study does not fit the run in it.
+        If the directory cannot be used, the study does not fit the run in it, or several processes were launched that
+        do not know of each other.
+    TimeLimit
+        If the time is nearly over; the run can be resumed. It is a `RunError`.
     RunError
         If a step fails or a file cannot be written; what was computed so far is kept and can be resumed.
 
@@ -96,6 +116,8 @@ def run(
     from visviva.study import drawings
     from visviva.study.recorder import Cadence, Recorder
 
+    refuse_unaware()
+    deadline = None if time_limit is None else Deadline(positive("run", "time_limit", time_limit))
     if force and not resume:
         raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
     if overwrite and resume:
@@ -121,12 +143,27 @@ def run(
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
             recorder = Recorder.start(study, files, cadence, said, project, overwrite)
-        with alone(system), recorder, deferred_interrupt() as interrupted:
-            recorder.march(interrupted, progress, save_every)
+        with alone(system), recorder, deferred_interrupt() as interrupted, profiled(recorder, profile, tell):
+            recorder.march(interrupted, progress, save_every, deadline)
         recorder.finish()
         for complaint in drawings.draw_run(study, files, movies=movies) if pictures else ():
             warnings.warn(complaint, stacklevel=2)
     return recorder.result
+
+
+@contextmanager
+def profiled(recorder: Recorder, wanted: bool, tell: Callable[[str], None] | None) -> Iterator[None]:
+    """Time the phases of what is done inside, if that is wanted, and tell of them."""
+    if not wanted:
+        yield
+        return
+    recorder.profile = Profile(recorder.study.system)
+    try:
+        yield
+    finally:
+        recorder.profile.stop()
+        if tell is not None:
+            tell(profile_text(recorder.profile.figures()))
 
 
 def settle_times(study: Study) -> None:
