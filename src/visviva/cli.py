@@ -15,7 +15,9 @@ from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
 from visviva.base.processes import is_first
 from visviva.cli_options import (
+    Compress,
     Every,
+    Fields,
     Force,
     Model,
     NoLock,
@@ -85,6 +87,8 @@ def run(
     time_limit: TimeGiven = None,
     profile: Profiled = False,
     every: Every = None,
+    fields: Fields = None,
+    compress: Compress = False,
     save_every: Saving = 5.0,
     overwrite: Overwrite = False,
     no_lock: NoLock = False,
@@ -105,7 +109,7 @@ def run(
             "--resume and --overwrite exclude each other: continue the earlier run, or delete it"
         )
     directory = out or Path("runs") / Path(model).name  # a scene's ending keeps it from an example's
-    changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive}
+    changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive, "fields": fields}
     given = {key: value for key, value in changes.items() if value is not None}
     parameters = assignments(settings)
     if resume:
@@ -122,7 +126,7 @@ def run(
         "lock": not no_lock,
         "time_limit": left_of(time_limit),
         "profile": profile,
-        "tell": print,
+        "compress": compress,
     }
     going_on = {"resume": resume, "force": force, "project": project}
     drawn = {"pictures": not no_pictures, "movies": not no_movie}

@@ -132,6 +132,13 @@ TimeGiven = Annotated[
 Profiled = Annotated[
     bool, Parameter(name="--profile", negative="", help="Print where the time went, by phase.")
 ]
+Fields = Annotated[
+    str | None,
+    Parameter(help="Fields of meshes for the trajectory, e.g. von_mises,pressure; '' for none."),
+]
+Compress = Annotated[
+    bool, Parameter(name="--compress", negative="", help="Compress the trajectory when it is complete.")
+]
 Overwrite = Annotated[
     bool, Parameter(negative="", help="Delete the files of an earlier run in the directory.")
 ]

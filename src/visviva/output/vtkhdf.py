@@ -134,6 +134,11 @@ class TrajectoryWriter:
                 self._add(self._layout, values)
         self._last_time = float(time)
 
+    @property
+    def n_bytes(self) -> int:
+        """Bytes of a step; 0 before the first one."""
+        return 0 if self._layout is None else sum(s.n_bytes for s in self._layout.streams.values())
+
     def sync(self) -> None:
         """Make sure that what is written outlives a loss of power."""
         if self._descriptor >= 0:

@@ -48,6 +48,8 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
         from visviva.analysis.adaptive import Adaptive
 
         source.study.adaptive = Adaptive(tolerance=given["adaptive"])
+    if "fields" in given:
+        source.study.fields = tuple(name.strip() for name in given["fields"].split(",") if name.strip())
     return source
 
 
@@ -155,7 +157,7 @@ def execute(
     from visviva.study.run import run
 
     try:
-        result = run(source.study, directory, pictures=False, **options)
+        result = run(source.study, directory, pictures=False, tell=print, **options)
     except KeyboardInterrupt as interrupt:
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
         say(f"{where} (state and files are in {directory})")

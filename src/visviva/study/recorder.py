@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.analysis.march import advance, begin, keep
+from visviva.analysis.march import advance, begin, present
 from visviva.base.arguments import whole
 from visviva.base.deadline import Deadline, TimeLimit
 from visviva.base.errors import InputError, RunError, VisvivaError
 from visviva.base.threads import use_threads
+from visviva.output.beside import AtOnce, Beside
+from visviva.output.checkpoint import Record
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.states import StateFile
@@ -27,6 +31,7 @@ from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import labels_of, ledger_units, up_of, with_clock
 from visviva.results.result import Result
 from visviva.study import restart
+from visviva.study.forecast import DIGITS, Forecast
 from visviva.study.origin import Origin
 from visviva.study.profile import Profile
 from visviva.study.progress import progress_bar
@@ -37,6 +42,10 @@ Array = NDArray[np.float64]
 
 MOST_ROWS = 20_000
 MOST_KEPT = 64e6  # bytes of states kept in their file
+SPEED = 2e8
+"""Bytes per second that disks write, roughly."""
+WORTH = 1e6
+"""Bytes of a frame with a state from which on they are written beside the computation; less is sooner written."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +108,7 @@ class Recorder:
         self.saved_time: float | None = None  # of the state from which the run can be resumed
         self._saved = 0.0
         self._cost = 0.0
+        self.outbox: AtOnce | Beside = AtOnce()
         self.trajectory: TrajectoryWriter | None = None
         self.profile: Profile | None = None  # if somebody wants to know
 
@@ -133,10 +143,9 @@ class Recorder:
             first = result.records[0]
             recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
             result.kept, result.directory = recorder.states, recorder.files
-            keep(result)
-            recorder.write_row(books.ledger.rows.pop())
+            first_row = books.ledger.rows.pop()
+            recorder.write_all(first_row, (True, True, True))
             books.ledger.file = recorder.ledger
-            recorder.write_frame()
             recorder.save()
         return recorder
 
@@ -202,9 +211,13 @@ class Recorder:
             raise
 
     def __enter__(self) -> Recorder:
+        assert self.states is not None
+        if self.states.n_bytes + (self.trajectory.n_bytes if self.trajectory else 0) >= WORTH:
+            self.outbox = Beside()
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.outbox.close()
         for file in (self.ledger, self.probes, self.trajectory, self.states):
             if file is not None:
                 file.close()
@@ -230,10 +243,12 @@ class Recorder:
             if row is not None and not self.is_complete():  # a path of statics may end before
                 self.write_all(row, [steps.steps % n != 0 for n in self.cadence.steps])
             self.save()
+            self.outbox.wait()
         except Exception as error:  # a second Ctrl-C interrupts anywhere, and what stands then is not saved
             with suppress(VisvivaError):  # the first error counts; an older state is still there
                 if self.is_written:
                     self.save()
+                    self.outbox.wait()
             if isinstance(error, RunError):
                 error.args = (
                     f"{error}; the run can be resumed from t = {self.saved_time!r}",
@@ -245,6 +260,7 @@ class Recorder:
         """Stop where a signal came, or where the time given is nearly over."""
         if signal:
             self.save()
+            self.outbox.wait()
             raise KeyboardInterrupt(signal)
         if deadline is not None and deadline.is_near(self._cost) and not self.is_complete():
             raise TimeLimit(f"the time given is nearly over at t = {self.study.system.time:.6g}")
@@ -263,29 +279,37 @@ class Recorder:
         frame, books, state = due
         self.is_written = False
         if state:
-            keep(self.result)
+            self.keep()
         if books:
             self.write_row(row)
         if frame:
             self.write_frame()
         self.is_written = True
 
+    def keep(self) -> None:
+        """Keep the present state; what is written later has copies."""
+        time, x, v, records = present(self.study.system)
+        self.outbox.do(
+            partial(self.result.kept.append, time, x.copy(), v.copy(), [r.copy() for r in records])
+        )
+
     def write_row(self, row: Array) -> None:
         """Books and probes of the present state."""
         assert self.ledger is not None
         assert self.probes is not None
-        self.ledger.append(row)
+        self.outbox.do(partial(self.ledger.append, row.copy()))
         self.rows += 1
         system = self.study.system
         values = [np.ravel(measure(system, probe)) for probe in self.study.probes.values()]
-        self.probes.append(np.concatenate([[system.time], *values]))
+        self.outbox.do(partial(self.probes.append, np.concatenate([[system.time], *values])))
 
     def write_frame(self) -> None:
         """The shapes at the present state."""
         if self.trajectory is not None:
             system = self.study.system
-            points, values = self.drawing.points(system.x), self.drawing.values(system.x, system.v)
-            self.trajectory.append(self.clock, points, values)
+            points = [np.array(part) for part in self.drawing.points(system.x)]
+            values = {name: np.array(v) for name, v in self.drawing.values(system.x, system.v).items()}
+            self.outbox.do(partial(self.trajectory.append, self.clock, points, values))
 
     @property
     def clock(self) -> float:
@@ -299,10 +323,22 @@ class Recorder:
             self.save()
 
     def save(self) -> None:
-        """Save the state."""
-        start = time.perf_counter()
-        study, ledger, probes, trajectory = self.study, self.ledger, self.probes, self.trajectory
-        kept = self.states
+        """Save the state, after what goes with it."""
+        start, study = time.perf_counter(), self.study
+        notes = {
+            **steps_of(study),
+            "until": study.until,
+            "cadence": asdict(self.cadence),
+            "study": self.notes,
+            "rows": self.rows,
+        }
+        records = restart.records_of(self.result, self.books)
+        self.outbox.do(partial(self.write_state, records, notes, study.system.time, start))
+        self._saved = time.perf_counter()
+
+    def write_state(self, records: list[Record], notes: dict[str, Any], now: float, start: float) -> None:
+        """Write a state when all that goes with it is on the disk."""
+        ledger, probes, trajectory, kept = self.ledger, self.probes, self.trajectory, self.states
         assert ledger is not None
         assert probes is not None
         assert kept is not None
@@ -311,19 +347,34 @@ class Recorder:
         kept.sync()
         if trajectory is not None:
             trajectory.sync()
-        notes = {
-            **steps_of(study),
-            "until": study.until,
-            "cadence": asdict(self.cadence),
-            "study": self.notes,
-        }
-        notes |= {"rows": self.rows, "frames": trajectory.n_steps if trajectory else 0}
+        notes["frames"] = trajectory.n_steps if trajectory else 0
         notes["states"] = kept.count
         notes["checksums"] = {"ledger": ledger.checksum, "probes": probes.checksum, "states": kept.checksum}
-        restart.save(self.files.state, self.result, self.books, notes)
-        self.saved_time = study.system.time
-        self._saved = time.perf_counter()
-        self._cost = self._saved - start
+        restart.write(self.files.state, records, notes)
+        self.saved_time, self._cost = now, time.perf_counter() - start
+
+    def forecast(self) -> Forecast:
+        """What the files will take, from the first frame, state and row."""
+        assert self.states is not None
+        assert self.ledger is not None
+        assert self.probes is not None
+        system, frame = self.study.system, self.trajectory.n_bytes if self.trajectory else 0
+        start = time.perf_counter()
+        self.drawing.values(system.x, system.v)
+        seconds = time.perf_counter() - start + frame / SPEED
+        n = max((self.study.until - self.study.system.time) / self.study.step, 1.0)
+        frames, rows, states = (math.ceil(n / every) + 1 for every in self.cadence.steps)
+        columns = len(self.ledger.columns) + len(self.probes.columns)
+        return Forecast(
+            frames=frames,
+            states=states,
+            rows=rows,
+            frame=frame,
+            state=self.states.n_bytes,
+            row=DIGITS * columns,
+            seconds=seconds * frames,
+            free=shutil.disk_usage(self.files.path).free,
+        )
 
     # --- the end --------------------------------------------------------------------------------------------
     def finish(self) -> None:

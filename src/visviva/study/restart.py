@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from visviva.analysis import adaptive, arc_length
 from visviva.base.errors import InputError
@@ -26,15 +28,15 @@ VERSION = 1
 """Of the records that are written here."""
 
 
-def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]) -> None:
+def write(path: Path, records: Sequence[Record], notes: Mapping[str, Any]) -> None:
     """Write the state of a run.
 
     Parameters
     ----------
     path
         The file; an older one is replaced when the new one is complete.
-    result, books
-        Of the run so far.
+    records
+        Of the state, see `records_of`.
     notes
         What else shall be found on resuming, by name; anything that JSON can hold.
 
@@ -43,11 +45,15 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
     RunError
         If it cannot be written; the older state is then still there.
     """
+    save_state(path, [Record("notes", VERSION, values={"json": json.dumps(notes)}), *records])
+
+
+def records_of(result: Result, books: Bookkeeper) -> list[Record]:
+    """Records of the present state, which do not change with it."""
     system = result.system
     total0 = 0.0 if books.total0 is None else books.total0
     ledger = {"done": books.done, "entropy": books.entropy.done, "span": books.ledger.span}
     records = [
-        Record("notes", VERSION, values={"json": json.dumps(notes)}),
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
         Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
         Record("ledger", VERSION, ledger, {"total0": total0}),
@@ -57,7 +63,8 @@ def save(path: Path, result: Result, books: Bookkeeper, notes: Mapping[str, Any]
         if (forces := system.forces_of_step()) is not None:
             records.append(Record("forces", VERSION, {"residual": forces}))
     stepper = system.stepper
-    save_state(path, [*records, stepper.record(), *stepper.pace.values(), *memory_of(system)])
+    records += [stepper.record(), *stepper.pace.values(), *memory_of(system)]
+    return [replace(r, arrays={name: np.array(a) for name, a in r.arrays.items()}) for r in records]
 
 
 def notes_of(path: Path) -> dict[str, Any]:
@@ -67,7 +74,7 @@ def notes_of(path: Path) -> dict[str, Any]:
 
 
 def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -> None:
-    """Put a system, its result and its books into the state that `save` wrote.
+    """Put a system, its result and its books into the state that `write` wrote.
 
     Parameters
     ----------

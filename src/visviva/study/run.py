@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,7 @@ def run(
     lock: bool = True,
     time_limit: float | None = None,
     profile: bool = False,
+    compress: bool = False,
     tell: Callable[[str], None] | None = None,
     notes: Mapping[str, Any] | None = None,
 ) -> Result:
@@ -89,8 +91,11 @@ def run(
         too long.
     profile : bool
         Time the phases of the run, for the summary.
+    compress : bool
+        Compress the trajectory at the end, which is written plainly until then; all that reads it reads it as before.
     tell : callable
-        Called with texts about the run: the table of the phases at its end, however it ends.
+        Called with texts about the run: what its files will take, before the first step, if that is much; the table
+        of the phases at its end, however it ends.
     notes : mapping
         What the summary shall say about the origin of the study, by name.
 
@@ -113,17 +118,13 @@ def run(
     >>> result.statistics.steps
     10
     """
+    from visviva.output.compressed import compress as compress_file
     from visviva.study import drawings
     from visviva.study.recorder import Cadence, Recorder
 
     refuse_unaware()
     deadline = None if time_limit is None else Deadline(positive("run", "time_limit", time_limit))
-    if force and not resume:
-        raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
-    if overwrite and resume:
-        raise InputError(
-            "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
-        )
+    refuse_mixed(resume, force, overwrite)
     if not number("run", "save_every", save_every) >= 0:
         raise InputError(f"save_every = {save_every} is not a number of seconds")
     positive("run", "frames_per_second", frames_per_second)
@@ -143,12 +144,23 @@ def run(
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
             recorder = Recorder.start(study, files, cadence, said, project, overwrite)
+        announce(recorder, tell)
         with alone(system), recorder, deferred_interrupt() as interrupted, profiled(recorder, profile, tell):
             recorder.march(interrupted, progress, save_every, deadline)
         recorder.finish()
+        if compress and files.trajectory.exists():
+            compress_file(files.trajectory)
         for complaint in drawings.draw_run(study, files, movies=movies) if pictures else ():
             warnings.warn(complaint, stacklevel=2)
     return recorder.result
+
+
+def announce(recorder: Recorder, tell: Callable[[str], None] | None) -> None:
+    """Note what files will take, and tell of it if it is much."""
+    forecast = recorder.forecast()
+    recorder.notes["output"] = asdict(forecast)
+    if tell is not None and forecast.is_large:
+        tell(str(forecast))
 
 
 @contextmanager
@@ -164,6 +176,16 @@ def profiled(recorder: Recorder, wanted: bool, tell: Callable[[str], None] | Non
         recorder.profile.stop()
         if tell is not None:
             tell(profile_text(recorder.profile.figures()))
+
+
+def refuse_mixed(resume: bool, force: bool, overwrite: bool) -> None:
+    """Refuse wishes that exclude each other."""
+    if force and not resume:
+        raise InputError("force=True goes with resume=True: a new run has nothing to differ from")
+    if overwrite and resume:
+        raise InputError(
+            "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
+        )
 
 
 def settle_times(study: Study) -> None:
