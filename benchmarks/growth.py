@@ -2,9 +2,10 @@
 
     python benchmarks/growth.py [--case statics ...] [--full] [--picture growth.png]
 
-prints per case and size: equations, Newton iterations per step, processor and wall-clock time per iteration in
-milliseconds, microseconds per equation, peak memory per equation beyond what the imports take, and the slope: by which
-power of their number times have grown since the size before. The last column says where that is more than theory
+prints per case and size: equations, Newton iterations per step, iterations of the Krylov method for each of them
+(0: factors), processor and wall-clock time per iteration in milliseconds, microseconds per equation, peak memory per
+equation beyond what the imports take, and the slope: by which power of their number times have grown since the size
+before. The last column says where that is more than theory
 allows. One process and one thread per measurement; the first step, which makes patterns, is not timed but is in the
 memory. `--full` goes on to a million unknowns and more, which takes an hour; `--picture` draws what is printed.
 """
@@ -25,7 +26,7 @@ from pathlib import Path
 import numpy as np
 
 HEAD = (
-    f"{'size':>7s} {'equations':>10s} {'its':>5s} {'cpu ms/it':>10s} {'wall ms/it':>10s} {'µs/eq':>7s} "
+    f"{'size':>7s} {'equations':>10s} {'its':>5s} {'Krylov':>6s} {'cpu ms/it':>10s} {'wall ms/it':>10s} {'µs/eq':>7s} "
     f"{'kB/eq':>7s} {'slope':>6s}"
 )
 
@@ -37,6 +38,7 @@ class Figures:
     size: int
     equations: int
     iterations: float
+    krylov: float
     cpu: float
     wall: float
     memory: float
@@ -48,7 +50,7 @@ class Figures:
     def line(self, slope: float | None) -> str:
         """Of the table."""
         per, kb = 1e6 * self.cpu / self.equations, self.memory / self.equations / 1e3
-        head = f"{self.size:7d} {self.equations:10d} {self.iterations:5.1f} {1e3 * self.cpu:10.2f}"
+        head = f"{self.size:7d} {self.equations:10d} {self.iterations:5.1f} {self.krylov:6.1f} {1e3 * self.cpu:10.2f}"
         tail = f"{slope:6.2f}" if slope is not None else " " * 6
         return f"{head} {1e3 * self.wall:10.2f} {per:7.2f} {kb:7.2f} {tail}"
 
@@ -69,12 +71,13 @@ def measure(case: str, size: int) -> Figures:
     system, h = motion.system, motion.step
     marching = vv.march(system, until=(motion.steps + 0.5) * h, step=h, scheme=motion.scheme)
     next(marching)
-    cpu, wall, iterations = time.process_time(), time.perf_counter(), 0
+    cpu, wall, iterations, before = time.process_time(), time.perf_counter(), 0, system.core.phases
     for _ in range(motion.steps - 1):
         iterations += next(marching).iterations
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     print(f"  {system.core.solver}", file=sys.stderr)
-    each = (cpu / iterations, wall / iterations)
+    counts = [system.core.phases[name] - before[name] for name in ("iterations", "solutions")]
+    each = (counts[0] / counts[1], cpu / iterations, wall / iterations)
     return Figures(
         size, system.core.n_equations, iterations / (motion.steps - 1), *each, memory=peak() - start
     )
