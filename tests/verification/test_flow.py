@@ -416,3 +416,22 @@ def test_adaptive_steps_follow_a_flow_that_starts() -> None:
     assert max(lengths) > 10 * min(lengths)
     assert len(lengths) < 100
     assert system.time == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.9])
+def test_generalised_alpha_starts_with_the_rates_of_the_inflow(rho: float) -> None:
+    """An inflow from rest, ``1 - cos(pi t)``: pressures began with its second derivative and swung by 380 about 8."""
+
+    def pressures(scheme: vv.Scheme) -> Array:
+        water = vv.Fluid(
+            mesh=vv.RectangleMesh(size=(4, 1), counts=(8, 4), cell="quad9"), density=10.0, viscosity=1.0
+        )
+        profile = ("6*(1 - cos(pi*t))", 0, 0)
+        inlet = vv.VelocityBoundary(fluid=water, faces="x0", velocity=profile)
+        slip = [vv.FreeSlip(fluid=water, faces=side) for side in ("y0", "y1")]
+        system = vv.System([water, inlet, *slip, vv.Outlet(fluid=water, faces="x1")])
+        result = vv.simulate(system, until=0.2, step=0.02, scheme=scheme)
+        return np.array(result.states)[:, water.pressure.start]
+
+    exact = 10.0 * 4.0 * 6 * np.pi * np.sin(np.pi * np.linspace(0, 0.2, 11))  # density, length, acceleration
+    assert np.abs(pressures(vv.GeneralizedAlpha(rho=rho)) - exact).max() < 0.02 * exact.max()

@@ -214,8 +214,13 @@ class Instant:
         return full
 
     def prescribed_acceleration(self) -> Array:
-        """Accelerations of the prescribed unknowns, zero elsewhere."""
-        return self.prescribed(lambda p: p.acceleration(self.system.time, self.system.clock.step))
+        """Accelerations of the prescribed unknowns, or rates of those of order 1 such as velocities; zero elsewhere."""
+        time, step = self.system.time, self.system.clock.step
+        bend, slope = (
+            self.prescribed(lambda p: p.acceleration(time, step)),
+            self.prescribed(lambda p: p.rates(time, step)),
+        )
+        return np.where(self.system.order == 1, slope, bend)
 
     def prescribed_inertia(self) -> Array:
         """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""
