@@ -316,6 +316,17 @@ def test_memory_is_estimated_before_it_is_used(library: Any) -> None:
     assert _core.available_memory() > 1e8
 
 
+def test_memory_of_lu_factors_is_estimated() -> None:
+    """By the pattern: of a solid in space 23 MB, where L and U take 29 (Eigen's own count, 12 bytes an entry)."""
+    A = block(10).matrix
+    known = problem(A)
+    s = solver(Direct(library="eigen").choose(known), A)
+    assert s.factor(A.data)
+    assert s.memory == pytest.approx(12 * 2.42e6, rel=0.3)
+    with pytest.raises(vv.InputError, match=r"about .* GB, and 0.02 GB are available.*Iterative"):
+        solver(Direct(library="eigen", memory_limit=2e7).choose(known), A).factor(A.data)
+
+
 @pytest.mark.parametrize("library", [pytest.param("pardiso", marks=needs_pardiso), "eigen"])
 def test_redundant_constraints_are_regularised(library: Any) -> None:
     """A constraint given twice, with its multipliers' diagonal lowered a little."""

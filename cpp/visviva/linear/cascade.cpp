@@ -103,7 +103,7 @@ std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
         case Backend::sparse_lu:
             break;
     }
-    auto lu = make_sparse_lu(true);
+    auto lu = make_sparse_lu(true, choice.memory_limit);
     lu->regularization = choice.regularization;
     return lu;
 }

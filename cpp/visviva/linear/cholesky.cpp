@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "visviva/linear/fill.hpp"
 #include "visviva/linear/scaled.hpp"
 
 namespace visviva {
@@ -25,7 +26,7 @@ class Cholesky : public LinearSolver {
     void analyze(const Csr& pattern, const Blocks& blocks) override {
         matrix_.analyze(pattern, blocks, MatrixKind::definite);
         order();
-        report_.memory = 24.0 * static_cast<double>(count_entries());
+        report_.memory = 24.0 * static_cast<double>(count_fill(permuted_));
         require_memory(report_.memory, choice_.memory_limit, matrix_.n());
         ldlt_.analyzePattern(permuted_);
         b_.resize(matrix_.n()), s_.resize(matrix_.n());
@@ -84,22 +85,6 @@ class Cholesky : public LinearSolver {
         to_.resize(entries.size());
         for (std::size_t k = 0; k < entries.size(); ++k)
             to_[k] = &permuted_.coeffRef(entries[k].row(), entries[k].col()) - permuted_.valuePtr();
-    }
-
-    // Of the factor, from the elimination tree (Liu 1990), before memory is asked for.
-    std::int64_t count_entries() const {
-        const int n = matrix_.n();
-        std::vector<int> parent(n, -1), seen(n, -1);
-        std::int64_t total = n;
-        for (int j = 0; j < n; ++j) {
-            seen[j] = j;
-            for (Matrix::InnerIterator it(permuted_, j); it; ++it)
-                for (int i = static_cast<int>(it.row()); i < j && seen[i] != j; i = parent[i]) {
-                    if (parent[i] < 0) parent[i] = j;
-                    ++total, seen[i] = j;
-                }
-        }
-        return total;
     }
 
     LinearChoice choice_;

@@ -107,7 +107,8 @@ class LinearSolver {
 };
 
 // `careful`: the first matrix is tested for being singular to working precision, which pivots do not show.
-std::unique_ptr<LinearSolver> make_sparse_lu(bool careful = false);
+// Factors that need more bytes than the limit (0: what is available) are refused.
+std::unique_ptr<LinearSolver> make_sparse_lu(bool careful = false, double memory_limit = 0);
 std::unique_ptr<LinearSolver> make_null_space();
 
 }  // namespace visviva

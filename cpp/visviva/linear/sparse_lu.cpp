@@ -2,15 +2,20 @@
 // mass and length spoil the pivots.
 #include <Eigen/SparseLU>
 
+#include "visviva/linear/fill.hpp"
+#include "visviva/linear/linear_choice.hpp"
 #include "visviva/linear/scaled.hpp"
 
 namespace visviva {
 
 namespace {
 
+constexpr int few = 3000;     // unknowns whose factors fit anywhere
+constexpr double bytes = 12;  // of an entry of the factors
+
 class SparseLu : public LinearSolver {
   public:
-    explicit SparseLu(bool careful) : careful_(careful) {
+    SparseLu(bool careful, double memory_limit) : careful_(careful), memory_limit_(memory_limit) {
         report_.name = "sparse LU of the saddle-point system";
     }
 
@@ -26,6 +31,10 @@ class SparseLu : public LinearSolver {
         matrix_.setFromTriplets(entries.begin(), entries.end());
         to_.clear();
         for (const auto& e : entries) to_.push_back(&matrix_.coeffRef(e.row(), e.col()) - matrix_.valuePtr());
+        if (n > few) {
+            report_.memory = bytes * static_cast<double>(count_entries());
+            require_memory(report_.memory, memory_limit_, n);
+        }
         lu_.analyzePattern(matrix_);
         right_.resize(n);
     }
@@ -35,6 +44,7 @@ class SparseLu : public LinearSolver {
         if (!scaled_.fill(values, regularization)) return false;
         for (std::size_t k = 0; k < to_.size(); ++k) matrix_.valuePtr()[to_[k]] = scaled_.value()[k];
         lu_.factorize(matrix_);
+        if (lu_.info() != Eigen::Success) return locate(), false;
         if (lu_.info() != Eigen::Success) return locate(), false;
         if (!careful_ || tested_) return true;
         return tested_ = regular();
@@ -50,6 +60,18 @@ class SparseLu : public LinearSolver {
     void forget() override { tested_ = false; }
 
   private:
+    // Of the factors of the symmetrised pattern in the order of least degree: 0.8 to 1.1 of what pivots make
+    // of solids, 0.4 to 0.8 of flows in the plane.
+    std::int64_t count_entries() const {
+        const Matrix both = Matrix(matrix_.transpose()) + matrix_;
+        Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> inverse;
+        Eigen::AMDOrdering<int>()(both, inverse);
+        Matrix upper(both.rows(), both.cols());
+        upper.selfadjointView<Eigen::Upper>() =
+            both.selfadjointView<Eigen::Upper>().twistedBy(inverse.inverse());
+        return 2 * count_fill(upper);
+    }
+
     // Where a pivot vanishes: with the diagonal shifted by no more than rounding there are factors, whose
     // solutions grow where the matrix is singular.
     void locate() {
@@ -85,10 +107,13 @@ class SparseLu : public LinearSolver {
     std::vector<std::ptrdiff_t> to_;
     Eigen::VectorXd right_;
     bool careful_, tested_ = false;
+    double memory_limit_;
 };
 
 }  // namespace
 
-std::unique_ptr<LinearSolver> make_sparse_lu(bool careful) { return std::make_unique<SparseLu>(careful); }
+std::unique_ptr<LinearSolver> make_sparse_lu(bool careful, double memory_limit) {
+    return std::make_unique<SparseLu>(careful, memory_limit);
+}
 
 }  // namespace visviva
