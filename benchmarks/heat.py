@@ -1,6 +1,6 @@
 """Heat alone on growing meshes with multigrid, and a thermoelastic torus beside the elastic one.
 
-    python benchmarks/heat.py [--largest 1e6] [--around 24]
+    python benchmarks/heat.py [--largest 1e6] [--around 24] [--step 0.02]
 
 Heat: a cube of hexahedra, one side held, one that exchanges heat; seconds of one processor for a time step once the
 hierarchy is made, and for the step that makes it. A million nodes take about 9 GB.
@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 import visviva as vv
 
 Array = NDArray[np.float64]
-LENGTH = 0.02
-"""Of the torus' steps."""
 
 
 def seconds(call: Callable[[], object], times: int = 1) -> float:
@@ -73,24 +71,24 @@ def torus(around: int, kind: type[vv.Solid], **options: object) -> vv.System:
     return vv.System([kind(mesh=mesh, material=rubber, density=0.1, angular_velocity=spin, **options)])
 
 
-def measured(system: vv.System) -> Array:
-    """Seconds of the assembly of residual and tangent, and of a whole step in the mean."""
-    step, n = vv.EnergyMomentum().step(0.0, LENGTH), 20
+def measured(system: vv.System, length: float) -> Array:
+    """Seconds of the assembly of residual and tangent, and of a whole step of a length in the mean."""
+    step, n = vv.EnergyMomentum().step(0.0, length), 20
     signals, residual, values = system.signals(step), np.zeros(len(system.x)), np.zeros(system.core.n_entries)
     assembly = seconds(lambda: system.core.assemble(step, signals, residual, values), 5)
-    steps = vv.march(system, until=1000 * LENGTH, step=LENGTH)
+    steps = vv.march(system, until=1000 * length, step=length)
     next(steps)
     return np.array([assembly, seconds(lambda: [next(steps) for _ in range(n)], 3) / n])
 
 
-def tori(around: int) -> None:
+def tori(around: int, length: float) -> None:
     """Prints the elastic and the thermoelastic torus, and their ratios."""
     warm = vv.Heat(conductivity=5.0, capacity=1.0, expansion=1e-4)
     heated = torus(around, vv.ThermoelasticSolid, heat=warm, temperature=lambda X: 293.15 + X[:, 0] / 10)
     found = []
     print("torus:        unknowns   assembly    step, s")
     for name, system in (("elastic", torus(around, vv.Solid)), ("thermoelastic", heated)):
-        found.append(measured(system))
+        found.append(measured(system, length))
         print(f"{name:14s}{len(system.x):8d} {found[-1][0]:10.4f} {found[-1][1]:8.4f}")
     ratio = found[1] / found[0]
     print(f"{'ratio':22s} {ratio[0]:10.2f} {ratio[1]:8.2f}")
@@ -102,10 +100,11 @@ def main() -> None:
     )
     parser.add_argument("--largest", type=float, default=1e6, help="nodes of the largest cube, 0 for none")
     parser.add_argument("--around", type=int, default=24, help="cells around the torus")
+    parser.add_argument("--step", type=float, default=0.02, help="length of the torus' steps")
     given = parser.parse_args()
     if given.largest > 0:
         heat_alone(given.largest)
-    tori(given.around)
+    tori(given.around, given.step)
 
 
 if __name__ == "__main__":
