@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "arrays.hpp"
+#include "outside.hpp"
 #include "parts.hpp"
 #include "visviva/linear/linear_choice.hpp"
 #include "visviva/system/system.hpp"
@@ -91,7 +92,8 @@ void bind_choice(nb::module_& m) {
         .value("sparse_lu", Backend::sparse_lu)
         .value("cholesky", Backend::cholesky)
         .value("pardiso", Backend::pardiso)
-        .value("krylov", Backend::krylov);
+        .value("krylov", Backend::krylov)
+        .value("outside", Backend::outside);
     nb::enum_<MatrixKind>(m, "MatrixKind")
         .value("definite", MatrixKind::definite)
         .value("symmetric", MatrixKind::symmetric)
@@ -125,6 +127,8 @@ void bind_choice(nb::module_& m) {
         .def_rw("tolerance", &LinearChoice::tolerance)
         .def_rw("max_iterations", &LinearChoice::max_iterations)
         .def_rw("restart", &LinearChoice::restart)
+        .def("set_outside",
+             [](LinearChoice& c, nb::object make) { c.outside = outside_solver(std::move(make)); })
         .def("set_aggregator", [](LinearChoice& c, nb::object f) { c.aggregator = aggregator_of(f); });
 }
 
@@ -151,6 +155,8 @@ void bind_linear(nb::module_& m) {
             std::rethrow_exception(p);
         } catch (const MemoryShortage& e) {
             PyErr_SetString(nb::module_::import_("visviva.base.errors").attr("InputError").ptr(), e.what());
+        } catch (const FailedElsewhere& e) {
+            PyErr_SetString(nb::module_::import_("visviva.base.errors").attr("NotFinite").ptr(), e.what());
         }
     });
     bind_choice(m);

@@ -2,6 +2,7 @@
 #include "visviva/system/system.hpp"
 
 #include "arrays.hpp"
+#include "outside.hpp"
 #include "parts.hpp"
 #include "visviva/linear/linear_choice.hpp"
 #include "visviva/linear/reduce/contact_condensation.hpp"
@@ -73,6 +74,9 @@ static void bind_unknowns(nb::class_<System>& system) {
              })
         .def("add", &System::add)
         .def("set_accounts", &System::set_accounts)
+        .def(
+            "set_processes",
+            [](System& s, nb::object processes) { s.set_processes(outside_processes(std::move(processes))); })
         .def("set_nodes", [](System& s, const Ints& node) { s.set_nodes(vector_of<int>(node)); })
         .def("set_places", [](System& s, const Ints& place) { s.set_places(vector_of<int>(place)); })
         .def("set_blocks",

@@ -82,6 +82,33 @@ TEST_CASE("pattern: couples, order, held rows and places") {
     }
 }
 
+TEST_CASE("pattern: nodes that nothing couples are left out as if they were fixed") {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        Mesh m(seed);
+        std::set<int> touched;
+        for (auto pair = m.pairs.begin(); pair != m.pairs.end();) {
+            const bool is_near = pair->first < m.n() / 2 && pair->second < m.n() / 2 &&
+                                 m.is_free(pair->first) && m.is_free(pair->second);
+            if (is_near) touched.insert({pair->first, pair->second});
+            pair = is_near ? std::next(pair) : m.pairs.erase(pair);
+        }
+        std::vector<char> others_fixed = m.fixed;
+        for (int u = 0; u < m.n(); ++u)
+            if (!touched.count(m.node[u])) others_fixed[u] = 1;
+        Pattern found(m.node, m.fixed), expected(m.node, others_fixed);
+        for (auto [a, b] : m.pairs)
+            for (Pattern* pattern : {&found, &expected}) pattern->couple(a, b), pattern->couple(b, a);
+        Csr left, wanted;
+        found.leave_uncoupled();
+        found.finish(left), expected.finish(wanted);
+        CHECK(left.row == wanted.row);
+        CHECK(left.col == wanted.col);
+        CHECK(left.unknown == wanted.unknown);
+        CHECK(left.equation == wanted.equation);
+        CHECK(found.held() == expected.held());
+    }
+}
+
 TEST_CASE("pattern: what is fixed has no place") {
     Pattern pattern({0, 0, 2}, {1, 1, 0});
     pattern.couple(0, 2), pattern.couple(2, 0), pattern.couple(2, 2);

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +16,7 @@ from visviva.base.deadline import left_of
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
 from visviva.base.processes import is_first
+from visviva.base.world import World, joined, world
 from visviva.cli_options import (
     Compress,
     Every,
@@ -209,34 +212,55 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if len(tokens) < len(given):
         return command(tokens)
     try:
-        return command(tokens)
+        with speaking(world()):
+            return command(tokens)
     except KeyboardInterrupt as interrupt:
         return exit_code(interrupt)
     except BrokenPipeError:  # who reads has seen enough, as in `visviva examples | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left must not fail at exit
         return FAILED
     except CycloptsError as error:
-        say(f"{one_line(error)} (see visviva --help)")
-        return BAD_INPUT
+        return failed(f"{one_line(error)} (see visviva --help)", BAD_INPUT)
     except InputError as error:
-        if is_first():  # of processes that all refuse the same
-            say(str(error))
-        return BAD_INPUT
+        return failed(str(error), BAD_INPUT)
     except ImportError as error:  # VISVIVA_ISA, or an optional package
-        say(one_line(error))
-        return BAD_INPUT
+        return failed(one_line(error), BAD_INPUT)
     except VisvivaError as error:
-        say(str(error))
-        return FAILED
+        return failed(str(error), FAILED)
     except OSError as error:  # names that no file can have, no permission
-        say(one_line(error))
-        return BAD_INPUT
+        return failed(one_line(error), BAD_INPUT)
     except MemoryError:
-        say("there is not enough memory: take a coarser mesh, fewer steps, or a larger machine")
-        return FAILED
+        return failed(
+            "there is not enough memory: take a coarser mesh, fewer steps, or a larger machine", FAILED
+        )
     except Exception as error:
-        say(f"{UNEXPECTED}, {type(error).__name__}: {one_line(error)}; {DEBUG} tells where, please report it")
-        return FAILED
+        return failed(
+            f"{UNEXPECTED}, {type(error).__name__}: {one_line(error)}; {DEBUG} tells where, please report it",
+            FAILED,
+        )
+
+
+@contextmanager
+def speaking(those: World) -> Iterator[None]:
+    """Of several processes the first one prints."""
+    if those.rank == 0:
+        yield
+        return
+    warnings.simplefilter("ignore")
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        yield
+
+
+def failed(message: str, code: int) -> int:
+    """Tell of an error, once if it is that of all processes; else it ends the others, too. Returns the exit code."""
+    those = joined()
+    if those.meets():
+        if those.rank == 0 and is_first():  # of processes that do not know of each other, too
+            say(message)
+        return code
+    say(f"process {those.rank} of {those.size}: {message}")
+    those.abort(code)
+    return code
 
 
 def command(tokens: list[str]) -> int:

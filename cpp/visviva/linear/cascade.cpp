@@ -100,6 +100,8 @@ std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
             return make_pardiso(choice);
         case Backend::krylov:
             return make_krylov(choice);
+        case Backend::outside:
+            return choice.outside();
         case Backend::sparse_lu:
             break;
     }

@@ -8,7 +8,7 @@
 
 namespace visviva {
 
-enum class Backend { sparse_lu, cholesky, pardiso, krylov };
+enum class Backend { sparse_lu, cholesky, pardiso, krylov, outside };
 // Known properties of the matrix. Definite: symmetric and positive definite.
 enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
@@ -29,6 +29,9 @@ enum class Preconditioner {
 using Aggregator =
     std::function<std::vector<Aggregates>(const BlockRows<double>& matrix, const double* modes, int n_modes)>;
 
+// Makes a solver that does not belong to the core.
+using OutsideSolver = std::function<std::unique_ptr<LinearSolver>()>;
+
 struct LinearChoice {
     Backend backend = Backend::sparse_lu;
     MatrixKind kind = MatrixKind::general;
@@ -48,6 +51,7 @@ struct LinearChoice {
     int max_iterations = 500;
     int restart = 50;  // of GMRES
     Aggregator aggregator;
+    OutsideSolver outside;
 };
 
 // The first choice; where it fails, the next ones in their order.

@@ -45,7 +45,9 @@ void System::book_impacts(const Context& c, const double* v1) {
 
 void System::book(const Context& c, const double* v1) {
     clear_sums();
-    for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
+    add_up(sums, attempt([&] {
+               for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
+           }));
 }
 
 // Entropy by account: what equations that balance it get of every term, less what is stored.

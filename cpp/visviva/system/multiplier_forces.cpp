@@ -33,8 +33,8 @@ double MultiplierForces::largest(const double* values, const double* multipliers
     return largest;
 }
 
-MultiplierForces::Size MultiplierForces::relative(double change, const double* values, const double* x1,
-                                                  const double* dx) const {
+MultiplierForces::Size MultiplierForces::sizes(const double* values, const double* x1,
+                                               const double* dx) const {
     double balanced = 0, stiffest = 0;
     std::size_t k = 0;
     for (const Row& row : rows_) {
@@ -44,7 +44,7 @@ MultiplierForces::Size MultiplierForces::relative(double change, const double* v
         balanced = std::max({balanced, forces * row.scale, stiffness * std::abs(dx[row.unknown])});
         stiffest = std::max(stiffest, stiffness * row.scale);
     }
-    return balanced > 0 ? Size{change / balanced, stiffest / balanced} : Size{};
+    return {balanced, stiffest};
 }
 
 }  // namespace visviva

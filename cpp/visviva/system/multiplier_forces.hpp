@@ -19,12 +19,14 @@ class MultiplierForces {
     /// The largest force by such values or increments of the multipliers, with the values of the tangent.
     double largest(const double* values, const double* multipliers) const;
 
+    bool has_any() const { return !rows_.empty(); }
+
     struct Size {
-        double change = 0;    // of the forces
+        double balanced = 0;  // the largest that balance each other
         double stiffest = 0;  // force by which a coordinate would be displaced by its scale
     };
-    /// A change relative to the forces at the unknowns x1 that the step has reached by increments dx.
-    Size relative(double change, const double* values, const double* x1, const double* dx) const;
+    /// Of the forces at the unknowns x1 that the step has reached by increments dx.
+    Size sizes(const double* values, const double* x1, const double* dx) const;
 
   private:
     struct Row {  // of a coordinate

@@ -45,6 +45,18 @@ bool System::extend_prescribed_motion(const Context& c) {
     return solvable;
 }
 
+// Of the forces of multipliers; processes know the coordinates of a part.
+double System::largest_force(double here) const {
+    return processes_ && judges_forces_ ? processes_->largest(here) : here;
+}
+
+System::ForceSize System::relative_force(double change) const {
+    const auto [balanced_here, stiffest_here] =
+        multiplier_forces_.sizes(values_.data(), x1_.data(), dx.data());
+    const double balanced = largest_force(balanced_here), stiffest = largest_force(stiffest_here);
+    return balanced > 0 ? ForceSize{change / balanced, stiffest / balanced} : ForceSize{};
+}
+
 void System::start(const Step& step) {
     if (accepted_.empty()) accepted_ = evaluations();
     predict(step);
@@ -78,9 +90,12 @@ Report System::failed(Report report, const std::string& reason, int unknown) {
 }
 
 Report System::succeeded(Report report, const Context& context, bool renewed) {
-    for (const auto& [term, can] : terms_)
-        if (const Refusal no = term->refuse(context); !no.reason.empty())
-            return failed(std::move(report), no.reason, no.unknown);
+    Refusal no;
+    for (auto part = terms_.begin(); part != terms_.end() && no.reason.empty(); ++part)
+        no = part->term->refuse(context);
+    if (any(!no.reason.empty()))
+        return failed(std::move(report), no.reason.empty() ? "another process refuses it" : no.reason,
+                      no.unknown);
     report.converged = true;
     if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     iterations_last_ = renewed ? 0 : report.iterations;
@@ -163,7 +178,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         monotone_.clear(r_.data());
         if (!solve_increment(step, convergence.enough(k)))
             return failed(std::move(report), solver_->report().message, -1);
-        const double change = multiplier_forces_.largest(values_.data(), d_.data());
+        const double change = largest_force(multiplier_forces_.largest(values_.data(), d_.data()));
         double size = 0;  // that of the kept tangent's own increment tells of the residual
         // Coordinates that are there tell nothing of what the increments of multipliers have in common.
         if (accelerates && convergence.last() > noise_ &&
@@ -177,8 +192,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         report.iterations = k + 1;
         if (const std::string why = lost(step, size); !why.empty())
             return failed(std::move(report), why, worst());
-        const MultiplierForces::Size force =
-            multiplier_forces_.relative(change, values_.data(), x1_.data(), dx.data());
+        const ForceSize force = relative_force(change);
         convergence.judge(k, size), forces.judge(k, force.change);
         // A constraint that the increment does not answer to (a regularised pivot) keeps the step from
         // converging.

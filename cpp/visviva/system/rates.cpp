@@ -54,8 +54,10 @@ Step instant_after(const Step& step) {
 // What acts for a moment, as contact does, has no part in the rates, and keeps its branch.
 void System::evaluate_lasting(const Context& c) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& [term, can] : terms_)
-        if (term->is_lasting) term->residual(c, r_.data());
+    add_up(r_, attempt([&] {
+               for (const auto& [term, can] : terms_)
+                   if (term->is_lasting) term->residual(c, r_.data());
+           }));
 }
 
 // With entries of unknowns that take no part.
@@ -74,8 +76,10 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
     Step moved = c.step;
     moved.t0 += later, moved.t1 += later, moved.te += later;
     std::fill(r_.begin(), r_.end(), 0.0);
-    for (const auto& [term, can] : terms_)
-        if (term->sees_clock) term->residual({moved, c.vectors, c.signals}, r_.data());
+    add_up(r_, attempt([&] {
+               for (const auto& [term, can] : terms_)
+                   if (term->sees_clock) term->residual({moved, c.vectors, c.signals}, r_.data());
+           }));
     for (int u = 0; u < n_; ++u) d[u] += factor * r_[u];
 }
 
@@ -85,7 +89,7 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 void System::drift(const Context& c, double h, std::vector<double>& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
-    if (std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->sees_clock; })) {
+    if (any(std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->sees_clock; }))) {
         const double apart = part * h;
         for (const double way : {1.0, -1.0}) {
             add_later(c, way * apart, 8 * way / (12 * apart), d);
@@ -120,14 +124,16 @@ std::vector<double> System::constraint_impulse(const Context& c, const std::vect
     return impulse;
 }
 
-// The right-hand side, as a residual, of the equations whose matrix is in `values_`.
+// The right-hand side, as a residual, of the equations whose matrix is in `values_`; the share of this
+// process.
 void System::evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change) {
     std::fill(r_.begin(), r_.end(), 0.0);
     for (int i = 0; i < csr_.n; ++i) {
         const int u = csr_.unknown[i];
-        if (constraint_[u]) r_[u] = change[u];
+        const bool is_own = !processes_ || own_[u];
+        if (constraint_[u]) r_[u] = is_own ? change[u] : 0.0;
         if (order_[u] == 0 || fixed_[u]) continue;
-        r_[u] = -impulse[u];
+        r_[u] = is_own ? -impulse[u] : 0.0;
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
             if (const int v = csr_.unknown[csr_.col[k]]; order_[v] > 0) r_[u] -= values_[k] * v_next_[v];
     }
@@ -182,7 +188,7 @@ bool System::solve_rates(const Context& c, const Context& instant) {
     rate_solver_->forget();  // a restart has not seen the values of earlier steps
     return rate_solver_->factor(values_.data(), end) &&
            (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
-                        : rate_solver_->solve(r_.data(), end, d_.data(), 0));
+                        : share(rate_solver_->solve(r_.data(), end, d_.data(), 0)));
 }
 
 // M a + G^T mu = -r, G a = -r at the present state: rates or accelerations and multipliers `a` from
@@ -197,15 +203,12 @@ bool System::solve_instant(const Step& now, const Signals& signals, const double
     const Step step = instant_after(now);
     const Vectors here{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
     evaluate_rate_matrix({step, here, signals});
-    for (int i = 0; i < csr_.n; ++i) {
-        const int u = csr_.unknown[i];
-        r_[u] = !fixed_[u] && (order_[u] > 0 || constraint_[u]) ? residual[u] : 0.0;
-    }
+    for (int u = 0; u < n_; ++u) r_[u] = !fixed_[u] && (order_[u] > 0 || constraint_[u]) ? residual[u] : 0.0;
     if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
     rate_solver_->forget();
     if (!rate_solver_->factor(values_.data(), place(step))) return false;
     const bool solved = rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), place(step), d_.data())
-                                    : rate_solver_->solve(r_.data(), place(step), d_.data(), 0);
+                                    : solve_for(*rate_solver_, step, 0);
     for (int u = 0; u < n_; ++u) a[u] = fixed_[u] ? 0.0 : d_[u];
     return solved;
 }
@@ -226,8 +229,7 @@ bool System::project_rates(const Context& c) {
 void System::take_rates(const Step& step) {
     const auto& t = step.motion;
     const bool remembers = step.uses_history();
-    for (int i = 0; i < csr_.n; ++i) {
-        const int u = csr_.unknown[i];
+    for (int u = 0; u < n_; ++u) {
         if (fixed_[u]) continue;
         if (constraint_[u] && remembers) x1_[u] += t[1][0] / t[2][0] * d_[u];
         if (order_[u] == 0) continue;

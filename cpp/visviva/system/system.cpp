@@ -42,7 +42,9 @@ void System::finalize() {
     }
     Pattern pattern(node_, fixed_);
     for (const auto& [term, can] : terms_) term->couple(pattern);
+    if (processes_) pattern.leave_uncoupled();
     pattern.finish(csr_);
+    if (processes_) own_ = processes_->own(csr_.unknown, n_);
     ++revision_;
     assign_with_room(values_, csr_.col.size() + 1, 0.0);  // the last one is for entries of fixed unknowns
     for (const auto& [term, can] : terms_) term->connect(pattern);
@@ -181,6 +183,7 @@ double System::limit_correction() {
     double share = 1;
     for (const auto& [term, can] : terms_)
         if (can.limit) share = std::min(share, can.limit->share(x1_.data(), d_.data()));
+    if (processes_) share = -processes_->largest(-share);
     for (int i = 0; share < 1 && i < n_; ++i) d_[i] *= share;
     return share;
 }
@@ -195,13 +198,15 @@ double System::iterate(const Step& step) {
 void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
     if (with_mesh_tangents) clear_values(), stale_factor_ = true;
-    for (const Part& part : terms_) {
-        const Lap lap(timed(part));
-        if (with_mesh_tangents && part.can.mesh)
-            part.can.mesh->linearise(c, r_.data(), values_.data());
-        else if (all || !part.term->is_rigidity)
-            part.term->residual(c, r_.data());
-    }
+    add_up(r_, attempt([&] {
+               for (const Part& part : terms_) {
+                   const Lap lap(timed(part));
+                   if (with_mesh_tangents && part.can.mesh)
+                       part.can.mesh->linearise(c, r_.data(), values_.data());
+                   else if (all || !part.term->is_rigidity)
+                       part.term->residual(c, r_.data());
+               }
+           }));
 }
 
 void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
@@ -217,51 +222,11 @@ void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
         }
 }
 
-// From the tangent's rows of constraints: by what their violation is weighed to compare with relative
-// increments, and the relative increment that rounding of the configuration alone can cause.
-void System::weigh_constraints() {
-    noise_ = 2e-15;
-    for (int i = 0; i < csr_.n; ++i) {
-        const int row = csr_.unknown[i];
-        constraint_weight_[row] = 0;
-        if (!blocks_.multiplier[row]) continue;
-        double sum = 0, largest = 0, smallest = 1e300, rounding = 0;
-        auto each = [&](auto f) {
-            for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
-                const int u = csr_.unknown[csr_.col[k]];
-                if (inverse_scale_[u] > 0) f(std::abs(values_[k]), u);
-            }
-        };
-        each([&](double g, int u) {
-            sum += g / inverse_scale_[u];
-            largest = std::max(largest, g / inverse_scale_[u]);
-            rounding += g * std::abs(x1_[u]);
-        });
-        each([&](double g, int u) {
-            if (g / inverse_scale_[u] > 1e-4 * largest) smallest = std::min(smallest, g / inverse_scale_[u]);
-        });
-        if (sum == 0) continue;
-        constraint_weight_[row] = 1 / sum;
-        noise_ = std::max(noise_, 4.4e-16 * (rounding + 1e-3 * sum) / smallest);
-    }
-    noise_ = std::min(noise_, 5e-13);
-}
-
-// Largest violation of a constraint at the last evaluation, relative like increments.
-double System::constraint_error() const {
-    return vector_kernels().largest(n_, r_.data(), constraint_weight_.data());
-}
-
-int System::worst_constraint() const {
-    int worst = 0;
-    for (int i = 0; i < n_; ++i)
-        if (std::abs(r_[i]) * constraint_weight_[i] > std::abs(r_[worst]) * constraint_weight_[worst])
-            worst = i;
-    return worst;
-}
-
 bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents) {
-    evaluate_tangent({c.step, c.vectors, c.signals, c.backwards, rigid_ != nullptr}, has_mesh_tangents);
+    const auto failure = attempt([&] {
+        evaluate_tangent({c.step, c.vectors, c.signals, c.backwards, rigid_ != nullptr}, has_mesh_tangents);
+    });
+    agree(failure, any(failure != nullptr));
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
     monotone_.release(r_.data(), csr_, values_.data());
@@ -286,7 +251,7 @@ bool System::factor(const Step& step) {
 // From the residual to the increment.
 bool System::solve_increment(const Step& step, double tolerance) {
     const Lap lap(timed(&Phases::solution));
-    const bool solved = solver_->solve(r_.data(), place(step), d_.data(), tolerance);
+    const bool solved = solve_for(*solver_, step, tolerance);
     ++phases_.n_solutions, phases_.n_iterations += solver_->report().n_iterations;
     return solved;
 }
@@ -385,9 +350,12 @@ Report System::finish(Report report, const Step& step, const Signals& signals, b
         if (path) book_path(context);
     }
     for (std::size_t k = 0; ledger && k < drives_.size(); ++k) sums.work[drive_account_[k]] += drive_work_[k];
-    for (const bool from_outside : {true, false})  // no term accepts what another one refuses
-        for (const auto& [term, can] : terms_)
-            if (term->sees_clock == from_outside) term->accept(context);
+    const auto failure = attempt([&] {
+        for (const bool from_outside : {true, false})  // no term accepts what another one refuses
+            for (const auto& [term, can] : terms_)
+                if (term->sees_clock == from_outside) term->accept(context);
+    });
+    agree(failure, any(failure != nullptr));
     predictor_.record(x.data(), dx.data(), step.h);
     last_[0] = x, last_[1] = dx, last_[2] = v;
     last_[3].clear(), last_[4].clear();

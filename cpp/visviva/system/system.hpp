@@ -1,6 +1,7 @@
 // Numbers the unknowns, gathers, evaluates, scatters into a pattern made once, and takes Newton's steps.
 #pragma once
 #include <any>
+#include <exception>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "visviva/system/monotone.hpp"
 #include "visviva/system/multiplier_forces.hpp"
 #include "visviva/system/predictor.hpp"
+#include "visviva/system/processes.hpp"
 #include "visviva/term/term.hpp"
 
 namespace visviva {
@@ -86,6 +88,8 @@ class System {
         constraint_account_ = std::move(account), account_island_ = std::move(island_of_account);
     }
     void set_accounts(int n_accounts, int n_components);
+    // Before finalize(): the terms added here are some of those of the system, others have the rest.
+    void set_processes(std::unique_ptr<Processes> processes) { processes_ = std::move(processes); }
     void finalize();
     // Near null space of the tangent, [unknown][n_modes]: rigid motions of solids, for multigrid.
     void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
@@ -287,6 +291,26 @@ class System {
     std::vector<double> brought_entropy(const Context&);
     void book_impacts(const Context&, const double* v1);
     void record_mean(const Step&);
+    template <class F>
+    static std::exception_ptr attempt(F&& f) {
+        try {
+            f();
+        } catch (...) {
+            return std::current_exception();
+        }
+        return nullptr;
+    }
+    void add_up(std::vector<double>& values, const std::exception_ptr& failure);
+    void add_up(LedgerSums&, const std::exception_ptr& failure);
+    static void agree(const std::exception_ptr& failure, bool any);
+    bool any(bool here) const;
+    bool solve_for(LinearSolver&, const Step&, double tolerance);
+    bool share(bool solved);
+    struct ForceSize {
+        double change = 0, stiffest = 0;  // relative to the forces that balance each other
+    };
+    ForceSize relative_force(double change) const;
+    double largest_force(double here) const;
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
@@ -343,6 +367,9 @@ class System {
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     Monotone monotone_;
+    bool judges_forces_ = false;            // of multipliers
+    std::unique_ptr<Processes> processes_;  // null where this one is alone
+    std::vector<char> own_;                 // by unknown: whether it belongs to this process
     bool stale_begin_ = true, stale_factor_ = true;
     bool updated_ = false;  // the kept tangent has parts of another configuration
     Step factored_;

@@ -19,9 +19,9 @@ class NoEquations : public LinearSolver {
 }  // namespace
 
 void System::set_solver(std::unique_ptr<LinearSolver> solver) {
-    if (solved().n == 0) solver = std::make_unique<NoEquations>();
+    if (!any(solved().n > 0)) solver = std::make_unique<NoEquations>();
     for (auto r = reductions_.rbegin(); r != reductions_.rend(); ++r)
-        solver = make_reduced(*r, std::move(solver));
+        solver = make_reduced(*r, std::move(solver), [this](bool here) { return !any(!here); });
     solver_ = std::move(solver);
     rigid_ = solver_->capabilities().rigid;
     describe_nodes();
@@ -38,6 +38,7 @@ void System::find_judged() {
     for (const RigidUnknowns& body : blocks_.rigid)
         for (int k = 0; rigid_ && k < 6; ++k) judged[body.multiplier[k]] = 0;
     multiplier_forces_.analyze(csr_, judged, inverse_scale_);
+    judges_forces_ = any(multiplier_forces_.has_any());
 }
 
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
@@ -89,14 +90,14 @@ bool System::linear_solve(const Step& step, const double* residual, double* d, d
 double System::in_roundings(const double* residual) const {
     constexpr double eps = std::numeric_limits<double>::epsilon();
     double largest = 0;
-    for (int i = 0; i < csr_.n; ++i) {
-        const int row = csr_.unknown[i];
-        if (fixed_[row] || monotone_.is_masked(row) || residual[row] == 0) continue;
-        double rounding = 0;
+    std::vector<double> rounding(n_, 0.0);
+    for (int i = 0; i < csr_.n; ++i)
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
-            rounding += std::abs(values_[k] * x1_[csr_.unknown[csr_.col[k]]]);
-        largest = std::max(largest, std::abs(residual[row]) / (eps * rounding));
-    }
+            rounding[csr_.unknown[i]] += std::abs(values_[k] * x1_[csr_.unknown[csr_.col[k]]]);
+    if (processes_) processes_->sum(rounding.data(), rounding.size());
+    for (int u = 0; u < n_; ++u)
+        if (!fixed_[u] && !monotone_.is_masked(u) && residual[u] != 0)
+            largest = std::max(largest, std::abs(residual[u]) / (eps * rounding[u]));
     return largest;
 }
 

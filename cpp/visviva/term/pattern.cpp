@@ -20,6 +20,25 @@ Pattern::Pattern(const std::vector<int>& node, const std::vector<char>& fixed) :
     pairs_.resize(first_.size());
 }
 
+void Pattern::leave_uncoupled() {
+    std::vector<char> coupled(first_.size(), 0);
+    for (std::size_t i = 0; i < pairs_.size(); ++i)
+        for (int j : pairs_[i]) coupled[i] = coupled[j] = 1;
+    std::vector<int> left(first_.size(), -1);
+    int n = 0;
+    for (std::size_t i = 0; i < first_.size(); ++i)
+        if (coupled[i]) {
+            left[i] = n, first_[n] = first_[i], size_[n] = size_[i];
+            pairs_[n++].swap(pairs_[i]);
+        }
+    first_.resize(n), size_.resize(n), pairs_.resize(n);
+    for (auto& cols : pairs_)
+        for (int& j : cols) j = left[j];
+    for (int& i : number_) i = i < 0 ? -1 : left[i];
+    held_.erase(std::remove_if(held_.begin(), held_.end(), [&](int u) { return number_[u] < 0; }),
+                held_.end());
+}
+
 void Pattern::finish(Csr& csr) {
     const int n_nodes = static_cast<int>(first_.size());
     csr.unknown.clear(), csr.equation.assign(number_.size(), -1), csr.col.clear();

@@ -21,6 +21,8 @@ class Pattern {
         const int i = number_[row], j = number_[col];
         if (i >= 0 && j >= 0) pairs_[i].push_back(j);
     }
+    /// Nodes that nothing has coupled have no equations: those of other processes.
+    void leave_uncoupled();
     /// Sorts what was coupled and fills rows and columns.
     void finish(Csr& csr);
 

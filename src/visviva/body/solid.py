@@ -11,13 +11,14 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError, nearest
+from visviva.base.world import world
 from visviva.body import formulation as forms
 from visviva.body.element import geometry, masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
-from visviva.body.solid_term import Elements, own_energy, rayleigh
-from visviva.component.announcements import Wetting
+from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
+from visviva.component.announcements import SharedOut, Wetting
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
 from visviva.material.material import Material
@@ -147,6 +148,11 @@ class Solid(MeshBody):
         return grid
 
     @property
+    def _is_shared_out(self) -> bool:
+        """Whether each of several processes has some of its elements; else the first one has all."""
+        return type(self) is Solid
+
+    @property
     def _is_heated(self) -> bool:
         return callable(self.thermal_strain) or bool(self.thermal_strain)
 
@@ -230,37 +236,46 @@ class Solid(MeshBody):
         # the core does not keep it alive
         self._callback = callback_of(self._energy) if self._energy else None
         self._elements: list[Elements] = []
+        self.volumes: list[Array] = []
+        self._open_accounts(model)
+        own = shared_out(self.grid) if self._is_shared_out else np.ones(self.grid.n_cells, dtype=bool)
         first = 0
         for cell, nodes in self.grid.cells.items():
-            self._elements.append(self._made(model, cell, nodes, first))
-            model.batch(self._elements[-1].term)
+            some = np.flatnonzero(own[first : first + len(nodes)])
+            made = [self._elements_of(model, cell, nodes[some], first, some)] if len(some) else []
+            for elements in made:
+                model.batch(elements.term)
+                if self._is_shared_out:
+                    model.announce(self, SharedOut(elements.term))
+            self._elements += made
+            self.volumes.append(self._whole([e.volume for e in made], [e.numbers for e in made]))
             first += len(nodes)
-        self.volumes = [elements.volume for elements in self._elements]
 
-    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
-        """Elements with their nodes (m, k), numbered from `first`, and their term."""
+    def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
+        """Elements with their nodes (m, k), some of those of their type, numbered from `first`, and their term."""
         points, d = self.grid.points, self.dimension
         g = geometry(points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
         index, parameters = self.node_unknowns(nodes), self.body_material.parameters(len(nodes))
         kind = self.body_material.kind
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
         if self.formulation == "enhanced":
-            modes = self._inner.start + np.arange(first * d * d, (first + len(nodes)) * d * d, d)
-            index = np.hstack([index, modes.reshape(len(nodes), d)])
+            modes = self._inner.start + (first + some)[:, None] * d * d + d * np.arange(d)
+            index = np.hstack([index, modes])
             g = forms.enhanced(points, nodes, cell, g)
             mass = None if mass is None else forms.without_mass(mass, nodes.shape[1], d)
         elif self.formulation == "mixed":
             split = self.body_material.split()
             kind, parameters = split.kind, np.tile(split.constants, (len(nodes), 1))
-            index = np.hstack([index, self._inner.start + self._pressure_numbers[cell]])
+            index = np.hstack([index, self._inner.start + self._pressure_numbers[cell][some]])
         index = np.ascontiguousarray(index, dtype=np.int32)
         arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
         term = _core.SolidTerm(int(kind), self.body_material.small, index, *arrays)
         term.name = self.label
         thermal = self._thermal(cell, nodes, solid_rule(points, nodes, cell)) if self._is_heated else None
         self._complete(term, cell, nodes, thermal)
-        self._book(model, term, first)
-        return Elements(cell=cell, nodes=nodes, first=first, thermal=thermal, term=term, volume=g.volume)
+        term.book_solid(*self._open_accounts(model), model.index(self), first)
+        numbers = first + some
+        return Elements(cell=cell, nodes=nodes, numbers=numbers, thermal=thermal, term=term, volume=g.volume)
 
     @property
     def _is_damped(self) -> bool:
@@ -306,12 +321,11 @@ class Solid(MeshBody):
         if self._callback is not None:
             term.set_callback(self._callback)
 
-    def _book(self, model: Model, term: Any, first: int) -> None:
-        """Tell the term its places in the ledger."""
+    def _open_accounts(self, model: Model) -> tuple[int, int, int]:
+        """Places in the ledger of strain energy, kinetic energy and damping; the same where no elements are."""
         kinetic = model.account(self, "kinetic", "kinetic") if self.density > 0 else -1
         dissipated = model.account(self, "damping", "dissipation") if self._is_damped else -1
-        strain = model.account(self, "strain", "potential")
-        term.book_solid(strain, kinetic, dissipated, model.index(self), first)
+        return model.account(self, "strain", "potential"), kinetic, dissipated
 
     def _thermal(self, cell: str, nodes: Ints, rule: Rule) -> Array:
         """Thermal strains (m, q) at the points of elements; those of F-bar grow like their centre."""
@@ -337,8 +351,13 @@ class Solid(MeshBody):
     def widths(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
+    def _whole(self, values: Sequence[Array], numbers: Sequence[Ints]) -> Array:
+        """Values (m, ...) of all elements from those of the elements here, by their numbers."""
+        alone = world().size == 1 or not self._is_shared_out
+        return np.concatenate(values) if alone else whole(values, numbers)
+
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return smoothed(self.grid, tuple(names), self._evaluated(x))
+        return smoothed(self.grid, tuple(names), self._evaluated(x), add_up=self._is_shared_out)
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.
@@ -352,15 +371,22 @@ class Solid(MeshBody):
         """
         if cell is None and len(self.grid.cells) > 1:
             raise InputError(f"{self.label} has the cells {', '.join(self.grid.cells)}; say of which")
-        parts = [part for name, _, _, _, part in self._evaluated(x) if cell in (None, name)]
-        if not parts:
+        if cell not in (None, *self.grid.cells):
             raise InputError(f"{self.label} has no cells {cell!r}{nearest(str(cell), self.grid.cells)}")
-        F, S, W = (np.concatenate([getattr(p, n) for p in parts]) for n in ("F", "second_piola", "energy"))
+        parts = [(k, part) for name, _, k, _, part in self._evaluated(x) if cell in (None, name)]
+        numbers = [k for k, _ in parts]
+        F, S, W = (
+            self._whole([getattr(p, n) for _, p in parts], numbers) for n in ("F", "second_piola", "energy")
+        )
         return Fields(F, S, W, self.body_material.small)
 
     def at_points(self, name: str, x: Array) -> Array:
         width, function = quantity(name)
-        return np.concatenate([function(part).reshape(-1, width) for *_, part in self._evaluated(x)])
+        found: dict[str, tuple[list[Array], list[Ints]]] = {cell: ([], []) for cell in self.grid.cells}
+        for cell, _, numbers, volume, part in self._evaluated(x):
+            found[cell][0].append(function(part).reshape(*volume.shape, width))
+            found[cell][1].append(numbers)
+        return np.concatenate([self._whole(*parts).reshape(-1, width) for parts in found.values()])
 
     def trouble(self, x: Array) -> str:
         J, worst = SQUEEZED, ""
@@ -371,7 +397,7 @@ class Solid(MeshBody):
                 J, place = float(least[e]), self.positions(x)[nodes[e]].mean(axis=0)
                 at = ", ".join(f"{c:.4g}" for c in place)
                 state = "inverted" if J <= 0 else "nearly flat"
-                worst = f"element {cells.start + e} of {self.label} near ({at}) is {state} (det F = {J:.3g})"
+                worst = f"element {cells[e]} of {self.label} near ({at}) is {state} (det F = {J:.3g})"
         return worst
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
@@ -380,7 +406,9 @@ class Solid(MeshBody):
             n, k = part.nodes.shape
             force = part.term.forces(np.ascontiguousarray(x, dtype=float), 0, n)[:, :k]
             if cells is not None:
-                force *= cells[part.first : part.first + n, None, None]
+                force *= cells[part.numbers, None, None]
             for c in range(self.dimension):
                 total[:, c] -= np.bincount(part.nodes.ravel(), force[:, :, c].ravel(), len(total))
+        if self._is_shared_out:
+            world().sum(total)
         return total

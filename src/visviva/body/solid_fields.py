@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
+from visviva.base.world import world
 from visviva.body.element import is_curved
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.geometry import determinant
@@ -28,7 +29,7 @@ Ints = NDArray[np.int64]
 
 FULL = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
 """Places of a symmetric tensor's entries among its six components 11, 22, 33, 12, 23, 31."""
-Evaluated = tuple[str, Ints, slice, Array, "Fields"]
+Evaluated = tuple[str, Ints, Ints, Array, "Fields"]
 """Cell type, nodes (m, k), numbers, volumes (m, q) and fields (m, q, ...) of some elements."""
 CHUNK = 4096  # elements whose fields are held at a time; a multiple of eight
 
@@ -186,8 +187,7 @@ def evaluated(
                 fields = across_free(fields, energy, stretch)
             elif material.energy is not None and formulation == "F-bar":
                 fields = responding(fields, material, stretch)
-            numbers = slice(part.first + some.start, part.first + some.stop)
-            yield part.cell, part.nodes[some], numbers, part.volume[some], fields
+            yield part.cell, part.nodes[some], part.numbers[some], part.volume[some], fields
 
 
 def across_free(part: Fields, energy: AcrossFree, stretch: Array) -> Fields:
@@ -215,9 +215,8 @@ def of_points(values: Array, small: bool) -> Fields:
 def of_each(parts: Iterable[Elements], x: Array) -> Iterator[Evaluated]:
     """Fields of elements whose terms give them at points, in rows as `of_points` takes them."""
     for part in parts:
-        numbers = slice(part.first, part.first + len(part.nodes))
         fields = of_points(part.term.fields(x, 0, len(part.nodes)), False)
-        yield part.cell, part.nodes, numbers, part.volume, fields
+        yield part.cell, part.nodes, part.numbers, part.volume, fields
 
 
 def summed(grid: Mesh, forces: Iterable[tuple[Ints, Array]], cells: NDArray[np.bool_] | None) -> Array:
@@ -231,23 +230,25 @@ def summed(grid: Mesh, forces: Iterable[tuple[Ints, Array]], cells: NDArray[np.b
     return total
 
 
-def smoothed(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> dict[str, Array]:
+def smoothed(
+    grid: Mesh, names: Sequence[str], points: Iterable[Evaluated], *, add_up: bool = False
+) -> dict[str, Array]:
     """Quantities at the nodes, (n_nodes,) or (n_nodes, components) each.
 
     In every element the polynomial of least squares through the values at its quadrature points is taken to
     its nodes; a node has the mean of its elements, weighted by their volumes. Linear fields on undistorted
     elements (constant ones for tri3 and tet4) come out exactly. Von Mises' and principal stresses are those of
-    the smoothed Cauchy stress.
+    the smoothed Cauchy stress. Elements that are not here are added up where other processes have them.
     """
     wanted = list(dict.fromkeys("cauchy" if name in OF_STRESS else name for name in names))
-    found = _fitted(grid, wanted, points)
+    found = _fitted(grid, wanted, points, add_up)
     return {
         name: OF_STRESS[name](found["cauchy"][:, FULL]) if name in OF_STRESS else found[name]
         for name in names
     }
 
 
-def _fitted(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> dict[str, Array]:
+def _fitted(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated], add_up: bool) -> dict[str, Array]:
     """Means over the elements at each node of polynomials fitted in each element."""
     chosen = [quantity(name) for name in names]
     ends = np.cumsum([0, *(width for width, _ in chosen)])
@@ -264,6 +265,9 @@ def _fitted(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated]) -> di
             weight += np.bincount(nodes[:, a], size, len(weight))
             for c in range(ends[-1]):
                 total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
+    if add_up and chosen:
+        world().sum(total)
+        world().sum(weight)
     mean = total / (weight[:, None] if chosen else 1.0)
     columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
     return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}

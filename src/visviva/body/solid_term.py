@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.world import world
 from visviva.body import formulation as forms
 from visviva.body.formulation import Formulation
 from visviva.material.material import Material
+from visviva.mesh.mesh import Mesh
 from visviva.model.callback import AcrossFree, Function
 
 Array = NDArray[np.float64]
@@ -26,8 +28,8 @@ class Elements:
     ----------
     cell : str
     nodes : array, (m, k)
-    first : int
-        Number of the first among all of the solid.
+    numbers : array, (m,)
+        Among all of the solid.
     thermal : array, (m, q), or None
         Thermal strains at the quadrature points.
     term : object
@@ -38,10 +40,24 @@ class Elements:
 
     cell: str
     nodes: Ints
-    first: int
+    numbers: Ints
     thermal: Array | None
     term: Any
     volume: Array
+
+
+def shared_out(grid: Mesh) -> NDArray[np.bool_]:
+    """Cells (n_cells,) of a mesh that belong to this one of several processes."""
+    own: NDArray[np.bool_] = world().parts(grid) == world().rank
+    return own
+
+
+def whole(values: Sequence[Array], numbers: Sequence[Ints]) -> Array:
+    """Values (m, ...) of elements of all processes in the order of their numbers, from those of this one."""
+    together = world().together((list(values), list(numbers)))
+    found = np.concatenate([part for parts, _ in together for part in parts])
+    order = np.argsort(np.concatenate([part for _, parts in together for part in parts]), kind="stable")
+    return found[order]
 
 
 def own_energy(

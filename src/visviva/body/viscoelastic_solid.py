@@ -93,8 +93,8 @@ class ViscoelasticSolid(Branched, Solid):
             )
         self._constants = [branch.parameters(self.label, self.body_material) for branch in self.branches]
 
-    def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
-        made = super()._made(model, cell, nodes, first)
+    def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
+        made = super()._elements_of(model, cell, nodes, first, some)
         g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
         kind, weights = PhysicsKind.BRANCH, g.gradients
         if self.dimension == 2:

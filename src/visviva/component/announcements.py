@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,3 +108,10 @@ class Wetting(Component):
 
     def announce(self, model: Model) -> None:
         model.announce(self.carried, self)
+
+
+@dataclass(frozen=True, eq=False)
+class SharedOut:
+    """A term of the core that has some of the elements of its component: other processes have the rest."""
+
+    term: Any

@@ -290,7 +290,14 @@ class FracturingSolid(Solid):
         add_points(model, self, kind, groups, at.volume, self.law.parameters())
         self._evaluations.append(at)
         looks: Any = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
-        return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=looks.volume)
+        return Elements(
+            cell=cell,
+            nodes=nodes,
+            numbers=first + np.arange(len(nodes)),
+            thermal=None,
+            term=looks,
+            volume=looks.volume,
+        )
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)

@@ -213,7 +213,14 @@ class MixtureSolid(Solid):
         term.limit(1, 0.5 * self.chemistry.scale)
         self._stressed.append(at)
         looks: Any = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
-        return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=looks.volume)
+        return Elements(
+            cell=cell,
+            nodes=nodes,
+            numbers=first + np.arange(len(nodes)),
+            thermal=None,
+            term=looks,
+            volume=looks.volume,
+        )
 
     def constants(self) -> list[float]:
         """Of the core, see ``visviva/point/mixture.hpp``."""

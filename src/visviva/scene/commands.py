@@ -12,6 +12,7 @@ from visviva.base.deadline import TimeLimit
 from visviva.base.errors import InputError
 from visviva.base.interrupt import exit_code
 from visviva.base.threads import told
+from visviva.base.world import world
 
 if TYPE_CHECKING:
     from visviva.results.result import Result
@@ -160,14 +161,16 @@ def execute(
         result = run(source.study, directory, pictures=False, tell=print, **options)
     except KeyboardInterrupt as interrupt:
         where = f"stopped at t = {source.study.system.time:.6g}; continue with --resume"
-        say(f"{where} (state and files are in {directory})")
+        if world().rank == 0:
+            say(f"{where} (state and files are in {directory})")
         return exit_code(interrupt)
     except TimeLimit as stopped:
-        say(f"{stopped}; continue with --resume (state and files are in {directory})")
+        if world().rank == 0:
+            say(f"{stopped}; continue with --resume (state and files are in {directory})")
         return TIME_IS_UP
     result.audit()
     passed = report_check(source, result)
-    if pictures:
+    if pictures and world().rank == 0:
         illustrate(source, directory, movies)
     print(f"files are in {directory}")
     return 0 if passed else FAILED

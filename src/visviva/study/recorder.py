@@ -19,6 +19,7 @@ from visviva.base.arguments import whole
 from visviva.base.deadline import Deadline, TimeLimit
 from visviva.base.errors import InputError, RunError, VisvivaError
 from visviva.base.threads import use_threads
+from visviva.base.world import world
 from visviva.output.beside import AtOnce, Beside
 from visviva.output.checkpoint import Record
 from visviva.output.directory import RunDirectory
@@ -246,7 +247,7 @@ class Recorder:
             self.outbox.wait()
         except Exception as error:  # a second Ctrl-C interrupts anywhere, and what stands then is not saved
             with suppress(VisvivaError):  # the first error counts; an older state is still there
-                if self.is_written:
+                if self.is_written and world().meets():
                     self.save()
                     self.outbox.wait()
             if isinstance(error, RunError):
@@ -262,7 +263,7 @@ class Recorder:
             self.save()
             self.outbox.wait()
             raise KeyboardInterrupt(signal)
-        if deadline is not None and deadline.is_near(self._cost) and not self.is_complete():
+        if deadline is not None and world().first(deadline.is_near(self._cost)) and not self.is_complete():
             raise TimeLimit(f"the time given is nearly over at t = {self.study.system.time:.6g}")
 
     def is_complete(self) -> bool:
@@ -319,7 +320,7 @@ class Recorder:
 
     def save_now_and_then(self, seconds: float) -> None:
         """Save the state if it is due; seldom enough that saving costs little."""
-        if time.perf_counter() - self._saved >= max(seconds, 20 * self._cost):
+        if world().first(time.perf_counter() - self._saved >= max(seconds, 20 * self._cost)):
             self.save()
 
     def save(self) -> None:

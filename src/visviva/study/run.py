@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from visviva.base.deadline import Deadline
 from visviva.base.errors import InputError
 from visviva.base.interrupt import deferred_interrupt
 from visviva.base.processes import refuse_unaware
+from visviva.base.world import world
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
 from visviva.study.profile import Profile, profile_text
@@ -120,6 +121,7 @@ def run(
     """
     from visviva.output.compressed import compress as compress_file
     from visviva.study import drawings
+    from visviva.study.follower import Follower
     from visviva.study.recorder import Cadence, Recorder
 
     refuse_unaware()
@@ -137,20 +139,23 @@ def run(
         refuse_early_end(study)
         system.clock.refuse_short(study.until, study.step, system.stepper.is_given)
         files = RunDirectory(Path(directory))
-    with files.writing(lock):
+    is_first = world().rank == 0  # which writes
+    recording: type[Recorder] = Recorder if is_first else Follower
+    with files.writing(lock) if is_first else nullcontext():
         if resume:
-            recorder = Recorder.resume(study, files, force, said)
+            recorder = recording.resume(study, files, force, said)
             recorder.cadence = chosen or recorder.cadence
         else:
             cadence = chosen or Cadence.of(study, frames_per_second)
-            recorder = Recorder.start(study, files, cadence, said, project, overwrite)
+            recorder = recording.start(study, files, cadence, said, project, overwrite)
         announce(recorder, tell)
         with alone(system), recorder, deferred_interrupt() as interrupted, profiled(recorder, profile, tell):
-            recorder.march(interrupted, progress, save_every, deadline)
+            stopped = lambda: int(world().largest(interrupted()))  # noqa: E731
+            recorder.march(stopped, progress and is_first, save_every, deadline)
         recorder.finish()
-        if compress and files.trajectory.exists():
+        if compress and is_first and files.trajectory.exists():
             compress_file(files.trajectory)
-        for complaint in drawings.draw_run(study, files, movies=movies) if pictures else ():
+        for complaint in drawings.draw_run(study, files, movies=movies) if pictures and is_first else ():
             warnings.warn(complaint, stacklevel=2)
     return recorder.result
 

@@ -9,8 +9,11 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.base.world import world
+from visviva.component.announcements import SharedOut
 from visviva.model.field import Role
 from visviva.model.stencil import inertia_terms, strain_terms
+from visviva.system.shared import refuse_unshared
 
 if TYPE_CHECKING:
     from visviva.model.driving import Driving
@@ -30,7 +33,11 @@ def build_core(system: System) -> _core.System:
     terms += [term.build(model, component) for term, component in model.terms]
     held = supplied(model)
     core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
-    for term in terms:
+    if world().size > 1:
+        refuse_unshared(system)
+        core.set_processes(world().of_core())
+    shared = [s.term for c in system.components for s in model.announced(c, SharedOut)]
+    for term in terms if world().rank == 0 else shared:
         core.add(term)
     core.set_blocks(*blocks(model))
     core.set_judged(judged(model))
@@ -61,6 +68,8 @@ def hand_reductions(core: _core.System, system: System) -> None:
     reductions = system.model.reductions
     if (system.local >= 0).any():
         core.condense_elements(system.local)
+    if world().size > 1:  # each of which knows a part of the rows that the others would need
+        return
     if reductions.slaves and not system.newton.null_space:  # which takes constraints block by block
         core.eliminate_slaves(*columns(reductions.slaves))
     if reductions.pressures:  # of contact, by the momentum of their nodes

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.base.world import world
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component
 from visviva.component.point import Attachable
@@ -250,14 +251,18 @@ def _resistance(system: System, motions: Array, step: Any) -> Array:
     import scipy.sparse as sp
 
     system.core.find_neighbours()  # bodies may rest on what they touch
-    row, col, unknown = system.pattern
+    row, col, unknown = (np.asarray(a) for a in system.core.csr)
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)
     K = sp.csr_array((values, col, row), shape=(len(unknown),) * 2)
     R = motions[unknown]
-    largest = (abs(K) @ np.abs(R)).max(axis=1)[system.free_equations]
-    forces = (K @ R)[system.free_equations] / np.where(largest > 0, largest, 1.0)[:, None]
+    forces, met = np.zeros_like(motions), np.zeros_like(motions)
+    forces[unknown], met[unknown] = K @ R, abs(K) @ np.abs(R)
+    for part in (forces, met):  # of rows that processes share
+        world().sum(part)
     fixed = np.concatenate([f.fixed for f in system.model.fields])
+    largest = met[~fixed].max(axis=1)
+    forces = forces[~fixed] / np.where(largest > 0, largest, 1.0)[:, None]
     return np.vstack([forces, motions[fixed]])
 
 

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.base.world import world
 from visviva.linear.choice import TINY, Automatic, Direct, Problem, Temperatures, rigid_motions
 from visviva.model.field import Role
 from visviva.system.build import blocks
+from visviva.system.shared import refuse_unshared_solver
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -31,6 +33,8 @@ UNSYMMETRIC = (*CARRIED, Role.POTENTIAL, Role.TEMPERATURE)
 def uses_null_space(system: System) -> bool:
     """Whether rigid bodies are reduced to six unknowns and eliminated block by block."""
     model = system.model
+    if world().size > 1:
+        return False
     if system.newton.null_space is not None:
         return system.newton.null_space
     free = np.concatenate([~f.fixed for f in model.fields])
@@ -112,7 +116,7 @@ def rigid_modes(model: Model) -> Array:
 def hand_solvers(system: System) -> str:
     """Hand the linear solvers to the core of a system; returns what was chosen, and why."""
     core, newton = system.core, system.newton
-    options = newton.linear
+    options = refuse_unshared_solver(newton.linear, newton.null_space) or world().solver()
     if options is not None and newton.null_space:
         raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
     problem, by_blocks = problem_of(system), uses_null_space(system)
@@ -124,7 +128,7 @@ def hand_solvers(system: System) -> str:
     choice = (options or Automatic()).choose(problem)
     core.use_linear(list(choice.in_order))
     project_in_core(system, False)
-    return choice.explanation
+    return choice.explanation if world().size == 1 else f"{world().size} processes, {choice.explanation}"
 
 
 def is_plain(problem: Problem) -> bool:
@@ -146,7 +150,9 @@ def project_in_core(system: System, by_blocks: bool) -> None:
         n_multipliers=int(constraint.sum()),
         regularization=regularization,
     )
-    if by_blocks or rates.is_small:
+    if world().size > 1:
+        system.core.use_rate_linear(list(world().solver().choose(rates).in_order), constraint)
+    elif by_blocks or rates.is_small:
         system.core.use_rate_solver(by_blocks, regularization, constraint)
     else:
         system.core.use_rate_linear(list(Direct().choose(rates).in_order), constraint)

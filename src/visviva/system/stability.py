@@ -17,6 +17,7 @@ from visviva.body.formulation import SUITED
 from visviva.body.solid import Solid
 from visviva.system.local import condensed
 from visviva.system.scaling import asymmetry, equilibration
+from visviva.system.shared import n_equations
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -96,9 +97,9 @@ def judged(system: System, falling: int) -> int | None:
 
 def count_falling(system: System, step: Any) -> int | None:
     """The same by factors of the whole tangent, where it is symmetric and small."""
-    if system.core.n_equations > LARGEST:
+    if n_equations(system) > LARGEST:
         return None
-    if not system.core.n_equations:
+    if not n_equations(system):
         return 0
     _, K = system.tangent(step)
     if not is_symmetric(system, K):

@@ -37,6 +37,7 @@ from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
 from visviva.system.problem import hand_solvers
+from visviva.system.shared import whole_rows
 from visviva.system.stepper import Stepper
 from visviva.system.steps import Attempt
 
@@ -428,7 +429,7 @@ class System(metaclass=Named):
         Contact brings new neighbours together, and then it changes.
         """
         if self._pattern is None or self._pattern[0] != self.core.revision:
-            row, col, unknown = self.core.csr
+            row, col, unknown = whole_rows(self.core)[0]
             arrays = np.array(row, np.int64), np.array(col, np.int32), np.array(unknown, np.int64)
             self._pattern = self.core.revision, arrays
         return self._pattern[1]
@@ -495,11 +496,11 @@ class System(metaclass=Named):
 
         self.core.find_neighbours()
         row, col, unknown = self.pattern
-        values = np.zeros(len(col))
+        values = np.zeros(len(self.core.csr[1]))
         residual = np.zeros(len(self.x))
         self.core.assemble(step, self.signals(step), residual, values)
         n = len(unknown)
-        K = sp.csr_array((values, col, row), shape=(n, n))
+        K = sp.csr_array((whole_rows(self.core, values)[1], col, row), shape=(n, n))
         free = self.free_equations
         return residual, K if len(free) == n else K[free][:, free]
 

@@ -218,7 +218,14 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
         g, N = self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
         looks: Any = Evaluation(self, nodes, vectors, g.gradients, g.volume, N)
-        return Elements(cell=cell, nodes=nodes, first=first, thermal=None, term=looks, volume=g.volume)
+        return Elements(
+            cell=cell,
+            nodes=nodes,
+            numbers=first + np.arange(len(nodes)),
+            thermal=None,
+            term=looks,
+            volume=g.volume,
+        )
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False

@@ -43,7 +43,7 @@ void ElementCondensation::describe_all() {
     const int n = static_cast<int>(element_.size());
     for (int u = 0, end = 0; u < n; u = end) {
         for (end = u + 1; end < n && element_[end] == element_[u];) ++end;
-        if (element_[u] < 0) continue;
+        if (element_[u] < 0 || full_->equation[u] < 0) continue;
         elements_.push_back(
             {u, end - u, 0, 0, outer_.size(), place_.size(), inverse_.size(), follow_.size()});
         describe(elements_.back());

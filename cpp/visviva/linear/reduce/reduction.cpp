@@ -57,8 +57,9 @@ Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_lef
 
 class ReducedSolver : public LinearSolver {
   public:
-    ReducedSolver(std::shared_ptr<Reduction> reduction, std::unique_ptr<LinearSolver> rest)
-        : reduction_(std::move(reduction)), rest_(std::move(rest)) {
+    ReducedSolver(std::shared_ptr<Reduction> reduction, std::unique_ptr<LinearSolver> rest,
+                  std::function<bool(bool)> agree)
+        : reduction_(std::move(reduction)), rest_(std::move(rest)), agree_(std::move(agree)) {
         take_report();
     }
 
@@ -68,7 +69,8 @@ class ReducedSolver : public LinearSolver {
         take_report();
     }
     bool factor(const double* values, const Place& place) override {
-        const bool regular = reduction_->reduce(values) && rest_->factor(reduction_->values().data(), place);
+        const bool regular =
+            agree_(reduction_->reduce(values)) && rest_->factor(reduction_->values().data(), place);
         take_report();
         return regular;
     }
@@ -91,14 +93,16 @@ class ReducedSolver : public LinearSolver {
 
     std::shared_ptr<Reduction> reduction_;
     std::unique_ptr<LinearSolver> rest_;
+    std::function<bool(bool)> agree_;
     Blocks blocks_;
 };
 
 }  // namespace
 
 std::unique_ptr<LinearSolver> make_reduced(std::shared_ptr<Reduction> reduction,
-                                           std::unique_ptr<LinearSolver> rest) {
-    return std::make_unique<ReducedSolver>(std::move(reduction), std::move(rest));
+                                           std::unique_ptr<LinearSolver> rest,
+                                           std::function<bool(bool here)> agree) {
+    return std::make_unique<ReducedSolver>(std::move(reduction), std::move(rest), std::move(agree));
 }
 
 }  // namespace visviva

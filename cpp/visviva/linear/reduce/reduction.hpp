@@ -1,5 +1,7 @@
 // Equations that leave before the others are solved, and whose unknowns come back from those of the others.
 #pragma once
+#include <functional>
+
 #include "visviva/linear/linear.hpp"
 
 namespace visviva {
@@ -55,7 +57,9 @@ class Reduction {
 std::int64_t place_of(const Csr& csr, int row, int col);
 
 /// A solver of equations of which some leave before `rest` solves the others. The reduction has to be
-/// analysed before the solver is.
-std::unique_ptr<LinearSolver> make_reduced(std::shared_ptr<Reduction>, std::unique_ptr<LinearSolver> rest);
+/// analysed before the solver is. It has succeeded if all agree, where others reduce a part too.
+std::unique_ptr<LinearSolver> make_reduced(
+    std::shared_ptr<Reduction>, std::unique_ptr<LinearSolver> rest,
+    std::function<bool(bool here)> agree = [](bool here) { return here; });
 
 }  // namespace visviva

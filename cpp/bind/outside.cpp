@@ -1,0 +1,109 @@
+// Solvers and processes written in Python; the interpreter's lock is taken for every call.
+#include "outside.hpp"
+
+#include "arrays.hpp"
+
+using namespace visviva;
+
+namespace {
+
+// Objects are copied and destroyed where the lock may not be held.
+std::shared_ptr<nb::object> kept(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* o) {
+                nb::gil_scoped_acquire gil;
+                delete o;
+            }};
+}
+
+template <class T>
+nb::object seen(const T* data, std::initializer_list<std::size_t> shape) {
+    return nb::cast(nb::ndarray<nb::numpy, const T>(data, shape.size(), shape.begin(), nb::none()),
+                    nb::rv_policy::reference);
+}
+template <class T>
+nb::object seen(const std::vector<T>& values) {
+    return seen(values.data(), {values.size()});
+}
+
+class Outside : public LinearSolver {
+  public:
+    explicit Outside(const std::shared_ptr<nb::object>& make) {
+        nb::gil_scoped_acquire gil;
+        solver_ = kept((*make)());
+        take_report();
+    }
+
+    void analyze(const Csr& pattern, const Blocks& blocks) override {
+        nb::gil_scoped_acquire gil;
+        n_ = pattern.equation.size(), n_entries_ = pattern.col.size();
+        const auto rows = static_cast<std::size_t>(pattern.n),
+                   modes = static_cast<std::size_t>(blocks.n_modes);
+        const std::vector<int> multiplier(blocks.multiplier.begin(), blocks.multiplier.end());
+        solver_->attr("analyze")(seen(pattern.row), seen(pattern.col), seen(pattern.unknown),
+                                 seen(blocks.node), seen(blocks.modes.data(), {rows, modes}),
+                                 seen(multiplier));
+        take_report();
+    }
+    bool factor(const double* values, const Place&) override {
+        nb::gil_scoped_acquire gil;
+        const bool regular = nb::cast<bool>(solver_->attr("factor")(seen(values, {n_entries_})));
+        take_report();
+        return regular;
+    }
+    bool solve(const double* r, const Place&, double* d, double tolerance) override {
+        nb::gil_scoped_acquire gil;
+        const bool solved = nb::cast<bool>(
+            solver_->attr("solve")(seen(r, {n_}), nb::cast(view(d, n_, nb::none())), tolerance));
+        take_report();
+        return solved;
+    }
+    void forget() override {
+        nb::gil_scoped_acquire gil;
+        solver_->attr("forget")();
+    }
+
+  private:
+    void take_report() {
+        report_.name = nb::cast<std::string>(solver_->attr("name"));
+        report_.message = nb::cast<std::string>(solver_->attr("message"));
+        report_.n_iterations = nb::cast<int>(solver_->attr("iterations"));
+    }
+
+    std::shared_ptr<nb::object> solver_;
+    std::size_t n_ = 0, n_entries_ = 0;
+};
+
+class OutsideProcesses : public Processes {
+  public:
+    explicit OutsideProcesses(nb::object processes) : processes_(kept(std::move(processes))) {}
+
+    std::vector<char> own(const std::vector<int>& unknowns, int n) override {
+        nb::gil_scoped_acquire gil;
+        return flags_of(nb::cast<Ints>(processes_->attr("own")(seen(unknowns), n)));
+    }
+    void sum(double* values, std::size_t n) override {
+        nb::gil_scoped_acquire gil;
+        processes_->attr("sum")(view(values, n, nb::none()));
+    }
+    double largest(double value) override {
+        nb::gil_scoped_acquire gil;
+        return nb::cast<double>(processes_->attr("largest")(value));
+    }
+    void share(double* d, std::size_t n) override {
+        nb::gil_scoped_acquire gil;
+        processes_->attr("share")(view(d, n, nb::none()));
+    }
+
+  private:
+    std::shared_ptr<nb::object> processes_;
+};
+
+}  // namespace
+
+OutsideSolver outside_solver(nb::object make) {
+    return [shared = kept(std::move(make))] { return std::make_unique<Outside>(shared); };
+}
+
+std::unique_ptr<Processes> outside_processes(nb::object processes) {
+    return std::make_unique<OutsideProcesses>(std::move(processes));
+}

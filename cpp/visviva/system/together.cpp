@@ -1,0 +1,54 @@
+// What processes that share the terms of a system evaluate together. A process alone has nothing to do here.
+#include <exception>
+
+#include "visviva/system/system.hpp"
+
+namespace visviva {
+
+// Sums over processes what each has evaluated [n + 1], or gives up if one of them could not.
+void System::add_up(std::vector<double>& values, const std::exception_ptr& failure) {
+    if (!processes_) return failure ? std::rethrow_exception(failure) : void();
+    values[n_] = failure ? 1 : 0;
+    processes_->sum(values.data(), static_cast<std::size_t>(n_) + 1);
+    agree(failure, values[n_] > 0);
+    values[n_] = 0;
+}
+
+void System::agree(const std::exception_ptr& failure, bool any) {
+    if (failure) std::rethrow_exception(failure);
+    if (any) throw FailedElsewhere();
+}
+
+bool System::any(bool here) const { return processes_ ? processes_->any(here) : here; }
+
+// Solves K d = -r for the residual r_, all of which every process knows.
+bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance) {
+    if (!processes_) return solver.solve(r_.data(), place(step), d_.data(), tolerance);
+    std::vector<double> part(r_);
+    for (int u = 0; u < n_; ++u)
+        if (!own_[u]) part[u] = 0;
+    return share(solver.solve(part.data(), place(step), d_.data(), tolerance));
+}
+
+// All get the solution of those who have the equations.
+bool System::share(bool solved) {
+    if (processes_ && solved) processes_->share(d_.data(), static_cast<std::size_t>(n_));
+    return solved;
+}
+
+// The ledger's sums of a step, of the terms of all.
+void System::add_up(LedgerSums& s, const std::exception_ptr& failure) {
+    if (!processes_) return failure ? std::rethrow_exception(failure) : void();
+    std::vector<double> all{failure ? 1.0 : 0.0};
+    const auto parts = {&s.energy, &s.work, &s.momentum, &s.defect, &s.release, &s.entropy};
+    for (const auto* part : parts) all.insert(all.end(), part->begin(), part->end());
+    processes_->sum(all.data(), all.size());
+    agree(failure, all[0] > 0);
+    auto from = all.begin() + 1;
+    for (auto* part : parts) {
+        std::copy_n(from, part->size(), part->begin());
+        from += static_cast<std::ptrdiff_t>(part->size());
+    }
+}
+
+}  // namespace visviva

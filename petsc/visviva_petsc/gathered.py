@@ -1,0 +1,85 @@
+"""Factors of the whole matrix in the first process, where PETSc was built without such that processes share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from visviva import _core
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Gathered:
+    """Solves ``K d = -r`` in the first process by the core's own solvers; others send what they have of K and r.
+
+    Attributes
+    ----------
+    name, message : str
+        What it is, and why it failed.
+    iterations : int
+        Of the last solution.
+    """
+
+    def __init__(self, choices: Sequence[Any], comm: Any = MPI.COMM_WORLD) -> None:
+        self.name, self.message, self.iterations = "factors in the first process", "", 0
+        self.choices, self.comm = list(choices), comm
+
+    def analyze(
+        self, row: Ints, col: Ints, unknown: Ints, node: Ints, modes: Array, multiplier: Ints
+    ) -> None:
+        """Take the pattern: compressed rows, and the unknowns of equations."""
+        self.n = len(multiplier)
+        rows = unknown[np.repeat(np.arange(len(unknown)), np.diff(row))]
+        parts = self.comm.gather((rows, unknown[col]))
+        if self.comm.rank:
+            return
+        self.counts = [len(first) for first, _ in parts]
+        i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
+        self.known = np.unique(np.concatenate([i, j]))
+        n = len(self.known)
+        key = np.searchsorted(self.known, i).astype(np.int64) * n + np.searchsorted(self.known, j)
+        entries, self.place = np.unique(key, return_inverse=True)
+        first, column = np.divmod(entries, n)
+        starts = np.concatenate([[0], np.cumsum(np.bincount(first, minlength=n))]).astype(np.int64)
+        nothing = np.zeros(0, dtype=np.int32), np.zeros((n, 0))
+        flags = np.ascontiguousarray(multiplier[self.known], dtype=np.int32)
+        self.linear = _core.Linear(self.choices, starts, column.astype(np.int32), *nothing, flags)
+
+    def factor(self, values: Array) -> bool:
+        """Add up the values of all processes, and factor."""
+        buffer = np.empty(sum(self.counts)) if self.comm.rank == 0 else None
+        counts = self.counts if self.comm.rank == 0 else None
+        self.comm.Gatherv(np.array(values), (buffer, counts) if self.comm.rank == 0 else None)
+        done = None
+        if buffer is not None:
+            regular = self.linear.factor(np.bincount(self.place, buffer))
+            done = regular, self.linear.name, self.linear.message
+        regular, name, self.message = self.comm.bcast(done)
+        self.name = f"{name} in the first process"
+        return bool(regular)
+
+    def solve(self, r: Array, d: Array, tolerance: float) -> bool:
+        """Solve for a residual (n,), of which every process has a part; all get d (n,)."""
+        whole = np.empty(self.n) if self.comm.rank == 0 else None
+        self.comm.Reduce(np.array(r), whole)
+        found, done = np.zeros(self.n), None
+        if whole is not None:
+            x = np.zeros(len(self.known))
+            done = self.linear.solve(-whole[self.known], x), self.linear.message
+            found[self.known] = x
+        solved, self.message = self.comm.bcast(done)
+        if solved:
+            self.comm.Bcast(found)
+            d[:] = np.where(found != 0, found, d)
+        return bool(solved)
+
+    def forget(self) -> None:
+        """Let go of what was kept from earlier values."""
+        if self.comm.rank == 0:
+            self.linear.forget()

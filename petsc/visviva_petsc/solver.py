@@ -1,0 +1,139 @@
+"""A linear solver of PETSc, as the core of visviva calls it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from visviva_petsc.world import owners
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+PREFIX = "visviva_"
+"""Of options; those of the program of other systems have none."""
+DIRECT = ("lu", "cholesky")
+_made = [0]
+
+
+class Solver:
+    """Solves ``K d = -r``, where each process adds what its elements give to K and to r.
+
+    Equations are numbered anew, those of a process in a row. Compressed rows are, in these numbers, a list of
+    coordinates whose values PETSc adds over the processes.
+
+    Attributes
+    ----------
+    name, message : str
+        What it is, and why it failed.
+    iterations : int
+        Of the last solution.
+    """
+
+    def __init__(self, name: str, options: dict[str, str]) -> None:
+        self.name, self.message, self.iterations = f"PETSc: {name}", "", 0
+        self.comm = PETSc.COMM_WORLD
+        self.prefix = f"{PREFIX}{_made[0]}_"
+        _made[0] += 1
+        self.options = options
+        self.rtol = float(options.get("ksp_rtol", 1e-6))
+        self.keep: list[Any] = []
+
+    def analyze(
+        self, row: Ints, col: Ints, unknown: Ints, node: Ints, modes: Array, multiplier: Ints
+    ) -> None:
+        """Take the pattern: compressed rows, the unknowns of equations, the first equation of every node.
+
+        `modes` (equations, k) are rigid motions, `multiplier` (n,) tells which unknowns are forces of constraints.
+        """
+        comm, n = self.comm.tompi4py(), len(multiplier)
+        self.release()
+        owner = owners(comm, unknown, n)
+        order = np.argsort(owner, kind="stable")
+        number = np.full(n, -1, dtype=PETSc.IntType)
+        counts = np.bincount(owner, minlength=comm.size + 1)
+        total = int(counts[:-1].sum())
+        number[order[:total]] = np.arange(total)
+        self.unknown, self.equation = np.array(unknown), number[unknown]
+        own = owner[unknown] == comm.rank
+        sizes = int(counts[comm.rank]), total
+        self.A = PETSc.Mat().create(self.comm)
+        self.A.setSizes((sizes, sizes))
+        if (block := block_size(comm, node)) > 1:
+            self.A.setBlockSize(block)
+        self.A.setType("aij")
+        rows = np.repeat(self.equation, np.diff(row))
+        self.A.setPreallocationCOO(rows, self.equation[col])  # which works in what it is given
+        self.r, self.d = self.A.createVecLeft(), self.A.createVecRight()
+        self.near = PETSc.Vec().createSeq(len(unknown), comm=PETSc.COMM_SELF)
+        numbers = PETSc.IS().createGeneral(self.equation, comm=PETSc.COMM_SELF)
+        self.bring = PETSc.Scatter().create(self.d, numbers, self.near, None)
+        self.give_modes(modes[own], self.equation[own])
+        self.ksp = PETSc.KSP().create(self.comm)
+        self.ksp.setOptionsPrefix(self.prefix)
+        database = PETSc.Options()
+        for name, value in self.options.items():
+            database.setValue(self.prefix + name, value or None)
+        self.ksp.setFromOptions()
+        self.is_direct = self.ksp.getPC().getType() in DIRECT
+
+    def give_modes(self, modes: Array, equation: Ints) -> None:
+        """Tell the matrix what it hardly resists, rigid motions of solids."""
+        if not modes.shape[1]:
+            return
+        vectors = []
+        for k in range(modes.shape[1]):
+            vector = self.A.createVecRight()
+            vector.setValues(equation, modes[:, k])
+            vector.assemble()
+            for earlier in vectors:
+                vector.axpy(-vector.dot(earlier), earlier)
+            if vector.normalize() > 1e-10:
+                vectors.append(vector)
+        self.A.setNearNullSpace(PETSc.NullSpace().create(constant=False, vectors=vectors, comm=self.comm))
+
+    def factor(self, values: Array) -> bool:
+        """Take the values of the matrix; whatever is made of them is made before the first solution."""
+        self.A.setValuesCOO(np.array(values))
+        self.ksp.setOperators(self.A)
+        self.ksp.setUp()
+        failed = self.ksp.getPC().getFailedReason()
+        self.message = f"its preconditioner failed ({failed})" if failed else ""
+        return not failed
+
+    def solve(self, r: Array, d: Array, tolerance: float) -> bool:
+        """Solve for a residual (n,), of which every process has a part; d (n,) is set where it has equations."""
+        self.r.zeroEntries()
+        self.r.setValues(self.equation, -r[self.unknown], addv=PETSc.InsertMode.ADD)
+        self.r.assemble()
+        self.ksp.setTolerances(rtol=self.rtol if self.is_direct else max(self.rtol, tolerance))
+        self.ksp.solve(self.r, self.d)
+        self.iterations = int(self.ksp.its)
+        reason = int(self.ksp.reason)
+        if reason < 0:
+            self.message = f"no convergence in {self.iterations} iterations (reason {reason} of PETSc)"
+            return False
+        self.bring.scatter(self.d, self.near)
+        d[self.unknown] = self.near.array
+        return True
+
+    def forget(self) -> None:
+        """Let go of what was kept from earlier values: there is nothing."""
+
+    def release(self) -> None:
+        """Give back what PETSc holds of an earlier pattern."""
+        for name in ("bring", "near", "r", "d", "ksp", "A"):
+            if name in vars(self):
+                getattr(self, name).destroy()
+
+
+def block_size(comm: Any, node: Ints) -> int:
+    """Number of equations of every node, if all nodes of all processes have as many; else 1."""
+    sizes = np.diff(node)
+    least, most = (int(sizes.min()), int(sizes.max())) if len(sizes) else (2**30, 0)
+    least, most = comm.allreduce(least, MPI.MIN), comm.allreduce(most, MPI.MAX)
+    return most if least == most else 1

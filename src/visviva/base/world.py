@@ -1,0 +1,133 @@
+"""Processes that run the same script and share one system; alone, as long as nobody brings them together."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base import processes
+from visviva.base.errors import InputError
+
+Array = NDArray[np.float64]
+
+SEAM = 1
+"""Version of what a package that brings processes together has to offer: `World`, and its solvers."""
+PACKAGE = "visviva_petsc"
+
+
+class World(Protocol):
+    """Processes that run the same script; all of them call these functions, in the same order.
+
+    Attributes
+    ----------
+    rank, size : int
+        Number of this one, and how many there are.
+    """
+
+    rank: int
+    size: int
+
+    def sum(self, values: Array) -> None:
+        """Sum an array over the processes, in place; all get the same bits."""
+
+    def largest(self, value: float) -> float:
+        """The largest of their numbers."""
+
+    def first(self, value: Any) -> Any:
+        """What the first of them has."""
+
+    def together(self, values: Any) -> list[Any]:
+        """What they have, in their order."""
+
+    def parts(self, grid: Any) -> NDArray[np.int64]:
+        """Number of the process that each cell (n_cells,) of a mesh belongs to."""
+
+    def meets(self) -> bool:
+        """Whether all of them come here, to the same error, before patience ends."""
+
+    def abort(self, code: int) -> None:
+        """End all of them."""
+
+    def of_core(self) -> Any:
+        """What the core of a system is told of them."""
+
+    def solver(self) -> Any:
+        """Choice of linear solvers, as `Newton` takes it."""
+
+
+class Alone:
+    """One process."""
+
+    rank, size = 0, 1
+
+    def sum(self, values: Array) -> None:
+        """Nothing is added."""
+
+    def largest(self, value: float) -> float:
+        """It is that of this one."""
+        return value
+
+    def first(self, value: Any) -> Any:
+        """It is that of this one."""
+        return value
+
+    def together(self, values: Any) -> list[Any]:
+        """Those of this one."""
+        return [values]
+
+    def parts(self, grid: Any) -> NDArray[np.int64]:
+        """All are here."""
+        return np.zeros(grid.n_cells, dtype=np.int64)
+
+    def meets(self) -> bool:
+        """Nobody else has to come."""
+        return True
+
+    def abort(self, code: int) -> None:
+        """Nobody else has to end."""
+
+    def of_core(self) -> Any:
+        """Nothing has to be told."""
+        return None
+
+    def solver(self) -> Any:
+        """Nothing has to be chosen."""
+        return None
+
+
+_joined: list[World] = []
+
+
+def world() -> World:
+    """Those that share the systems of this one; launchers such as ``mpirun`` start several.
+
+    Raises
+    ------
+    InputError
+        If several were started, and the package that brings them together has another seam.
+    """
+    if not _joined:
+        _joined.append(_found())
+    return _joined[0]
+
+
+def joined() -> World:
+    """Those that have come together so far, for who tells of errors."""
+    return _joined[0] if _joined else Alone()
+
+
+def _found() -> World:
+    if processes.n_launched() == 1 or importlib.util.find_spec(PACKAGE) is None:
+        return Alone()
+    package = importlib.import_module(PACKAGE)
+    if package.SEAM != SEAM:
+        raise InputError(
+            f"{PACKAGE} {package.__version__} goes with another version of visviva (seam {package.SEAM}, here {SEAM}); "
+            "install both of the same release"
+        )
+    joined: World = package.join()
+    processes.world = joined.size
+    return joined

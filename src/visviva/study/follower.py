@@ -1,0 +1,86 @@
+"""What processes other than the first do while it writes the files of a run."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.analysis.march import begin
+from visviva.output.directory import RunDirectory
+from visviva.study import restart
+from visviva.study.forecast import Forecast
+from visviva.study.origin import Origin
+from visviva.study.recorder import Cadence, Recorder
+from visviva.study.study import Study, measure, probe_columns
+
+Array = NDArray[np.float64]
+
+
+class Follower(Recorder):
+    """Takes part in all that is evaluated for the files of a run, which the first process writes."""
+
+    @classmethod
+    def start(
+        cls,
+        study: Study,
+        files: RunDirectory,
+        cadence: Cadence,
+        notes: dict[str, Any],
+        project: bool = False,
+        overwrite: bool = False,
+    ) -> Recorder:
+        """Evaluate what the first process writes at the start."""
+        follower = cls._of(study, files, *begin(study.system, study.scheme, project=project, step=study.step))
+        follower.cadence = cadence
+        follower.write_row(np.zeros(0))
+        follower.write_frame()
+        follower.save()
+        return follower
+
+    @classmethod
+    def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
+        """Go to the last state that the first process has saved."""
+        kept = restart.notes_of(files.state)
+        changed = Origin.read(files).resumed(files, study, force)[1]
+        result, books = begin(study.system, study.scheme, project=True, step=study.step)
+        restart.load(files.state, result, books, bool(changed))
+        follower = cls._of(study, files, result, books)
+        follower.cadence, follower.saved_time = Cadence(**kept["cadence"]), study.system.time
+        return follower
+
+    @classmethod
+    def _of(cls, study: Study, files: RunDirectory, result: Any, books: Any) -> Follower:
+        probe_columns(study)
+        return cls(study, files, result, books, Origin({}, []))
+
+    def write_row(self, row: Array) -> None:
+        """Evaluate the probes."""
+        for probe in self.study.probes.values():
+            measure(self.study.system, probe)
+
+    def write_frame(self) -> None:
+        """Evaluate the shapes."""
+        if self.drawing.surfaces:
+            system = self.study.system
+            self.drawing.points(system.x)
+            self.drawing.values(system.x, system.v)
+
+    def save(self) -> None:
+        """Evaluate what belongs to the state."""
+        with suppress(Exception):  # as where it is written
+            self.study.system.forces_of_step()
+        self.saved_time = self.study.system.time
+
+    def __enter__(self) -> Follower:
+        return self
+
+    def forecast(self) -> Forecast:
+        """Evaluate what the first process times; nothing is written here."""
+        self.drawing.values(self.study.system.x, self.study.system.v)
+        return Forecast(frames=0, states=0, rows=0, frame=0, state=0, row=0, seconds=0.0, free=1)
+
+    def finish(self) -> None:
+        """The first process writes the summary."""

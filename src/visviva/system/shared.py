@@ -1,0 +1,88 @@
+"""A system that several processes share: what they do not serve, and matrices that all of them need as a whole."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.base.world import world
+from visviva.model.field import Role
+
+if TYPE_CHECKING:
+    from visviva.linear.choice import LinearOptions
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+Rows = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
+
+SERVED = (Role.MOTION, Role.STATE, Role.MULTIPLIER, Role.SOLID_PRESSURE)
+"""Roles of the fields of systems that processes can share."""
+
+
+def refuse_unshared(system: System) -> None:
+    """Refuse what only one process can compute so far.
+
+    Raises
+    ------
+    InputError
+        With the component.
+    """
+    model = system.model
+    asked = {id(c): "touches others" for c in system.components if c.touches or c.collides}
+    asked |= {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
+    asked |= {id(f.component): "has unknowns that only grow" for f, _ in model.growing}
+    asked |= {id(model.components[k]): "has terms written in Python" for _, k in model.terms}
+    for component in system.components:
+        if id(component) in asked:
+            raise InputError(
+                f"{component.label} {asked[id(component)]}, which several processes cannot compute yet; run it by one: "
+                "without mpirun"
+            )
+    if model.driving.has_servo:
+        raise InputError(
+            "several processes cannot compute servo constraints yet; run it by one: without mpirun"
+        )
+
+
+def refuse_unshared_solver(options: LinearOptions | None, null_space: bool | None) -> LinearOptions | None:
+    """The options given for linear equations, if they are such that several processes solve together.
+
+    Raises
+    ------
+    InputError
+    """
+    if world().size == 1 or (null_space is not True and getattr(options, "is_shared", options is None)):
+        return options
+    what = "null_space=True" if null_space else f"linear={type(options).__name__}(...)"
+    raise InputError(f"Newton({what}) solves in one process, and there are {world().size}; leave it out")
+
+
+def whole_rows(core: Any, values: Array | None = None) -> tuple[Rows, Array | None]:
+    """Compressed rows, columns and unknowns of the whole tangent, and its values, from the parts of all processes.
+
+    For looks at small systems: every process gets all of it.
+    """
+    if world().size == 1:
+        return core.csr, values
+
+    import scipy.sparse as sp
+
+    row, col, unknown = (np.asarray(a) for a in core.csr)
+    first = unknown[np.repeat(np.arange(len(unknown)), np.diff(row))]
+    parts = world().together((first, unknown[col], np.zeros(len(col)) if values is None else values))
+    i, j, value = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    known = np.unique(np.concatenate([i, j]))
+    n = len(known)
+    A = sp.coo_array((value, (np.searchsorted(known, i), np.searchsorted(known, j))), shape=(n, n)).tocsr()
+    A.sum_duplicates()
+    return (A.indptr.astype(np.int64), A.indices.astype(np.int32), known.astype(np.int64)), A.data
+
+
+def n_equations(system: System) -> int:
+    """Number of equations that are solved, by all processes."""
+    if world().size == 1:
+        return int(system.core.n_equations)
+    return sum(int(np.sum(~f.fixed)) for f in system.model.fields if not f.is_local)

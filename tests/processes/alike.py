@@ -1,0 +1,172 @@
+"""Small systems stepped by one process, and again by several from the same states; the first prints the differences.
+
+python tests/petsc/alike.py reference FILE
+mpiexec -n 3 python tests/petsc/alike.py FILE
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import visviva as vv
+from visviva.base.world import world
+
+RUBBER = vv.NeoHooke(young=100.0, poisson=0.3)
+SOFT = vv.NeoHooke(shear=10.0, poisson=0.4999)
+
+
+def block(counts: tuple[int, ...] = (4, 3, 3), **options: Any) -> vv.Solid:
+    kind: Any = vv.BoxMesh if len(counts) == 3 else vv.RectangleMesh
+    default = "hex8" if len(counts) == 3 else "quad4"
+    mesh = kind(size=(1.0, 0.8, 0.7)[: len(counts)], counts=counts, cell=options.pop("cell", default))
+    chosen = {"mesh": mesh, "material": RUBBER, "density": 1.0, "name": "block", **options}
+    return vv.Solid(**chosen)
+
+
+def flying(**options: Any) -> list[Any]:
+    return [block(velocity=(1.0, 0.5, 0.0), angular_velocity=(0.0, 1.0, 3.0), **options)]
+
+
+def hanging(**options: Any) -> list[Any]:
+    solid = block(**options)
+    pull = vv.Traction(solid=solid, faces="x1", traction=(0.0, 2.0, 0.0), times="sin(3*t)")
+    down = vv.Gravity(acceleration=(0.0, -9.81, 0.0))
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), down, pull]
+
+
+def pressed(**options: Any) -> list[Any]:
+    solid = block(**options)
+    press = vv.Pressure(solid=solid, faces="x1", pressure="5*t")
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), press]
+
+
+def moved(**options: Any) -> list[Any]:
+    solid = block(**options)
+    lead = vv.Prescribed(solid=solid, nodes="x1", motion=("0.1*t", "0.05*t", None))
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), lead]
+
+
+def hinged() -> list[Any]:
+    solid, ground = block(), vv.Ground()
+    body = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1.5, 0.4, 0.35))
+    held = vv.RigidCoupling(solid=solid, faces="x1")
+    joint = vv.Rigid(a=held, b=body, at=(1.2, 0.4, 0.35))
+    hinge = vv.Revolute(a=ground, b=body, at=(2.0, 0.4, 0.35), axis=(0, 1, 0))
+    return [solid, body, ground, held, joint, hinge, vv.Gravity()]
+
+
+def tied() -> list[Any]:
+    left = block()
+    mesh = vv.BoxMesh(size=(0.5, 0.8, 0.7), counts=(2, 2, 2), origin=(1.0, 0.0, 0.0))
+    right = vv.Solid(mesh=mesh, material=RUBBER, density=1.0, name="right")
+    tie = vv.Tie(first=left, first_faces="x1", second=right, second_faces="x0")
+    pull = vv.Traction(solid=right, faces="x1", traction=(0.0, 0.0, 2.0), times="t")
+    return [left, right, tie, vv.Fixed(solid=left, nodes="x0"), pull]
+
+
+DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
+CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
+    "flying": (flying, DYNAMICS),
+    "flying, enhanced": (lambda: flying(formulation="enhanced"), DYNAMICS),
+    "flying, F-bar": (lambda: flying(formulation="F-bar"), DYNAMICS),
+    "flying, mean dilatation": (lambda: flying(formulation="mixed", material=SOFT), DYNAMICS),
+    "flying, tet10": (lambda: flying(counts=(2, 1, 1), cell="tet10"), DYNAMICS),
+    "hanging": (hanging, DYNAMICS),
+    "hanging, generalised alpha": (hanging, vv.GeneralizedAlpha(0.8)),
+    "hanging, plane": (lambda: hanging(counts=(6, 4)), DYNAMICS),
+    "hanging, damped": (lambda: hanging(mass_damping=0.1, stiffness_damping=0.01), DYNAMICS),
+    "pressed": (pressed, STATICS),
+    "pressed, enhanced": (lambda: pressed(formulation="enhanced"), STATICS),
+    "pressed, hex27": (lambda: pressed(counts=(2, 1, 1), cell="hex27"), STATICS),
+    "moved": (moved, STATICS),
+    "hinged": (hinged, DYNAMICS),
+    "tied": (tied, STATICS),
+}
+STEP, STEPS = 0.05, 4
+
+
+def system_of(name: str) -> vv.System:
+    linear = None
+    if world().size == 1 and sys.argv[1] != "reference":
+        from visviva_petsc import Petsc
+
+        linear = Petsc()
+    return vv.System(CASES[name][0](), newton=vv.Newton(linear=linear))
+
+
+def run(name: str) -> dict[str, Any]:
+    """States and books of a run."""
+    system = system_of(name)
+    result = vv.simulate(system, until=STEP * STEPS, step=STEP, scheme=CASES[name][1])
+    (solid, *_) = (c for c in system.components if isinstance(c, vv.Solid))
+    looks = [
+        *solid.smoothed(["von_mises", "J"], system.x).values(),
+        solid.at_points("pressure", system.x),
+        solid.nodal_forces(system.x),
+        solid.mean("energy", system.x),
+        solid.fields(system.x).F,
+        system.holding_forces()[np.concatenate([f.fixed for f in system.model.fields])],
+    ]
+    return {
+        "x": np.array(result.states),
+        "v": np.array(result.kept.rates),
+        "ledger": np.array(result.ledger.rows),
+        "looks": looks,
+        "moving": system.order > 0,
+    }
+
+
+def stepped(name: str, known: dict[str, Any]) -> float:
+    """Largest difference after a step from the same state, relative to the step's largest increment."""
+    system, scheme, moving = system_of(name), CASES[name][1], known["moving"]
+    worst = 0.0
+    for k in range(STEPS):
+        system.x[:], system.v[:] = known["x"][k], known["v"][k]
+        system.time = k * STEP
+        system.invalidate()
+        for _ in vv.march(system, until=(k + 1) * STEP, step=STEP, scheme=scheme):
+            pass
+        end = known["x"][k + 1][moving]
+        increment = np.abs(end - known["x"][k][moving]).max()
+        worst = max(worst, float(np.abs(system.x[moving] - end).max() / increment))
+    return worst
+
+
+def differences(name: str, known: dict[str, Any]) -> dict[str, float]:
+    """From the run of one process."""
+    found, moving = run(name), known["moving"]
+    way = np.abs(known["x"][-1] - known["x"][0])[moving].max()
+    size = np.abs(known["ledger"]).max()
+    return {
+        "step": stepped(name, known) if not CASES[name][1].needs_acceleration else 0.0,
+        "run": float(np.abs(found["x"][-1] - known["x"][-1])[moving].max() / way),
+        "ledger": float(np.abs(found["ledger"] - known["ledger"]).max() / size),
+        "looks": max(
+            float(np.abs(a - b).max() / np.abs(b).max())
+            for a, b in zip(found["looks"], known["looks"], strict=True)
+            if b.size
+        ),
+    }
+
+
+def main() -> None:
+    """Write the reference, or compare with it."""
+    if sys.argv[1] == "reference":
+        with open(sys.argv[2], "wb") as file:
+            pickle.dump({name: run(name) for name in CASES}, file)
+        return
+    with open(sys.argv[1], "rb") as file:
+        known = pickle.load(file)
+    found = {name: differences(name, known[name]) for name in CASES}
+    if world().rank == 0:
+        print(json.dumps({"processes": world().size, "cases": found}))
+
+
+if __name__ == "__main__":
+    main()

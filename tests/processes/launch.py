@@ -1,0 +1,31 @@
+"""Programs in several processes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BESIDE = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+YIELDING = {"MPIR_CVAR_POLLS_BEFORE_YIELD": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""More processes than cores: those that wait let others go on."""
+
+
+def missing() -> list[str]:
+    """What is not there of that which several processes need."""
+    found = [name for name in ("petsc4py", "mpi4py") if find_spec(name) is None]
+    return found if shutil.which("mpiexec", path=BESIDE) else [*found, "mpiexec"]
+
+
+def launched(n: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run Python in so many processes, 0 for one without a launcher, with the packages of the repository."""
+    paths = os.pathsep.join(str(ROOT / part) for part in ("src", "petsc"))
+    command = [sys.executable, *arguments]
+    if n:
+        command = [str(shutil.which("mpiexec", path=BESIDE)), "-n", str(n), *command]
+    environment = os.environ | YIELDING | {"PYTHONPATH": paths}
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)

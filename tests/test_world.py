@@ -1,0 +1,104 @@
+"""Processes that share a system, as far as one process can test it; `tests/petsc` has the rest."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+
+import visviva as vv
+from visviva import _core
+from visviva.base import world as seam
+from visviva.linear.choice import Choice, Direct, LinearOptions, Problem
+
+
+class Factors:
+    """A solver from outside: scipy's sparse LU, or one that gives up."""
+
+    iterations, message = 0, ""
+
+    def __init__(self, works: bool) -> None:
+        self.works, self.name = works, "LU of scipy"
+
+    def analyze(self, row: Any, col: Any, unknown: Any, node: Any, modes: Any, multiplier: Any) -> None:
+        self.row, self.col, self.unknown = row.copy(), col.copy(), unknown.copy()
+        self.shape = len(unknown), modes.shape[1], len(multiplier), len(node) - 1
+
+    def factor(self, values: Any) -> bool:
+        n = len(self.unknown)
+        self.lu = spl.splu(sp.csr_array((values, self.col, self.row), shape=(n, n)).tocsc())
+        self.message = "" if self.works else "it does not want to"
+        return self.works
+
+    def solve(self, r: Any, d: Any, tolerance: float) -> bool:
+        d[self.unknown] = self.lu.solve(-r[self.unknown])
+        return True
+
+    def forget(self) -> None:
+        pass
+
+
+class Outside(LinearOptions):
+    """Such solvers, and the core's factors after them."""
+
+    def __init__(self, works: bool) -> None:
+        self.works, self.made = works, []
+
+    def choose(self, problem: Problem) -> Choice:
+        choice = _core.LinearChoice()
+        choice.backend = _core.Backend.outside
+        choice.set_outside(self.make)
+        return Choice((choice, *Direct(library="eigen").choose(problem).in_order), "from outside")
+
+    def make(self) -> Factors:
+        self.made.append(Factors(self.works))
+        return self.made[-1]
+
+
+def pulled(linear: LinearOptions | None = None) -> vv.System:
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(3, 2, 2))
+    block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=10.0, poisson=0.3), density=1.0)
+    parts = [block, vv.Fixed(solid=block, nodes="x0"), vv.Gravity()]
+    return vv.System(parts, newton=vv.Newton(linear=linear))
+
+
+def test_solvers_from_outside_give_what_those_of_the_core_give() -> None:
+    options, own = Outside(works=True), pulled()
+    system = pulled(options)
+    for s in (system, own):
+        vv.simulate(s, until=0.2, step=0.05)
+    moved = np.abs(own.x - own.field(own.components[0], "position").values).max()
+    assert np.abs(system.x - own.x).max() < 1e-12 * moved
+    assert "scipy" in system.core.solver
+    assert options.made[-1].shape == (3 * 27, 6, 3 * 36, 27)  # nodes that are held whole have no equations
+
+
+def test_where_a_solver_from_outside_gives_up_the_next_one_takes_over() -> None:
+    system = pulled(Outside(works=False))
+    vv.simulate(system, until=0.1, step=0.05)
+    assert "it does not want to" in system.core.linear_message
+    assert "scipy" not in system.core.solver
+
+
+def test_a_process_alone_adds_nothing() -> None:
+    alone, values = seam.Alone(), np.arange(3.0)
+    alone.sum(values)
+    assert values.tolist() == [0, 1, 2]
+    assert alone.together("all") == ["all"]
+    assert alone.largest(2.0) == alone.first(2.0) == 2.0
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(3, 2, 2)).build()
+    assert alone.parts(mesh).tolist() == 12 * [0]
+
+
+def test_a_package_of_another_release_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    package = SimpleNamespace(SEAM=seam.SEAM + 1, __version__="9.9", __spec__=SimpleNamespace())
+    monkeypatch.setitem(sys.modules, seam.PACKAGE, package)
+    monkeypatch.setenv("PMI_SIZE", "2")
+    monkeypatch.setattr(seam, "_joined", [])
+    with pytest.raises(vv.InputError, match=r"visviva_petsc 9\.9 goes with another version of visviva"):
+        pulled()
