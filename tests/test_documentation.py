@@ -10,6 +10,7 @@ import re
 import runpy
 import tomllib
 from importlib import import_module
+from inspect import cleandoc, isclass, signature
 from pathlib import Path
 
 import pytest
@@ -79,3 +80,27 @@ def test_tutorials_are_notebooks_with_pictures(tmp_path: Path, monkeypatch: pyte
     shown = [output.get("data", {}) for cell in ran["cells"] for output in cell.get("outputs", ())]
     assert sum("image/png" in data for data in shown) == 2
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["pendulum.png", "pendulum_energy.png"]
+
+
+MADE = {"Buckling", "Modes", "Result"}
+"""What users get and do not make: attributes are documented."""
+CLASSES = [name for name in visviva.__all__ if isclass(getattr(visviva, name))]
+
+
+def documented(cls: type) -> set[str]:
+    """Names in the sections on arguments of a class and those that it is derived from."""
+    kind = "Attributes" if cls.__name__ in MADE else "Parameters"
+    section = re.compile(rf"^{kind}\n-+\n(.*?)(?=\n\n\w[\w ]*\n---|\Z)", flags=re.MULTILINE | re.DOTALL)
+    told = [
+        found[1] for c in cls.__mro__ if (found := section.search(cleandoc(vars(c).get("__doc__") or "")))
+    ]
+    heads = [line.split(" : ")[0] for text in told for line in text.splitlines() if line[:1].strip()]
+    return {name.strip(" *") for head in heads for name in head.split(",")}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_arguments_of_public_classes_are_documented(name: str) -> None:
+    """By their names, in a section of its own or an inherited one."""
+    cls = getattr(visviva, name)
+    arguments = {argument for argument in signature(cls).parameters if not argument.startswith("_")}
+    assert arguments - documented(cls) == set()

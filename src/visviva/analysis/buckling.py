@@ -61,6 +61,8 @@ class Buckling(Shapes):
 
     Attributes
     ----------
+    system : System
+        With the configuration that they are about.
     factors : array (k,)
         Load parameters (times). From an unloaded state under loads with ``times="t"`` they are the factors by which
         these loads are multiplied.

@@ -39,6 +39,8 @@ class Modes(Shapes):
 
     Attributes
     ----------
+    system : System
+        With the configuration that they are about.
     shapes : array (k, unknowns)
         Directions in the unknowns of the system, of unit modal mass; complex where gyroscopic forces act or forces
         have no potential, and then relative to a frame that spins, if there is one.

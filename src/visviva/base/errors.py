@@ -21,7 +21,13 @@ def shortened(message: str) -> str:
 
 
 class VisvivaError(Exception):
-    """Base of all errors raised by visviva."""
+    """Base of all errors raised by visviva.
+
+    Parameters
+    ----------
+    message : str
+        What was wrong, with which value, and what cures it; what is too long loses its middle.
+    """
 
     def __init__(self, message: str = "") -> None:
         super().__init__(shortened(message))

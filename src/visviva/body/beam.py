@@ -28,7 +28,7 @@ from visviva.body.turned_cells import most_turned, turn
 from visviva.component.announcements import Holding, Straining
 from visviva.component.component import settings
 from visviva.component.point import Frame
-from visviva.component.values import Number, Vector3, VectorOrFunction
+from visviva.component.values import Vector3, VectorOrFunction
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
@@ -109,7 +109,7 @@ class Beam(DirectorBody):
 
     has_directions = True
     n_held = 6
-    thickness: Number = 1.0
+    thickness = 1.0  # of plane meshes, which this is none of
 
     def __post_init__(self) -> None:
         self.grid = with_shapes_of_beams(self.built_mesh())

@@ -24,7 +24,25 @@ MARKER = 0.03  # radius of the ball that is drawn, in lengths of the model
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class PointMass(Attachable):
-    """A particle with `mass`, initial `position` (3,) and `velocity` (3,)."""
+    """A particle; it has one point, and no directions.
+
+    Parameters
+    ----------
+    mass : float
+        Positive.
+    position : array (3,)
+        At the start (length).
+    velocity : array (3,)
+        At the start (length per time).
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ball = vv.PointMass(mass=2.0, position=(0, 0, 1), velocity=(1, 0, 0))
+    >>> result = vv.simulate(vv.System([ball, vv.Gravity(acceleration=(0, 0, -10))]), until=1.0, step=0.1)
+    >>> vv.Position(of=ball)(result.system).round(9).tolist()
+    [1.0, 0.0, -4.0]
+    """
 
     mass: Number
     position: Vector3 = (0.0, 0.0, 0.0)

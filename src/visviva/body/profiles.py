@@ -89,6 +89,19 @@ class Profile(CrossSection):
 class RectangleSection(Profile):
     """Rectangle of `width` along d1 and `height` along d2.
 
+    Parameters
+    ----------
+    width, height : float
+        Along d1 and d2 (length).
+    young : float
+        Young's modulus.
+    poisson : float
+        Poisson's ratio, above -1 and up to 0.5.
+    density : float
+        Mass per volume.
+    shear_factors, torsion_constant, retardation
+        See `TubeSection`.
+
     Examples
     --------
     >>> strip = RectangleSection(width=1.0, height=0.1, young=1.2e6)
@@ -124,6 +137,25 @@ class RectangleSection(Profile):
 @dataclass(frozen=True, config=CONFIG, kw_only=True)
 class TubeSection(Profile):
     """Ring of outer `radius` and wall `thickness`; without `thickness` the full circle.
+
+    Parameters
+    ----------
+    radius : float
+        Outer one (length).
+    thickness : float, optional
+        Of the wall (length), at most the radius.
+    young : float
+        Young's modulus.
+    poisson : float
+        Poisson's ratio, above -1 and up to 0.5.
+    density : float
+        Mass per volume.
+    shear_factors : two numbers, optional
+        Share of the area that counts in shear along d1 and d2; by default those of Cowper (1966), or of the webs.
+    torsion_constant : float, optional
+        In place of the section's own (length to the fourth).
+    retardation : float
+        Time whose product with the stiffness is the damping (Kelvin & Voigt).
 
     Examples
     --------
@@ -176,6 +208,15 @@ class BoxSection(Profile):
     """Hollow rectangle of outer `width` along d1 and `height` along d2 with thin walls of one `thickness`.
 
     Torsion after Bredt; the two webs along a direction take the shear in it.
+
+    Parameters
+    ----------
+    width, height : float
+        Outer ones along d1 and d2 (length).
+    thickness : float
+        Of the walls (length), less than half of the width and the height.
+    young, poisson, density, shear_factors, torsion_constant, retardation
+        See `TubeSection`.
     """
 
     width: Length
@@ -216,6 +257,19 @@ class ISection(Profile):
     """Two equal flanges of `width` along d1 and a web between them, `height` over all along d2.
 
     Torsion without warping, the sum of ``b t^3 / 3``: open thin-walled sections that are kept from warping are stiffer.
+
+    Parameters
+    ----------
+    width : float
+        Of the flanges along d1 (length).
+    height : float
+        Over all along d2 (length).
+    flange : float
+        Thickness of the flanges (length), less than half of the height.
+    web : float
+        Thickness of the web (length), at most the width.
+    young, poisson, density, shear_factors, torsion_constant, retardation
+        See `TubeSection`.
     """
 
     width: Length

@@ -22,7 +22,7 @@ from visviva.body.shell_surface import ShellSurface, place, shell_surfaces, unit
 from visviva.body.touching import Skin, looks_up
 from visviva.body.turned_cells import most_turned, turn
 from visviva.component.component import settings
-from visviva.component.values import Number, Vector3, VectorOrFunction
+from visviva.component.values import Vector3, VectorOrFunction
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
@@ -100,7 +100,7 @@ class Shell(DirectorBody):
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
 
     n_held = 1
-    thickness: Number = 1.0
+    thickness = 1.0  # of plane meshes, which this is none of
 
     def __post_init__(self) -> None:
         self.grid = with_space(self.built_mesh())

@@ -99,6 +99,12 @@ class Component(metaclass=Composed):
 
     A component takes part in a system in three rounds: `announce` tells what it does to others, `declare` makes its
     fields, `contribute` adds its terms, where it may use the points of any other component.
+
+    Parameters
+    ----------
+    name : str, optional
+        Unique in a system: messages, tables, pictures and ``system["name"]`` know it by that. By default that of its
+        class with a number.
     """
 
     name: str | None = None

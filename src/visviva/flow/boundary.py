@@ -28,7 +28,14 @@ Mask = NDArray[np.bool_]
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class FluidBoundary(Condition):
-    """Base of conditions on `faces` of a `fluid`, by the name of their set, or 'all' for the whole boundary."""
+    """Base of conditions on faces of a fluid that hold velocities.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all' for the whole boundary.
+    """
 
     fluid: Fluid
     faces: FaceSet
@@ -50,6 +57,12 @@ class NoSlip(FluidBoundary):
     """A wall at rest: the fluid sticks to it.
 
     Nodes that it shares with other conditions are the wall's, the corners of a moving lid for instance.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all' for the whole boundary.
 
     Examples
     --------
@@ -169,6 +182,12 @@ class FreeSlip(FluidBoundary):
     """A frictionless wall or a plane of symmetry: nothing flows through, nothing drags.
 
     Walls across an axis cost unknowns; others are held by multipliers, one for each node.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    faces : str or Faces
+        Name of a set of faces, or 'all' for the whole boundary.
 
     Examples
     --------

@@ -47,8 +47,10 @@ class ImmersedThin(Carried):
     displaced : float
         Volume of fluid that it takes the place of, per length of beams, per area of shells: thickness, in plane fluids
         times the width 1.
-    damping, sealing
+    damping, sealing, over_walls
         See `Immersed`. By default 0.05, as what is thinner than a cell has there.
+    leaves : bool
+        Of what is thin, refused.
 
     Raises
     ------

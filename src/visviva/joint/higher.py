@@ -38,6 +38,20 @@ class RopeOverWinch(Joint, Limited):
     rope that can go slack is a `Beam` of little bending stiffness, or a `Spring` whose `energy` is zero below the
     rope's length.
 
+    Parameters
+    ----------
+    a, b : Point, or component
+        Where the rope leaves the winch, and where it ends; a component, one of the two at most, by the point of it
+        that is at `at`.
+    at : array (3,)
+        Place at the start (length) of the point of a component.
+    winch : Joint
+        With an angle, whose growth pays out the rope.
+    radius : float
+        Of the winch, rope per angle (length); positive.
+    length : float
+        Of the rope between both points where the angle is zero; positive.
+
     Raises
     ------
     StepFailure
@@ -159,6 +173,14 @@ class Gear(_Coupling):
     `ReactionTorque` is the torque of the teeth on the body at the side `b` of joint `b`; divided by the pitch radius of
     that wheel it is the load of the teeth. Only angles are coupled, so that bearings do not feel it.
 
+    Parameters
+    ----------
+    a, b : Joint
+        Two joints with angles, which become coordinates of the system.
+    ratio : float
+        Of the angle of `a` to that of `b`, with the opposite sign; not zero. Wheels that mesh outside have the ratio of
+        their radii, b to a, one inside the other its negative.
+
     Examples
     --------
     A wheel of pitch radius 0.2 drives one of 0.3, which a brake holds:
@@ -196,6 +218,15 @@ class RackAndPinion(_Coupling):
     """Stroke of the rack's joint `b` follows `radius` times the angle of pinion joint `a` (1 constraint).
 
     `ReactionForce` is the load of the teeth on the body at the side `b` of joint `b`.
+
+    Parameters
+    ----------
+    a : Joint
+        With an angle: that of the pinion.
+    b : Joint
+        With a stroke: that of the rack.
+    radius : float
+        Pitch radius of the pinion, stroke per angle (length); positive.
     """
 
     radius: Number

@@ -25,7 +25,15 @@ TOGETHER = "positive; a Spherical joint keeps points together"
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Spherical(Joint):
-    """Ball joint: the two points stay together (3 constraints)."""
+    """Ball joint: the two points stay together (3 constraints).
+
+    Parameters
+    ----------
+    a, b : component or Point
+        What is joined; `at` says where on a component.
+    at : array (3,)
+        Place of both points at the start (length); needed unless `a` and `b` are points.
+    """
 
     needs_frames = False
 
@@ -35,7 +43,21 @@ class Spherical(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Revolute(Joint):
-    """Hinge about the axis (5 constraints); coordinate: `angle`."""
+    """Hinge about the axis (5 constraints); coordinate: `angle`.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        A point of the hinge at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Axis of the hinge at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    angle : bool
+        Make the angle of `b` about the axis (rad, counting turns) a coordinate of the system.
+    """
 
     has_angle = True
 
@@ -45,7 +67,21 @@ class Revolute(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Prismatic(Joint):
-    """Slider along the axis without rotation (5 constraints); coordinate: `stroke`."""
+    """Slider along the axis without rotation (5 constraints); coordinate: `stroke`.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        A point of the slider at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Direction in which it slides at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    stroke : bool
+        Make the way of `b` along the axis (length) a coordinate of the system.
+    """
 
     has_stroke = True
 
@@ -56,7 +92,23 @@ class Prismatic(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Cylindrical(Joint):
-    """Slides along and turns about the axis (4 constraints); coordinates: `angle`, `stroke`."""
+    """Slides along and turns about the axis (4 constraints); coordinates: `angle`, `stroke`.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        A point of the axis at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Axis that `b` slides along and turns about at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    angle : bool
+        Make the angle of `b` about the axis (rad, counting turns) a coordinate of the system.
+    stroke : bool
+        Make the way of `b` along the axis (length) a coordinate of the system.
+    """
 
     has_angle = True
     has_stroke = True
@@ -68,7 +120,21 @@ class Cylindrical(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Planar(Joint):
-    """Moves in the plane normal to the axis and turns about the axis (3 constraints); coordinate: `angle`."""
+    """Moves in the plane normal to the axis and turns about the axis (3 constraints); coordinate: `angle`.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        A point of the plane at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Normal of the plane at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    angle : bool
+        Make the angle of `b` about the axis (rad, counting turns) a coordinate of the system.
+    """
 
     has_angle = True
 
@@ -78,7 +144,23 @@ class Planar(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Screw(Cylindrical):
-    """Cylindrical joint that advances by `pitch` per turn (5 constraints); coordinate: `angle`."""
+    """Cylindrical joint that advances by `pitch` per turn (5 constraints); coordinate: `angle`.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        A point of the axis at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Axis of the screw at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    angle : bool
+        Make the angle of `b` about the axis (rad, counting turns) a coordinate of the system.
+    pitch : float
+        Way along the axis per turn (length), not zero; negative for a left-handed thread.
+    """
 
     pitch: Number
     has_stroke = False
@@ -107,6 +189,17 @@ class Universal(Joint):
 
     These directors are the pins of the cross. Where the shafts are bent at the start, give the axis of the shaft of b
     as ``axis`` and the pin on a, which is normal to both shafts, as ``first``: other choices are joints with skew pins.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        Centre of the cross at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Axis of the shaft of `b` at the start, of any length; z if not given.
+    first : array (3,)
+        The pin on `a`, normal to both shafts; chosen if not given.
     """
 
     def constraints(self, A: Side, B: Side) -> Constraints:
@@ -115,7 +208,19 @@ class Universal(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Rigid(Joint):
-    """Weld: no relative motion (6 constraints)."""
+    """Weld: no relative motion (6 constraints).
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        What is joined; `at`, `axis` and `first` say where on a component.
+    at : array (3,)
+        Where the frames are joined at the start (length); needed unless `a` and `b` are frames.
+    axis : array (3,)
+        Third direction of both frames at the start, of any length; z if not given.
+    first : array (3,)
+        What the first directors of both frames are close to at the start, made normal to the axis; chosen if not given.
+    """
 
     def constraints(self, A: Side, B: Side) -> Constraints:
         return [*(B.p - A.p), dot(A.d1, B.d2), dot(A.d2, B.d3), dot(A.d3, B.d1)]
@@ -123,7 +228,23 @@ class Rigid(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class PointOnLine(Joint):
-    """The point of b stays on the line through a along the axis (2 constraints); coordinate: `stroke`."""
+    """The point of b stays on the line through a along the axis (2 constraints); coordinate: `stroke`.
+
+    Parameters
+    ----------
+    a : component or Frame
+        What the line is on.
+    b : component or Point
+        Whose point stays on it.
+    at : array (3,)
+        Place of the point at the start (length); needed unless `a` is a frame and `b` a point.
+    axis : array (3,)
+        Direction of the line at the start, of any length; z if not given.
+    first : array (3,)
+        What the first director of the frame is close to at the start, made normal to the axis; chosen if not given.
+    stroke : bool
+        Make the way of the point along the axis (length) a coordinate of the system.
+    """
 
     has_stroke = True
     needs_frame_b = False
@@ -135,7 +256,21 @@ class PointOnLine(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class PointOnPlane(Joint):
-    """The point of b stays in the plane through a normal to the axis (1 constraint)."""
+    """The point of b stays in the plane through a normal to the axis (1 constraint).
+
+    Parameters
+    ----------
+    a : component or Frame
+        What the plane is on.
+    b : component or Point
+        Whose point stays in it.
+    at : array (3,)
+        Place of the point at the start (length); needed unless `a` is a frame and `b` a point.
+    axis : array (3,)
+        Normal of the plane at the start, of any length; z if not given.
+    first : array (3,)
+        What the first director of the frame is close to at the start, made normal to the axis; chosen if not given.
+    """
 
     needs_frame_b = False
 
@@ -145,7 +280,17 @@ class PointOnPlane(Joint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Distance(Joint):
-    """Massless rod between two points (1 constraint); its length is the initial distance if not given."""
+    """Massless rod between two points (1 constraint); its length is the initial distance if not given.
+
+    Parameters
+    ----------
+    a, b : Point, or component
+        What it connects; a component, one of the two at most, by the point of it that is at `at`.
+    at : array (3,)
+        Place at the start (length) of the point of a component.
+    length : float, optional
+        Positive; the distance at the start if not given.
+    """
 
     length: Number | None = None
     needs_frames = False

@@ -33,6 +33,10 @@ class Bushing(Component):
     ----------
     a, b : component or Frame
         What it connects; for a component, `at`, `axis` and `first` say where, in the initial configuration.
+    at : array (3,)
+        Place of both frames at the start (length); needed unless `a` and `b` are frames.
+    axis, first : array (3,)
+        What their third directors are along at the start, and the first ones close to; z, and chosen if not given.
     stiffness, damping : array (3,)
         Force per displacement and per velocity along the three directors of `a`.
     rotational_stiffness, rotational_damping : array (3,)

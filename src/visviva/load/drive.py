@@ -23,7 +23,15 @@ if TYPE_CHECKING:
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class OnJoint(Component):
-    """Base of what acts on a coordinate: `joint`, and `coordinate` ('angle' or 'stroke')."""
+    """Base of what acts on the coordinate of a joint.
+
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke, which becomes a coordinate of the system.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both; by default the angle.
+    """
 
     outside_axes = NOWHERE
 
@@ -98,7 +106,18 @@ class Motor(OnJoint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class JointForce(OnJoint):
-    """Torque on an angle or force on a stroke, as a function of time (see `TimeFunction`)."""
+    """Torque on an angle or force on a stroke, as a function of time; its work is booked as "joint force".
+
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke, which becomes a coordinate of the system.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both; by default the angle.
+    force : number, expression, table or callable
+        Torque about the axis or force along it, on `b` and its opposite on `a`, as a function of
+        time, see `TimeFunction`.
+    """
 
     force: OfTime
 
@@ -108,7 +127,19 @@ class JointForce(OnJoint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class JointSpring(OnJoint):
-    """Linear spring on a coordinate, free at `free` (the initial value if not given)."""
+    """Linear spring on a coordinate: torque or force ``-stiffness (q - free)``.
+
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke, which becomes a coordinate of the system.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both; by default the angle.
+    stiffness : float
+        Torque per angle (rad), or force per length; not negative.
+    free : float, optional
+        Angle (rad) or stroke without torque or force; that of the start if not given.
+    """
 
     stiffness: Number
     free: Number | None = None
@@ -124,7 +155,17 @@ class JointSpring(OnJoint):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class JointDamper(OnJoint):
-    """Linear damper on a coordinate."""
+    """Linear damper on a coordinate: torque or force ``-damping dq/dt``.
+
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke, which becomes a coordinate of the system.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both; by default the angle.
+    damping : float
+        Torque per angular velocity, or force per velocity; not negative.
+    """
 
     damping: Number
 

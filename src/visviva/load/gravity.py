@@ -19,9 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Gravity(Component):
-    """Uniform acceleration `acceleration` (3,) on everything that has mass.
+    """Uniform acceleration of everything that has mass.
 
     What is plane lies in x and y, and feels nothing of the default; what is axisymmetric has its axis along y.
+
+    Parameters
+    ----------
+    acceleration : array (3,)
+        In space (length per time squared).
 
     Raises
     ------

@@ -39,6 +39,8 @@ class Spring(Component):
         Tension and discrete gradient follow from it: energy is conserved to round-off.
     force : callable
         A law ``f(l, dl/dt)`` of the tension, elementwise on arrays, added to the rest; booked as work.
+    at_a, at_b : array (3,), optional
+        Places at the start (length) on components `a` and `b`.
 
     Notes
     -----
@@ -130,6 +132,19 @@ class Spring(Component):
 @dataclass(config=settings, eq=False, kw_only=True)
 class Damper(Spring):
     """Damper between two points: tension ``damping dl/dt``, or a law ``force = f(l, dl/dt)`` of the user.
+
+    Parameters
+    ----------
+    a, b : component or Point
+        What it connects; `at_a`, `at_b` say where on a component, its own origin if not given.
+    damping : float
+        Force per velocity; not negative.
+    force : callable
+        A law ``f(l, dl/dt)`` of the tension, elementwise on arrays; booked as work.
+    stiffness, free_length, energy
+        See `Spring`: one that has them stores energy as well.
+    at_a, at_b : array (3,), optional
+        Places at the start (length) on components `a` and `b`.
 
     Examples
     --------

@@ -32,7 +32,14 @@ EVERY: Directions = (True, True, True)
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class Support(Component):
-    """Base of supports: `nodes` of a `solid`, by the name of a set of nodes or faces, 'all', or numbers."""
+    """Base of supports of nodes of a body on a mesh.
+
+    Parameters
+    ----------
+    solid : Solid
+    nodes : str or array of int
+        Name of a set of nodes or faces, 'all', or numbers of nodes.
+    """
 
     solid: MeshBody
     nodes: Nodes
@@ -128,10 +135,19 @@ class Clamped(Support):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class SymmetryPlane(Support):
-    """Nodes that stay in the planes through their reference positions, normal to `normal` (3,).
+    """Nodes that stay in the planes through their reference positions, normal to a direction.
 
     Directors of beams and shells keep their components along the normal. Planes across an axis cost unknowns instead of
     adding any; others are held by multipliers.
+
+    Parameters
+    ----------
+    solid : Solid
+        Or a beam or shell.
+    nodes : str or array of int
+        Name of a set of nodes or faces, 'all', or numbers of nodes.
+    normal : array (3,)
+        Of any length, not zero.
 
     Examples
     --------

@@ -67,7 +67,21 @@ class Torque(Component):
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class FollowerTorque(Component):
-    """Torque with constant components (3,) in the directors of what it acts on, times a function of time."""
+    """Torque with constant components in the directors of what it acts on, times a function of time.
+
+    Parameters
+    ----------
+    on : component or Frame
+        What it acts on; it must have directors.
+    torque : array (3,)
+        Components along the directors.
+    times : number, expression, table or callable
+        Factor as a function of time, see `TimeFunction`.
+
+    Notes
+    -----
+    It has no potential; its work is booked in the ledger as "torque".
+    """
 
     on: Attached
     torque: Vector3

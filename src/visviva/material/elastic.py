@@ -17,6 +17,12 @@ class LinearElastic(Elastic):
 
     Not frame-indifferent: for parts that turn, take `SaintVenantKirchhoff`.
 
+    Parameters
+    ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Two of them: Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small
+        strains (force per area). ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
+
     Examples
     --------
     >>> LinearElastic(young=2.5, poisson=0.25).lame
@@ -32,7 +38,14 @@ class LinearElastic(Elastic):
 
 @dataclass(config=settings, kw_only=True)
 class SaintVenantKirchhoff(Elastic):
-    """``W = lambda/2 (tr E)^2 + mu E:E`` of Green's strain ``E = (C - I)/2``: large rotations, small strains."""
+    """``W = lambda/2 (tr E)^2 + mu E:E`` of Green's strain ``E = (C - I)/2``: large rotations, small strains.
+
+    Parameters
+    ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Two of them: Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small
+        strains (force per area). ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
+    """
 
     kind: ClassVar[Kind] = Kind.HOOKE
 
@@ -46,6 +59,9 @@ class NeoHooke(Elastic):
 
     Parameters
     ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Two of them: Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small
+        strains (force per area). ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
     volumetric : {'logarithmic', 'quadratic', 'simo'}
         ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
     isochoric : bool
@@ -72,7 +88,20 @@ class NeoHooke(Elastic):
 
 @dataclass(config=settings, kw_only=True)
 class BlatzKo(Elastic):
-    """``W = mu/2 (tr C - 3) + mu/beta (J^-beta - 1)`` with ``beta = 2 nu / (1 - 2 nu)`` (Blatz & Ko 1962)."""
+    """``W = mu/2 (tr C - 3) + mu/beta (J^-beta - 1)`` with ``beta = 2 nu / (1 - 2 nu)`` (Blatz & Ko 1962).
+
+    Parameters
+    ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Two of them: Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small
+        strains (force per area). ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
+
+
+    Raises
+    ------
+    InputError
+        Also if Poisson's ratio is not positive.
+    """
 
     kind: ClassVar[Kind] = Kind.BLATZ_KO
 

@@ -150,6 +150,10 @@ class Elastic(Material):
     young, poisson, shear, bulk, lame_lambda : float
         Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small strains.
         ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
+    Raises
+    ------
+    InputError
+        For other than two of them, ratios beyond -1 ... 0.5, and shear or bulk moduli that are not positive.
     """
 
     young: Number | None = None

@@ -23,6 +23,10 @@ class MooneyRivlin(Material):
     c10, c01, bulk : float
         Constants; the shear modulus of small strains is ``2 (c10 + c01)``, their bulk modulus is `bulk` with
         `isochoric`, else ``bulk + 4/3 c10 + 16/3 c01``.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
+    isochoric : bool
+        Take the form in which `bulk` alone resists changes of volume.
 
     Notes
     -----
@@ -78,7 +82,17 @@ class MooneyRivlin(Material):
 
 @dataclass(config=settings, kw_only=True)
 class Yeoh(Material):
-    """Yeoh: ``W = sum_k c_k (J^(-2/3) I1 - 3)^k + bulk U(J)``, k = 1, 2, 3."""
+    """Yeoh: ``W = sum_k c_k (J^(-2/3) I1 - 3)^k + bulk U(J)``, k = 1, 2, 3.
+
+    Parameters
+    ----------
+    c1, c2, c3 : float
+        Constants (force per area); `c1`, half of the shear modulus of small strains, is positive.
+    bulk : float
+        Bulk modulus (force per area), positive.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
+    """
 
     c1: Number
     c2: Number
@@ -100,7 +114,19 @@ class Yeoh(Material):
 
 @dataclass(config=settings, kw_only=True)
 class Gent(Material):
-    """Gent: ``W = -mu Jm/2 ln(1 - (J^(-2/3) I1 - 3)/Jm) + bulk U(J)`` with limiting stretch `Jm` = `limit`."""
+    """Gent: ``W = -mu Jm/2 ln(1 - (J^(-2/3) I1 - 3)/Jm) + bulk U(J)`` with ``Jm = limit``.
+
+    Parameters
+    ----------
+    shear : float
+        Shear modulus of small strains, mu (force per area), positive.
+    limit : float
+        Jm, positive: the energy grows beyond all bounds where ``J^(-2/3) I1 - 3`` comes near to it.
+    bulk : float
+        Bulk modulus (force per area), positive.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
+    """
 
     shear: Number
     limit: Number
@@ -127,6 +153,10 @@ class Ogden(Material):
     ----------
     mu, alpha : tuples of float
         The shear modulus of small strains is ``sum mu_k alpha_k / 2``.
+    bulk : float
+        Resistance against changes of volume (force per area); positive where `isochoric`, else not negative.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
     isochoric : bool
         Stretches ``l_i`` are divided by ``J^(1/3)``; if not, ``- sum mu_k ln J`` makes the rest stress-free, and the
         bulk modulus of small strains is `bulk` plus two thirds of the shear modulus.
@@ -171,6 +201,14 @@ class Hencky(Elastic):
 
     With the logarithmic volumetric energy ``bulk ln^2 J / 2`` it is quadratic in logarithms; at large stretches its
     nominal stress falls.
+
+    Parameters
+    ----------
+    young, poisson, shear, bulk, lame_lambda : float
+        Two of them: Young's modulus, Poisson's ratio, shear modulus, bulk modulus, Lame's first constant, for small
+        strains (force per area). ``poisson = 0.5`` is for solids of ``formulation="mixed"``.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
 
     Examples
     --------

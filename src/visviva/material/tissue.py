@@ -30,6 +30,8 @@ class HolzapfelGasserOgden(Material):
         ``kappa``, 0 (aligned) to 1/3 (isotropic).
     fibres : two directions (3,)
         In the reference configuration; normalised. Equal directions make one family twice as stiff.
+    volumetric : {'logarithmic', 'quadratic', 'simo'}
+        ``U`` = ``ln^2 J / 2``, ``(J - 1)^2 / 2``, ``(J^2 - 1 - 2 ln J) / 4``.
     """
 
     shear: Number

@@ -231,7 +231,12 @@ class Courant(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Divergence(Reading):
-    """Probe: root mean square of the divergence of a fluid's velocity."""
+    """Probe: root mean square of the divergence of a fluid's velocity over its volume (1 per time).
+
+    Parameters
+    ----------
+    fluid : Fluid
+    """
 
     fluid: Fluid
 

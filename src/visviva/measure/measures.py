@@ -100,7 +100,16 @@ class Measure(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Position(Measure):
-    """Coordinates (3) of a point, or one coordinate along `direction` (3,)."""
+    """Coordinates (3,) of a point (length), or one coordinate along a direction.
+
+    Parameters
+    ----------
+    of : component or Point
+    at : array (3,), optional
+        Place of the point at the start (length), if `of` is a component; by default its origin.
+    direction : array (3,), optional
+        Take the component along it alone, times its length.
+    """
 
     of: Any
     at: Vector3 | None = None
@@ -122,7 +131,13 @@ class Position(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class SquaredDistance(Measure):
-    """Squared distance of two points."""
+    """Squared distance of two points (length squared).
+
+    Parameters
+    ----------
+    a, b : component or Point
+        Of a component its origin.
+    """
 
     a: Any
     b: Any
@@ -138,7 +153,15 @@ class SquaredDistance(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class DirectorProduct(Measure):
-    """Product of director `i` of frame `a` with director `j` of frame `b`: the cosine between them."""
+    """Product of director `i` of frame `a` with director `j` of frame `b`: the cosine between them.
+
+    Parameters
+    ----------
+    a, b : component or Frame
+        With directors.
+    i, j : {1, 2, 3}
+        Which director of `a`, and which of `b`.
+    """
 
     a: Any
     b: Any
@@ -152,7 +175,17 @@ class DirectorProduct(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Offset(Measure):
-    """Distance of the point `to` from the frame `a` along its director `i`."""
+    """Distance of the point `to` from the frame `a` along its director `i` (length), with its sign.
+
+    Parameters
+    ----------
+    a : component or Frame
+        Whose director and origin count.
+    to : component or Point
+        Of a component its origin.
+    i : {1, 2, 3}
+        Which director of `a`.
+    """
 
     a: Any
     to: Any
@@ -169,7 +202,15 @@ class Offset(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Direction(Measure):
-    """Direction (3) in space of an axis that goes with a body, given in its own coordinates."""
+    """Direction (3,) in space of an axis that goes with a body, given in its own coordinates.
+
+    Parameters
+    ----------
+    of : component or Frame
+        With directors.
+    axis : array (3,)
+        Components along the directors; its length is kept.
+    """
 
     of: Any
     axis: Vector3
@@ -182,7 +223,12 @@ class Direction(Measure):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Separation(Reading):
-    """Probe: distance of two points, such as the length of a rope.
+    """Probe: distance of two points (length), such as the length of a rope.
+
+    Parameters
+    ----------
+    a, b : component or Point
+        Of a component its origin.
 
     Examples
     --------
@@ -209,7 +255,17 @@ class Separation(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class CentreOfMass(Reading):
-    """Probe: centre of mass (3,) of a component, or of several together.
+    """Probe: centre of mass (3,), in space (length), of a component, or of several together.
+
+    Parameters
+    ----------
+    of : component, or list of components
+        With mass in all.
+
+    Raises
+    ------
+    InputError
+        When it is read: if they have no mass.
 
     Examples
     --------
@@ -238,10 +294,23 @@ class CentreOfMass(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class JointCoordinate(Measure):
-    """Angle or stroke of a joint, which becomes a coordinate of the system for components that act on it.
+    """Angle (rad) or stroke (length) of a joint.
 
-    An angle, which counts turns, is read where it is a coordinate: by `angle` of the joint, or for a drive or another
-    component. A stroke is read of all joints that have one.
+    It becomes a coordinate of the system for components that act on it. An angle, which counts turns, is read where it
+    is a coordinate: by `angle` of the joint, or for a drive or another component. A stroke is read of all joints that
+    have one.
+
+    Parameters
+    ----------
+    joint : Joint
+        With an angle or a stroke.
+    coordinate : {'angle', 'stroke'}, optional
+        Of a joint that has both; by default the angle.
+
+    Raises
+    ------
+    InputError
+        If the joint has no such coordinate; when it is read, for an angle that is no coordinate of the system.
 
     Examples
     --------

@@ -52,7 +52,13 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class ReactionForce(Reading):
-    """Probe: force (3,) that a joint exerts on its partner `b`."""
+    """Probe: force (3,), in space, that a joint exerts on its partner `b`.
+
+    Parameters
+    ----------
+    joint : Joint
+        Of the system; of a `RackAndPinion`, the force of its teeth.
+    """
 
     joint: Joint
 
@@ -70,7 +76,13 @@ class ReactionForce(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class ReactionTorque(Reading):
-    """Probe: torque (3,) that a joint exerts on its partner `b`, about the joint's point on b."""
+    """Probe: torque (3,), in space, that a joint exerts on its partner `b`, about the joint's point on b.
+
+    Parameters
+    ----------
+    joint : Joint
+        Of the system; of a `Gear`, the torque of its teeth.
+    """
 
     joint: Joint
 

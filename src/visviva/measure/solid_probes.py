@@ -58,7 +58,16 @@ class Displacement(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Velocity(Reading):
-    """Probe: velocity (3,) of a point, or along `direction`."""
+    """Probe: velocity (3,) of a point (length per time), or along a direction.
+
+    Parameters
+    ----------
+    of : component or Point
+    at : array (3,), optional
+        Place of the point at the start (length), if `of` is a component; by default its origin.
+    direction : array (3,), optional
+        Take the component along it alone, times its length.
+    """
 
     of: Any
     at: Vector3 | None = None
@@ -257,6 +266,14 @@ class SupportTorque(SupportForce):
     """Probe: torque (3,) of the same forces about a point in space, with the present lever arms.
 
     At clamped nodes of beams the torque that holds their directors is part of it.
+
+    Parameters
+    ----------
+    solid : Solid
+    nodes : str or array of int, optional
+        A set of the mesh, or numbers of nodes; all if not given.
+    about : array (3,)
+        The point (length).
     """
 
     about: Vector3 = (0.0, 0.0, 0.0)
@@ -348,7 +365,16 @@ class SectionForce(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class SectionTorque(SectionForce):
-    """Probe: torque (3,) of the same forces about the mean of the section's nodes, or about a fixed point."""
+    """Probe: torque (3,) of the same forces about the mean of the section's nodes, or a fixed point.
+
+    Parameters
+    ----------
+    solid : Solid
+    point, normal : array (3,)
+        Plane of the section in the reference, see `SectionForce`.
+    about : array (3,), optional
+        Fixed point (length).
+    """
 
     about: Vector3 | None = None
 

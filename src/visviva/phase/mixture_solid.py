@@ -79,11 +79,12 @@ class Chemistry(CahnHilliard):
 class MixtureSolid(Solid):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
 
-    Takes the arguments of `Solid`, in space or in plane strain, with ``formulation="displacement"``, those of
-    `CahnHilliard` (`free_energy`, `gradient_energy`, `concentration`, `mobility`, `periodic`), and
+    Takes the arguments of `Solid`, in space or in plane strain, with ``formulation="displacement"``, and
 
     Parameters
     ----------
+    free_energy, gradient_energy, concentration, mobility, periodic
+        See `CahnHilliard`.
     eigenstrain : float, or (float, float, float)
         Strain per concentration that it alone would leave (Vegard): the same in all directions, or along the axes.
     reference : float

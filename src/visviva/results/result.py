@@ -95,6 +95,8 @@ class Result:
     ----------
     system : System
         What has moved. Refused after `System.reset`, by which it forgets this run; what was kept of it stays readable.
+    scheme : Scheme
+        What it was marched with.
     times : array (n,)
         Times of the kept states, to be read.
     states, rates : sequences of arrays
@@ -103,6 +105,10 @@ class Result:
         What contacts showed at these times.
     ledger : Ledger
         One row per accepted step.
+    statistics : Statistics
+        Numbers of steps, iterations, factorisations and rejected steps, and seconds.
+    kept : Kept or StateFile
+        What `times`, `states`, `rates` and `records` are read from.
     recorded : Recorded
         Histories that were kept at every step.
     directory : RunDirectory, optional

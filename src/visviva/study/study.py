@@ -38,11 +38,11 @@ TYPES: tuple[tuple[str, Any, str], ...] = (
 class Study(metaclass=Named):
     """A system, how long and by which steps to run it, and what to record.
 
-    Attributes
+    Parameters
     ----------
     system : System
     until, step : float
-        End time and step length.
+        End time and step length (time), positive.
     scheme : Scheme
     probes : dict
         Time series by name; a vector is recorded as name_x, name_y, name_z.

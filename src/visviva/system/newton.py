@@ -72,8 +72,21 @@ class GivenUp:
 class StepFailure(RunError):
     """A step that did not converge.
 
+    Parameters
+    ----------
+    system : System
+        Whose step it was, with the increment of the last iteration.
+    time, h : float
+        Start and length of the step.
+    report : StepReport
+        Of Newton's method, from the core.
+
     Attributes
     ----------
+    time, h : float
+        Start and length of the step.
+    reason : str
+        What ended the iteration.
     component, unknown : str
         Where the last increment was largest.
     increments : list of float

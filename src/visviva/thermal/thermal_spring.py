@@ -53,7 +53,11 @@ class ThermalSpring(Lump):
         Instead of stiffness, expansion and capacity, the free energy ``psi(l, T)`` elementwise on arrays, written
         with numpy functions that take complex numbers.
     temperature : float, optional
-        Absolute, at the start; by default the `reference` T0.
+        Absolute, at the start; by default the `reference`.
+    reference : float
+        T0, absolute: there its entropy vanishes and it has the `stiffness` and the `free_length`.
+    at_a, at_b : array (3,), optional
+        Places at the start (length) on components `a` and `b`.
 
     Notes
     -----

@@ -121,7 +121,13 @@ class Servo(Component):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class ServoInputs(Reading):
-    """Probe: inputs (n,) of the actuators of a servo constraint in the last step."""
+    """Probe: inputs (n,) of the actuators of a servo constraint in the last step.
+
+    Parameters
+    ----------
+    servo : Servo
+        Of the system. Inputs are torques on angles, forces on strokes and points, at the scheme's evaluation point.
+    """
 
     servo: Servo
 

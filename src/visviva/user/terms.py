@@ -31,7 +31,14 @@ Array = NDArray[np.float64]
 
 @dataclass(config=settings, eq=False, kw_only=True)
 class _OnMeasures(Component):
-    """Base of what acts on measures."""
+    """Base of what acts on measures.
+
+    Parameters
+    ----------
+    of : list
+        What it looks at, numbered through: components and points (three coordinates each), joints (their coordinate),
+        measures such as `SquaredDistance`, functions without arguments that return forms or strains.
+    """
 
     of: Any
 
@@ -49,6 +56,14 @@ class GeneralizedForce(_OnMeasures):
 
     `e` and `rate` are the measures and their rates at the evaluation point of the scheme; the result does
     work on them: for points it is the force, for an angle the torque. Its work is booked as "user force".
+
+    Parameters
+    ----------
+    of : list
+        What it looks at, numbered through: components and points (three coordinates each), joints (their coordinate),
+        measures such as `SquaredDistance`, functions without arguments that return forms or strains.
+    force : callable
+        ``force(t, e, rate)`` with values (n_e,).
 
     Examples
     --------
@@ -72,6 +87,16 @@ class Potential(_OnMeasures):
     The function works elementwise on n states at once (``e[0]`` is the first measure in all of them).
     Stress, tangent and discrete gradient follow by the complex step (differences where the function refuses
     complex numbers).
+
+    Parameters
+    ----------
+    of : list
+        What it looks at, numbered through: components and points (three coordinates each), joints (their coordinate),
+        measures such as `SquaredDistance`, functions without arguments that return forms or strains.
+    energy : callable
+        ``energy(e)`` of measures (n_e, n) with values (n,).
+    kind : str
+        Its account in the ledger.
 
     Examples
     --------
@@ -98,6 +123,16 @@ class Constraint(_OnMeasures):
 
     The function maps measures (n_e, k) of k states at once to `n` values (n, k). The initial state must
     satisfy it; gradients follow as for `Potential`.
+
+    Parameters
+    ----------
+    of : list
+        What it looks at, numbered through: components and points (three coordinates each), joints (their coordinate),
+        measures such as `SquaredDistance`, functions without arguments that return forms or strains.
+    function : callable
+        ``function(e)`` of measures (n_e, k) with values (n, k), zero where they are fulfilled.
+    n : int
+        How many constraints these are, at least one.
 
     Examples
     --------
