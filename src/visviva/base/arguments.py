@@ -213,8 +213,9 @@ def by_name(cls: type, args: tuple[Any, ...]) -> dict[str, Any]:
         return {}
     names = [p.name for p in parameters(cls).values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     if len(args) > len(names):
+        some = f"{len(names) or 'no'} argument{'' if len(names) == 1 else 's'}"
         raise InputError(
-            f"{cls.__name__} takes {len(names)} arguments without a name, not {len(args)}{meant(cls, names, args)}"
+            f"{cls.__name__} takes {some} without a name, not {len(args)}{meant(cls, names, args)}"
         )
     return dict(zip(names, args, strict=False))
 

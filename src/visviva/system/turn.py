@@ -42,7 +42,7 @@ def by_one_thread(analysis: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(analysis)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> R:
         system: Any = args[0] if args else kwargs.get("system")
-        if not hasattr(system, "turn"):  # no system, as the analysis will say
+        if not hasattr(getattr(system, "turn", None), "acquire"):  # no system, as the analysis will say
             return analysis(*args, **kwargs)
         with alone(system):
             return analysis(*args, **kwargs)
