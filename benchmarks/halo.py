@@ -15,7 +15,6 @@ import argparse
 import resource
 import time
 from importlib.util import find_spec
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,20 +86,17 @@ def print_solution(n_cells: int) -> None:
     start = time.perf_counter()
     vv.quasi_static(system, until=1.0, step=1.0)
     seconds = time.perf_counter() - start
-    solve: Any = PETSc.Log.Event("KSPSolve").getPerfInfo()
-    product: Any = PETSc.Log.Event("PCApply").getPerfInfo()
-    comm = PETSc.COMM_WORLD.tompi4py()
-    figures = ("numMessages", "messageLength", "numReductions")
+    info = lambda name: PETSc.Log.Event(name).getPerfInfo()  # noqa: E731
+    comm, solve, iterations = PETSc.COMM_WORLD.tompi4py(), info("KSPSolve"), max(info("PCApply")["count"], 1)
     memory = comm.gather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
-    totals = comm.allreduce(np.array([solve[name] for name in figures], dtype=float))
-    iterations = max(int(product["count"]), 1)
+    messages, length = comm.allreduce(np.array([solve["numMessages"], solve["messageLength"]]))
+    each = messages / iterations / comm.size
+    reductions = sum(info(name)["count"] for name in ("VecDot", "VecTDot", "VecMDot", "VecNorm"))
     if comm.rank == 0:
-        messages, _, reductions = totals / iterations / comm.size
-        size = totals[1] / max(totals[0], 1)
         print(
             f"{comm.size} processes, {system.n_coordinates} unknowns, {iterations} cycles of multigrid, in each a "
-            f"process sends {messages:.1f} messages of {size:.0f} bytes and is in "
-            f"{reductions:.1f} reductions; {seconds:.1f} s, MB of each {memory}"
+            f"process sends {each:.1f} messages of {length / max(messages, 1):.0f} bytes and "
+            f"is in {reductions / iterations:.1f} reductions; {seconds:.1f} s, MB of each {memory}"
         )
 
 

@@ -98,7 +98,7 @@ class Solver:
 
     def factor(self, values: Array) -> bool:
         """Take the values of the matrix; whatever is made of them is made before the first solution."""
-        self.A.setValuesCOO(np.array(values))
+        self.A.setValuesCOO(values)
         self.ksp.setOperators(self.A)
         self.ksp.setUp()
         failed = self.ksp.getPC().getFailedReason()
