@@ -50,6 +50,8 @@ def test_a_run_by_two_processes_writes_what_one_does(alone: Path, tmp_path: Path
 
 def test_a_run_goes_on_with_another_number_of_processes(alone: Path, tmp_path: Path) -> None:
     torus(3, tmp_path / "run", "--until", "0.03")
+    torus(2, tmp_path / "run", "--until", "0.05", "--resume")
+    torus(0, tmp_path / "run", "--until", "0.06", "--resume")
     torus(2, tmp_path / "run", "--until", "0.08", "--resume")
     assert differences(alone, tmp_path / "run") < 1e-12
 

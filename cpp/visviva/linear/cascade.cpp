@@ -1,4 +1,6 @@
 // Solvers in the order of preference: where one fails, the next takes over, and says so.
+#include <algorithm>
+
 #include "visviva/linear/linear_choice.hpp"
 
 namespace visviva {
@@ -44,7 +46,7 @@ class Cascade : public LinearSolver, public SolverSequence {
     }
     void allow_last_resort(bool on) override { is_allowed_ = on; }
     void set_state(const std::vector<double>& s) override {
-        at_ = static_cast<std::size_t>(s[0]), served_ = static_cast<int>(s[1]),
+        at_ = std::min(static_cast<std::size_t>(s[0]), choices_.size() - 1), served_ = static_cast<int>(s[1]),
         patience_ = static_cast<int>(s[2]);
     }
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.base.world import world
 from visviva.model.term import copies
 from visviva.output.checkpoint import Record, Records
 from visviva.system.turn import alone
@@ -24,6 +25,9 @@ CORE, HISTORY = "core: ", "history: "
 HISTORY_VERSION = 1
 INTERNAL, INTERNAL_VERSION = "histories", 1
 """Record of all internal variables of materials, which hold whatever the next steps are."""
+
+SOLVER, TANGENT = "solver", "tangent"
+"""Names of records of the core: which solver serves, and where the kept factorisation was made."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -58,13 +62,24 @@ def bring_back(system: System, records: Records, histories_alone: bool = False) 
     else:
         _recall(of_terms, "at_tangent")
         try:
-            system.core.restore([_in_core(record) for record in of_core])
+            system.core.restore(_known(system, [_in_core(record) for record in of_core]))
         except ValueError as error:
             raise InputError(
                 f"{records.path}: {error}; resume with the version of visviva that wrote it, or start the run anew "
                 "in another directory"
             ) from error
     _recall(of_terms, "now")
+
+
+def _known(system: System, records: list[Any]) -> list[Any]:
+    """Records that fit this process: another number of them has other solvers, and the first one has most terms."""
+    own = {record.name: record for record in system.core.memory()}
+    kept = [
+        r for r in records if r.name in own or not (r.name == SOLVER or (world().rank and r.name != TANGENT))
+    ]
+    if SOLVER in own and all(r.name != SOLVER for r in kept):
+        kept.append(own[SOLVER])
+    return kept
 
 
 def _remembering(system: System) -> list[tuple[str, Term]]:
