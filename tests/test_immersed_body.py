@@ -15,8 +15,43 @@ import visviva as vv
 from visviva.base.errors import InputError
 from visviva.flow.marks import marks
 from visviva.measure.reactions import reaction
+from visviva.system.consistency import initial_acceleration
 
 Array = NDArray[np.float64]
+
+
+def drifting(speed: str) -> tuple[vv.System, vv.RigidBody]:
+    """A block of the fluid's own density in a stream without shear, whose speed is 1 at the start."""
+    mesh = vv.RectangleMesh(size=(2, 1), counts=(12, 6), cell="quad4")
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1, velocity=(1, 0, 0))
+    sides = [vv.FreeSlip(fluid=water, faces=side) for side in ("y0", "y1")]
+    ends = [
+        vv.VelocityBoundary(fluid=water, faces="x0", velocity=(speed, 0, 0)),
+        vv.Outlet(fluid=water, faces="x1"),
+    ]
+    block = vv.RigidBody(shape=vv.Box(size=(0.4, 0.4, 1.0)), density=1.0, position=(0.5, 0.5, 0.0))
+    return vv.System([water, *sides, *ends, block, vv.ImmersedBody(body=block, fluid=water)]), block
+
+
+# --- schemes that project rates -----------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "scheme", [vv.GeneralizedAlpha(), vv.GeneralizedAlpha(rho=0.0), vv.VariationalMidpoint()]
+)
+def test_a_body_of_the_density_of_a_stream_drifts_with_it(scheme: vv.Scheme) -> None:
+    """Its mass less that of the fluid in its place is none: projected rates were lost, and it nearly stood still."""
+    system, block = drifting("1 + t")
+    vv.simulate(system, until=0.4, step=0.02, scheme=scheme)
+    moved = system.value(block.point().position) - block.position
+    assert moved == pytest.approx([0.4 + 0.4**2 / 2, 0, 0], abs=1e-10)
+    assert system.v[block.motion.unknowns[:3]] == pytest.approx([1.4, 0, 0], abs=1e-10)
+
+
+def test_accelerations_at_another_moment_are_those_of_the_stream() -> None:
+    """Those that generalised alpha starts from belong to a step before, with ``rho=0``; they were none."""
+    system, block = drifting("1 + t + t**2")
+    system.check()
+    initial_acceleration(system, vv.GeneralizedAlpha(rho=0.0), 0.1)
+    assert system.core.a[block.motion.unknowns[0]] == pytest.approx(1 - 2 * 0.1, rel=0.01)
 
 
 # --- marks --------------------------------------------------------------------------------------------------

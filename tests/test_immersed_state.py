@@ -12,7 +12,7 @@ from immersed_parts import Array, Components, body, carried, flap, thin
 
 import visviva as vv
 from visviva.analysis.march import advance, begin, prepare
-from visviva.study.restart import load, save
+from visviva.study.restart import load, records_of, write
 
 STEP, STEPS = 0.05, 6
 BODIES: dict[str, Callable[[], Components]] = {
@@ -76,7 +76,7 @@ def resumed(name: str, scheme: vv.Scheme, path: Path) -> Array:
             load(path, result, books)
         for _ in advance(result, books, until=(k + 1) * STEP, step=STEP):
             states.append(state(result.system))
-        save(path, result, books, {})
+        write(path, records_of(result, books), {})
     return np.array(states)
 
 

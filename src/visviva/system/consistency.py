@@ -284,8 +284,9 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
 
     Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
     """
-    later, moves = now.copy(), system.order == 2
+    later, moves, flows = now.copy(), system.order == 2, system.order == 1
     with returning(system):
+        system.x[flows] += time * now[flows]
         system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
         system.v[moves] += time * now[moves]
         system.time += time
@@ -295,6 +296,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
                 p.rates(system.time, system.clock.step),
             )
         at = Instant(system)
+        at.add_rate_constraints()
         at.factor()
         of_motion = moves[at.coordinates]
         later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
@@ -329,7 +331,9 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
             impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
     at.factor()
     before = system.v[at.coordinates].copy()
-    after, mu = at.solve_consistent(at.M @ before + impulse, -at.drift())
+    # the change alone: rates that have no mass, as of what floats in a fluid of its own density, stay as they are
+    change, mu = at.solve_consistent(impulse, -at.drift() - at.G @ before)
+    after = before + change
     if table[1][2] == 0.0:  # nothing but rates is remembered
         system.v[at.coordinates] = after
         return drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
