@@ -257,6 +257,27 @@ def test_one_of_several_instances_is_a_mesh_of_its_own(tmp_path: Path) -> None:
     assert set(upper.face_sets) == {"Upper.Top", "outer"}
 
 
+@pytest.mark.parametrize(
+    ("lines", "shift"),
+    [(" , , 5.\n", (0, 0, 5)), (" 0., ,5.D0\n", (0, 0, 5)), (" 1.\n", (1, 0, 0)), (" , , ,\n", (0, 0, 0))],
+)
+def test_numbers_left_blank_are_zero(tmp_path: Path, lines: str, shift: tuple[float, ...]) -> None:
+    part = vv.MeshFile(write_input(tmp_path, "*Part, name=p\n" + INPUT)).build()
+    instance = f"*End part\n*Instance, name=i, part=p\n{lines}*End instance\n*Material"
+    blank = INPUT.replace(" 20, 1., 0., 0.", " 20, 1.0d0, , 0.,").replace("*Material", instance)
+    moved = vv.MeshFile(write_input(tmp_path, "*Part, name=p\n" + blank)).build()
+    np.testing.assert_allclose(moved.points, part.points + shift, atol=1e-15)
+
+
+def test_an_instance_may_only_be_turned(tmp_path: Path) -> None:
+    """The line of its translation is blank."""
+    part = vv.MeshFile(write_input(tmp_path, "*Part, name=p\n" + INPUT)).build()
+    turn = "*End part\n*Instance, name=i, part=p\n\n 0., 0., 0., 0., 0., 1., 90.\n*End instance\n*Material"
+    turned = vv.MeshFile(write_input(tmp_path, "*Part, name=p\n" + INPUT.replace("*Material", turn))).build()
+    x, y, z = part.points.T
+    np.testing.assert_allclose(turned.points, np.column_stack([-y, x, z]), atol=1e-14)
+
+
 def test_plane_parts_stay_in_their_plane(tmp_path: Path) -> None:
     cell = "*Part, name=p\n*Node\n 1, 0., 0.\n 2, 1., 0.\n 3, 0., 1.\n*Element, type=CPE3\n 1, 1, 2, 3\n*End part\n"
     plane = cell + "*Instance, name=i, part=p\n 1., 2.\n"
@@ -267,6 +288,12 @@ def test_plane_parts_stay_in_their_plane(tmp_path: Path) -> None:
 
 
 BAD_INPUTS = {
+    "cells made by a rule": (
+        ("*Nset", "*Elgen, elset=Cube\n 1, 2, 1, 1\n*Nset"),
+        "ELGEN makes or moves nodes",
+    ),
+    "moved system": (("*Node", "*System\n 1., 2., 3.\n*Node"), "SYSTEM makes or moves nodes"),
+    "cylindrical coordinates": (("*Node", "*Node, system=C"), "only Cartesian coordinates"),
     "unknown element": (("C3D8R", "C3D15"), "'C3D15' are unknown"),
     "too few nodes": (("50, 60, 70, 80\n", "50, 60, 70\n"), "C3D8R do not have 8 nodes each"),
     "unknown node": (("50, 60, 70, 80\n", "50, 60, 70, 81\n"), "no node 81"),

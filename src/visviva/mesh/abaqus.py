@@ -24,6 +24,8 @@ PATTERNS = (
     (re.compile(r"T[23]D([23])"), {"2": "line2", "3": "line3"}),
 )
 MAX_DEPTH = 20  # of files that include each other
+UNREAD = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPORT")
+"""Keywords that make or move nodes and elements, without which a mesh would be another one."""
 
 
 @dataclass
@@ -33,6 +35,11 @@ class Section:
     keyword: str
     parameters: dict[str, str]
     lines: list[list[str]] = field(default_factory=list)
+
+    @property
+    def words(self) -> list[list[str]]:
+        """What stands in the lines, without what is left blank."""
+        return [[word for word in row if word] for row in self.lines]
 
 
 def sections(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Section]:
@@ -57,7 +64,7 @@ def sections(path: Path, within: Path | None = None, depth: int = 0) -> Iterator
                 now.parameters |= {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
                 continued = line.endswith(",")
             elif now is not None:
-                now.lines.append([word.strip() for word in line.split(",") if word.strip()])
+                now.lines.append([word.strip() for word in line.split(",")])
     if now is not None:
         yield from _entered(now, path, within, depth)
 
@@ -97,6 +104,11 @@ class Reader:
             **dict.fromkeys(("END PART", "END INSTANCE", "ASSEMBLY", "END ASSEMBLY"), self.end),
         }
         for section in sections(path, self.within):
+            if section.keyword in UNREAD:
+                raise InputError(
+                    f"{path}: *{section.keyword} makes or moves nodes or elements and is not read: write the "
+                    "file with all nodes and elements in Cartesian coordinates, as Abaqus/CAE does"
+                )
             if section.keyword in known:
                 try:
                     known[section.keyword](section)
@@ -117,11 +129,13 @@ class Reader:
     def node(self, section: Section) -> None:
         """Nodes, in the plane or in space."""
         start = len(self.now.points)
+        if section.parameters.get("SYSTEM", "R").upper() != "R":
+            raise InputError("only Cartesian coordinates (SYSTEM=R) are read: write x, y, z")
         for row in section.lines:
             if int(row[0]) in self.now.node_of:
                 raise InputError(f"node {row[0]} is there twice")
             self.now.node_of[int(row[0])] = len(self.now.points)
-            self.now.points.append([float(word) for word in row[1:4]])
+            self.now.points.append(reals(row[1 : len(row) - (row[-1] == "")][:3]))
         if "NSET" in section.parameters:
             added = np.arange(start, len(self.now.points))
             self.now.node_sets.setdefault(section.parameters["NSET"], []).append(added)
@@ -130,7 +144,7 @@ class Reader:
         """Cells of one type."""
         name = cell_of(section.parameters.get("TYPE", ""))
         width = 1 + CELLS[name].n_nodes
-        words = [int(word) for row in section.lines for word in row]
+        words = [int(word) for row in section.words for word in row]
         if len(words) % width:
             raise InputError(
                 f"elements of type {section.parameters['TYPE']} do not have {width - 1} nodes each"
@@ -165,10 +179,10 @@ class Reader:
         """A set of faces by elements and labels S1, S2, ..., or a set of nodes."""
         name = section.parameters["NAME"]
         if section.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
-            parts = [self.now.nodes(row[0]) for row in section.lines]
+            parts = [self.now.nodes(row[0]) for row in section.words]
             self.now.node_sets.setdefault(name, []).extend(parts)
             return
-        for row in section.lines:
+        for row in section.words:
             entries = self.now.entries(row[0])
             label = row[1].upper() if len(row) > 1 else None
             if label is not None and not re.fullmatch(r"S[1-6]", label):
@@ -194,7 +208,7 @@ class Reader:
         """A part ends, or an instance: that stands moved, then turned about an axis through two points."""
         if self.due is not None:
             if self.due.lines and self.now.points:
-                rows = [[float(word) for word in row] for row in self.due.lines]
+                rows = [reals(row) for row in self.due.lines]
                 self.now.points = placed(self.now.coordinates(), rows).tolist()
             self.assembly.add(self.due.parameters["NAME"], self.now)
         self.due, self.now = None, self.assembly
@@ -203,11 +217,22 @@ class Reader:
 def members(section: Section, numbers: Mapping[int, int], what: str, one: Callable[[str], Ints]) -> Ints:
     """Members of a set: numbers, names of other sets, or first, last and step."""
     if "GENERATE" in section.parameters:
-        ranges = [[int(word) for word in row] for row in section.lines]
+        ranges = [[int(word) for word in row] for row in section.words]
         listed = [np.arange(r[0], r[1] + 1, r[2] if len(r) > 2 else 1) for r in ranges]
         return found(np.concatenate(listed), numbers, what)
-    parts = [one(word) for row in section.lines for word in row]
+    parts = [one(word) for row in section.words for word in row]
     return np.concatenate([np.zeros(0, np.int64), *parts])
+
+
+def reals(words: list[str]) -> list[float]:
+    """Numbers of a line of data, of which those that are left blank are zero.
+
+    Examples
+    --------
+    >>> reals(["", "1.5D0", "2."])
+    [0.0, 1.5, 2.0]
+    """
+    return [float(re.sub("[dD]", "e", word)) if word else 0.0 for word in words]
 
 
 def placed(points: NDArray[np.float64], rows: list[list[float]]) -> NDArray[np.float64]:
@@ -219,9 +244,14 @@ def placed(points: NDArray[np.float64], rows: list[list[float]]) -> NDArray[np.f
     >>> placed(np.array([[1.0, 0.0, 0.0]]), turned).round(12).tolist()
     [[0.0, 2.0, 0.0]]
     """
+    if len(rows[0]) > 4:  # the line of the translation is blank
+        rows = [[], *rows]
+    if len(rows) > 2 or len(rows[0]) > 4 or (len(rows) > 1 and len(rows[1]) < 7):
+        raise InputError("an instance is placed by x, y, z and by x, y, z of two points and degrees")
+    shift = [*rows[0], 0.0, 0.0, 0.0][:3]
     moved = np.zeros((len(points), 3))
     moved[:, : points.shape[1]] = points
-    moved[:, : len(rows[0])] += rows[0]
+    moved += shift
     if len(rows) > 1:
         from scipy.spatial.transform import Rotation
 
