@@ -36,12 +36,12 @@ class Gathered:
         """Take the pattern: compressed rows, and the unknowns of equations."""
         self.n = len(multiplier)
         rows = unknown[np.repeat(np.arange(len(unknown)), np.diff(row))]
+        self.known = np.unique(np.concatenate(self.comm.allgather(np.array(unknown))))
         parts = self.comm.gather((rows, unknown[col]))
         if self.comm.rank:
             return
         self.counts = [len(first) for first, _ in parts]
         i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
-        self.known = np.unique(np.concatenate([i, j]))
         n = len(self.known)
         key = np.searchsorted(self.known, i).astype(np.int64) * n + np.searchsorted(self.known, j)
         entries, self.place = np.unique(key, return_inverse=True)
@@ -68,15 +68,13 @@ class Gathered:
         """Solve for a residual (n,), of which every process has a part; all get d (n,)."""
         whole = np.empty(self.n) if self.comm.rank == 0 else None
         self.comm.Reduce(np.array(r), whole)
-        found, done = np.zeros(self.n), None
+        found, done = np.zeros(len(self.known)), None
         if whole is not None:
-            x = np.zeros(len(self.known))
-            done = self.linear.solve(-whole[self.known], x), self.linear.message
-            found[self.known] = x
+            done = self.linear.solve(-whole[self.known], found), self.linear.message
         solved, self.message = self.comm.bcast(done)
         if solved:
             self.comm.Bcast(found)
-            d[:] = np.where(found != 0, found, d)
+            d[self.known] = found
         return bool(solved)
 
     def forget(self) -> None:

@@ -70,6 +70,20 @@ def tied() -> list[Any]:
     return [left, right, tie, vv.Fixed(solid=left, nodes="x0"), pull]
 
 
+def driven() -> list[Any]:
+    """A force along the stroke of a joint, whose multiplier is there after one iteration."""
+    solid, body, ground = block(), vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(3, 0, 0)), vv.Ground()
+    slide = vv.Prismatic(a=ground, b=body, at=(3, 0, 0), axis=(1, 0, 0))
+    return [
+        solid,
+        vv.Fixed(solid=solid, nodes="x0"),
+        body,
+        ground,
+        slide,
+        vv.JointForce(joint=slide, force=2.0),
+    ]
+
+
 DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
 CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "flying": (flying, DYNAMICS),
@@ -87,6 +101,7 @@ CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "moved": (moved, STATICS),
     "hinged": (hinged, DYNAMICS),
     "tied": (tied, STATICS),
+    "driven": (driven, DYNAMICS),
 }
 STEP, STEPS = 0.05, 4
 
@@ -146,6 +161,7 @@ def differences(name: str, known: dict[str, Any]) -> dict[str, float]:
     return {
         "step": stepped(name, known) if not CASES[name][1].needs_acceleration else 0.0,
         "run": float(np.abs(found["x"][-1] - known["x"][-1])[moving].max() / way),
+        "multipliers": float(np.abs(found["x"][-1] - known["x"][-1])[~moving].max(initial=0.0)),
         "ledger": float(np.abs(found["ledger"] - known["ledger"]).max() / size),
         "looks": max(
             float(np.abs(a - b).max() / np.abs(b).max())
