@@ -25,7 +25,7 @@ OUTSIDE = {
     "Mesh": ANSWER + "; files name a source of it",
     "Faces": "named by text in files: the sets of a mesh",
     "Study": "the file itself", "System": "its section 'system'", "TimeFunction": "numbers, texts and tables",
-    "Material": BASE, "Scheme": BASE, "Term": CODE,
+    "Material": BASE, "Scheme": BASE, "Joint": BASE, "Term": CODE, "dot": CODE,
     "march": CALL, "simulate": CALL, "read": CALL, "use_threads": CALL + " with --threads",
     "equilibrium": CALL, "modes": CALL, "buckling": CALL, "quasi_static": CALL,
     "prony": "its branches themselves",

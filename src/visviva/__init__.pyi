@@ -36,6 +36,7 @@ from .flow.immersed_body import ImmersedBody
 from .flow.immersed_thin import ImmersedThin
 from .flow.opening import FluidTraction, Outlet
 from .joint.higher import Gear, RackAndPinion, RopeOverWinch
+from .joint.joint import Joint
 from .joint.lower_pairs import (
     Cylindrical,
     Distance,
@@ -114,6 +115,7 @@ from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .mesh.spline import SplineBox, SplinePatch
+from .model.form import dot
 from .model.term import Term
 from .output.reader import StoredRun, read
 from .phase.allen_cahn import AllenCahn
@@ -258,6 +260,7 @@ __all__ = [
     "InputError",
     "InterfaceArea",
     "Iterative",
+    "Joint",
     "JointCoordinate",
     "JointDamper",
     "JointForce",
@@ -384,6 +387,7 @@ __all__ = [
     "Yeoh",
     "arc_length",
     "buckling",
+    "dot",
     "equilibrium",
     "march",
     "modes",

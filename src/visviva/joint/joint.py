@@ -73,6 +73,18 @@ class Joint(Component):
         What the first direction of both frames is close to; chosen if not given.
     angle, stroke : bool
         Make the joint's angle (counting turns) or stroke a coordinate of the system.
+
+    Examples
+    --------
+    A joint of your own, a pin on `b` in a plane slot of `a`, see :doc:`/howto/new_joint`:
+
+    >>> import visviva as vv
+    >>> class Slot(vv.Joint):
+    ...     def constraints(self, A, B):
+    ...         return [vv.dot(A.d1, B.p - A.p), vv.dot(A.d1, B.d3)]
+    >>> ground, pin = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))
+    >>> vv.System([ground, pin, Slot(a=ground, b=pin, at=(0, 0, 0))]).check().degrees_of_freedom
+    4
     """
 
     outside_axes = NOWHERE

@@ -260,7 +260,26 @@ def product(a: Form, b: Form) -> Strain:
 
 
 def dot(a: Vector, b: Vector) -> Strain:
-    """Scalar product of two vectors."""
+    """Scalar product of two vectors of forms, such as the directors and positions of the two sides of a joint.
+
+    Parameters
+    ----------
+    a, b : Vector
+        Linear in the unknowns.
+
+    Returns
+    -------
+    Strain
+        Quadratic in the unknowns.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> ball = vv.PointMass(mass=1.0, position=(3, 4, 0))
+    >>> system, x = vv.System([ball]), ball.point().position
+    >>> float(system.value(vv.dot(x, x)))
+    25.0
+    """
     x, y, z = map(product, a.components, b.components)
     return Strain(x.products + y.products + z.products, x.linear + y.linear + z.linear)
 

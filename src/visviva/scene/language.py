@@ -14,6 +14,7 @@ from visviva.body.section import Section
 from visviva.body.shape import Shape
 from visviva.body.shell_section import Layer
 from visviva.component.component import Component
+from visviva.joint.joint import Joint
 from visviva.linear.choice import LinearOptions
 from visviva.material.branch import Branch, Shift
 from visviva.material.material import Material
@@ -55,6 +56,10 @@ CHOICES: dict[str, type[Any]] = {
 """Kinds of values among which an argument chooses, by their names in the schema."""
 
 
+BASES = (Joint,)
+"""Public classes that users derive their own from, and nobody makes."""
+
+
 @cache
 def classes() -> tuple[tuple[str, type[Any]], ...]:
     """All public classes of visviva with their names."""
@@ -70,7 +75,7 @@ def public(base: type[T]) -> dict[str, type[T]]:
     >>> "RigidBody" in public(Component), "Component" in public(Component)
     (True, False)
     """
-    return {name: cls for name, cls in classes() if issubclass(cls, base) and cls is not base}
+    return {name: cls for name, cls in classes() if issubclass(cls, base) and cls not in (base, *BASES)}
 
 
 def components() -> dict[str, type[Component]]:
