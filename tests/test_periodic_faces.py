@@ -27,6 +27,11 @@ def cell(kind: str = "hex8", **options: Any) -> vv.Solid:
     return vv.Solid(mesh=replace(mesh, points=points), **given)
 
 
+def beside() -> vv.Solid:
+    mesh = vv.BoxMesh(size=(1, 0.9, 1.1), counts=(1, 1, 1)).build().moved((1, 0, 0))
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=10.0, poisson=0.3))
+
+
 @pytest.mark.parametrize("kind", ["hex8", "tet4"])
 def test_a_uniform_cell_deforms_alike(kind: str) -> None:
     body = cell(kind)
@@ -95,11 +100,17 @@ def test_supports_that_hold_both_nodes_of_a_pair_may_not_keep_them_from_moving_a
         lambda b: vv.Traction(solid=b, faces="x1", traction=(1, 0, 0)),
         lambda b: vv.Pressure(solid=b, faces="all", pressure=1.0),
         lambda b: vv.ElasticFoundation(solid=b, faces="x0", normal=1.0),
+        lambda b: vv.Contact(
+            first=b, first_faces="x1", second=vv.Obstacle(shape=vv.Box(size=(1, 3, 3)), at=(1.5, 0.5, 0.5))
+        ),
+        lambda b: vv.Tie(first=b, first_faces="x1", second=beside(), second_faces="x0"),
     ],
 )
 def test_loads_on_paired_faces_are_refused(load: Made) -> None:
     body = cell()
-    parts = [body, load(body), vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])]
+    acting = load(body)
+    parts = [body, acting, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])]
+    parts += [acting.second] if getattr(acting, "second", None) is not None else []
     with pytest.raises(
         vv.InputError, match=r"the face at .* periodic faces 'x.' of Solid .*Leave such faces out"
     ):

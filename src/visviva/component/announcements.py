@@ -35,10 +35,10 @@ class Holding:
 
 @dataclass(frozen=True, eq=False)
 class Facing:
-    """Faces of a body that something acts on as if they bounded it."""
+    """Faces of a body, or the name of their set, that something acts on as if they bounded it."""
 
     by: Component
-    faces: Faces
+    faces: Faces | str
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.component.announcements import Facing
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.point import Attachable
@@ -179,6 +180,9 @@ class Contact(Component):
         for body in dict.fromkeys((self.first, self.second)):  # others of the same surfaces are refused
             if body is not None:
                 model.announce(body, self)
+        model.announce(self.first, Facing(self, self.first_faces))
+        if self.second is not None:
+            model.announce(self.second, Facing(self, self.second_faces))
 
     def _is_mortar(self) -> bool:
         """Vertices are exact for balls and points; other rigid shapes have edges, which vertices pass by."""

@@ -12,7 +12,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.body.touching import Skin
-from visviva.component.announcements import Guiding, Holding
+from visviva.component.announcements import Facing, Guiding, Holding
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
@@ -138,6 +138,8 @@ class Tie(Component):
     def announce(self, model: Model) -> None:
         model.announce(self.first, self)
         model.announce(self.second, self)
+        model.announce(self.first, Facing(self, self.first_faces))
+        model.announce(self.second, Facing(self, self.second_faces))
         if not self._follows:  # what is tied at both of its sides follows with its directors
             nodes, count = np.unique(self._nodes[self._tied], return_counts=True)
             model.announce(self.first, Guiding(nodes[count > 1]))

@@ -100,7 +100,7 @@ class PeriodicFaces(Component):
     def declare(self, model: Model) -> None:
         model.index(self.solid)
         for facing in model.announced(self.solid, Facing):
-            refuse_periodic(facing.by.label, self.solid, self.pairs, facing.faces)
+            refuse_periodic(facing.by.label, self.solid, self.pairs, self.solid.faces(facing.faces))
 
     def contribute(self, model: Model) -> None:
         d, X = self.solid.dimension, self.solid.points
