@@ -74,14 +74,8 @@ def driven() -> list[Any]:
     """A force along the stroke of a joint, whose multiplier is there after one iteration."""
     solid, body, ground = block(), vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(3, 0, 0)), vv.Ground()
     slide = vv.Prismatic(a=ground, b=body, at=(3, 0, 0), axis=(1, 0, 0))
-    return [
-        solid,
-        vv.Fixed(solid=solid, nodes="x0"),
-        body,
-        ground,
-        slide,
-        vv.JointForce(joint=slide, force=2.0),
-    ]
+    force, held = vv.JointForce(joint=slide, force=2.0), vv.Fixed(solid=solid, nodes="x0")
+    return [solid, held, body, ground, slide, force, vv.Gravity()]
 
 
 DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
