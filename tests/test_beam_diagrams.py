@@ -51,6 +51,19 @@ def test_normal_force_and_torsion() -> None:
     assert np.abs(diagrams(beam, system, "torsion", "bending_1", "shear_1")).max() < 1e-6
 
 
+def test_what_rounding_makes_of_forces_is_no_diagram() -> None:
+    """Of a beam that turns without a force, and of a moment that a bent beam does not have."""
+    mesh = vv.LineMesh(points=[(0, 0, 0), (2, 1, 0.5)], count=20)
+    beam = vv.Beam(mesh=mesh, section=SECTION)
+    system, own = vv.System([beam]), beam.motion.unknowns
+    system.x[own] = (system.x[own].reshape(-1, 3) @ (np.linalg.det(AXES) * AXES).T).ravel()
+    assert np.abs(beam.resultants(system.x)).max() > 0
+    assert not diagrams(beam, system, "normal", "shear_1", "bending_2", "torsion").any()
+    system, beam = loaded(vv.Beam, (1.0, 0.0, 0.0), (0.0, 0.0, 30.0))
+    assert not diagrams(beam, system, "torsion").any()
+    assert diagrams(beam, system, "bending_1", "bending_2").any()
+
+
 def test_beams_in_the_plane() -> None:
     along, aside = np.array([0.6, 0.8, 0.0]), np.array([0.8, -0.6, 0.0])
     system, beam = loaded(vv.PlaneBeam, along, 30.0 * aside)

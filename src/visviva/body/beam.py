@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import number, place
 from visviva.base.errors import InputError
-from visviva.body.beam_diagrams import DIAGRAMS, at_ends, upright
+from visviva.body.beam_diagrams import DIAGRAMS, at_ends, rounded_off, upright
 from visviva.body.beam_line import BeamLine, Place, beam_line, parted_at_kinks
 from visviva.body.beam_shapes import with_shapes_of_beams
 from visviva.body.beam_strains import BeamStrains
@@ -431,7 +431,10 @@ class Beam(DirectorBody):
         if name in DIAGRAMS:
             own = np.einsum("mkij,mkjc->mkic", self.line.turns, self.directors(x)[self.line.cells])
             directors = np.einsum("qk,mkic->mqic", self._strains.N, own)
-            return upright(name, self.resultants(x), directors).reshape(-1, 3)
+            scale = np.einsum("mii->mi", self.stiffness).copy()
+            scale[:, self._held_strains] = 0.0
+            told = rounded_off(self.resultants(x), scale, self.line.lengths)
+            return upright(name, told, directors).reshape(-1, 3)
         part = slice(0, 3) if name == "section_force" else slice(3, 6)
         return self.resultants(x)[..., part].reshape(-1, 3)
 

@@ -17,6 +17,30 @@ DIAGRAMS = {
 }
 """Number of the resultant, of the director along which it is drawn, and its sign there: tension, of bending moments."""
 
+ROUNDING = 1e-13
+"""Strains, and curvatures times the lengths of cells, that rounding leaves: a hundred times what beams at rest show."""
+
+
+def rounded_off(resultants: Array, stiffness: Array, lengths: Array) -> Array:
+    """Resultants (m, q, 6) with zeros for those that rounding alone makes, as diagrams fill their pictures.
+
+    Parameters
+    ----------
+    resultants : array (m, q, 6)
+    stiffness : array (m, 6)
+        Of the sections, by strain: the scale of their forces; zero where multipliers hold the strain.
+    lengths : array (m,)
+        Of the cells.
+
+    Examples
+    --------
+    >>> rounded_off(np.array([[[0.0, 0.0, 1e-6, 3e-7, 2.0, 0.0]]]), np.full((1, 6), 1e8), np.ones(1)).tolist()
+    [[[0.0, 0.0, 0.0, 0.0, 2.0, 0.0]]]
+    """
+    least = ROUNDING * stiffness
+    least[:, 3:] /= lengths[:, None]
+    return np.where(np.abs(resultants) > least[:, None], resultants, 0.0)
+
 
 def upright(name: str, resultants: Array, directors: Array) -> Array:
     """Vectors (m, q, 3) of a diagram at the points of cells, of resultants (m, q, 6) and directors (m, q, 3, 3) there.
