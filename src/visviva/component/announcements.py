@@ -106,6 +106,11 @@ class Wetting(Component):
         """Whether the body is thinner than the cells of the fluid around it."""
         return False
 
+    @property
+    def displaced_fluid(self) -> list[tuple[NDArray[np.int32], NDArray[np.float64]]]:
+        """Fluid in the body's place: unknowns (m, k, d) of vectors, and negative masses (m, k, k) between them."""
+        return []
+
     def announce(self, model: Model) -> None:
         model.announce(self.carried, self)
 

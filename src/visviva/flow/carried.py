@@ -16,7 +16,7 @@ from visviva.base.errors import InputError
 from visviva.component.announcements import Wetting
 from visviva.component.component import settings, system_of
 from visviva.flow.fluid import Fluid
-from visviva.flow.leaving import gone_through
+from visviva.flow.leaving import Displaced, gone_through
 from visviva.flow.location import Place
 from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
@@ -101,6 +101,7 @@ class Carried(Wetting):
     def declare(self, model: Model) -> None:
         model.index(self.carried), model.index(self.fluid)
         self._gravity = np.zeros(self.fluid.dimension)
+        self._displaced_fluid: list[tuple[Ints, Array]] = []
         if model.announced(self.carried, Carried) != [self]:
             raise InputError(f"{self.label}: {self.carried.label} is immersed twice")
 
@@ -132,6 +133,37 @@ class Carried(Wetting):
         self.term = term
         lost = model.account(self, "immersed damping", "dissipation")
         book(term, [model.account(self, "constraint", "constraint"), lost], [model.index(self)] * 2, 2)
+        model.batch(term)
+
+    @property
+    def displaced_fluid(self) -> list[tuple[Ints, Array]]:
+        return self._displaced_fluid
+
+    def _take_away(
+        self, model: Model, vectors: Ints, mass: Array, is_place: Mask, share: Callable[[], Array | None]
+    ) -> None:
+        """Take away the inertia of fluid, by negative masses (m, k, k) between vectors with first unknowns (m, k).
+
+        Of what leaves the fluid, by the `share` (m,) of each that is within.
+        """
+        d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")
+        m, k = vectors.shape
+        unknowns = np.asarray(vectors[:, :, None] + np.arange(d), dtype=np.int32)
+        self._displaced_fluid.append((unknowns, mass))
+        if self.leaves:
+            model.term(self, Displaced(unknowns.reshape(m, -1), mass, is_place, share, lambda: self._gravity))
+            return
+        pairs = np.argwhere((mass != 0).any(axis=0))
+        term = _core.InertiaTerm(
+            2,
+            k,
+            d,
+            np.ascontiguousarray(pairs, dtype=np.int32),
+            np.ascontiguousarray(mass[:, pairs[:, 0], pairs[:, 1]].T),
+            np.ascontiguousarray(unknowns.reshape(m, -1).T),
+            is_place.astype(np.int32),
+        )
+        book(term, [account] * m, [model.index(self)] * m, m)
         model.batch(term)
 
     @property

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.director_body import refuse_thin
 from visviva.body.element import masses, nodal_masses
@@ -18,11 +17,9 @@ from visviva.body.solid import Solid
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried, Cells, Mask
-from visviva.flow.leaving import Displaced
 from visviva.flow.location import Place
 from visviva.flow.overlap import inside_mesh, refuse_covering
 from visviva.flow.sheet import normals
-from visviva.model.batch import book
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -234,46 +231,20 @@ class Immersed(Carried):
         )
 
     def _displace(self, model: Model) -> None:
-        if self.leaves:
-            for cell, nodes in self.solid.grid.cells.items():
-                model.term(self, self._leaving(cell, nodes))
-            return
-        d, account = self.solid.dimension, model.account(self, "displaced", "kinetic")
         for cell, nodes in self.solid.grid.cells.items():
-            n, k = nodes.shape
+            k = nodes.shape[1]
             a, b = np.triu_indices(k)
-            off = a != b
-            mass = self._masses(cell)
-            term = _core.InertiaTerm(
-                2,
-                k,
-                d,
-                np.concatenate([np.column_stack([a, b]), np.column_stack([b, a])[off]]).astype(np.int32),
-                np.ascontiguousarray(np.hstack([mass, mass[:, off]]).T),
-                np.ascontiguousarray(
-                    (self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)).reshape(n, -1).T,
-                    dtype=np.int32,
-                ),
-                np.ones(k, dtype=np.int32),
-            )
-            book(term, [account] * n, [model.index(self)] * n, n)
-            model.batch(term)
+            mass = np.zeros((len(nodes), k, k))
+            mass[:, a, b] = mass[:, b, a] = self._masses(cell)
+            vectors, everywhere = self.solid.node_unknowns(nodes), np.ones(k, dtype=bool)
+            self._take_away(model, vectors, mass, everywhere, partial(self._wet, nodes))
 
-    def _leaving(self, cell: str, nodes: Cells) -> Displaced:
-        """Elements displace fluid as long as all of their nodes are within."""
-        (n, k), d = nodes.shape, self.solid.dimension
-        a, b = np.triu_indices(k)
-        mass = np.zeros((n, k, k))
-        mass[:, a, b] = mass[:, b, a] = self._masses(cell)
-
-        def share() -> Array | None:
-            if self._within is None:
-                return None
-            gone = np.isin(nodes, self._nodes[~self._within])
-            return np.asarray(~gone.any(axis=1), dtype=float)
-
-        unknowns = self.solid.node_unknowns(nodes)[:, :, None] + np.arange(d)
-        return Displaced(unknowns.reshape(n, -1), mass, np.ones(k, dtype=bool), share, lambda: self._gravity)
+    def _wet(self, nodes: Cells) -> Array | None:
+        """The part of elements (m,) that displaces fluid: as long as all of their nodes are within, they do."""
+        if self._within is None:
+            return None
+        gone = np.isin(nodes, self._nodes[~self._within])
+        return np.asarray(~gone.any(axis=1), dtype=float)
 
     @property
     def followers(self) -> Cells:

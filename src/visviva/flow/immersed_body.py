@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.inertia import MassProperties
 from visviva.body.rigid import RigidBody, mass_matrix
@@ -16,10 +15,8 @@ from visviva.body.shape import AnyShape
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.flow.carried import Carried
-from visviva.flow.leaving import Displaced
 from visviva.flow.marks import marks
 from visviva.flow.overlap import inside_body, refuse_covering
-from visviva.model.batch import book
 from visviva.model.form import Vector
 
 if TYPE_CHECKING:
@@ -194,33 +191,13 @@ class ImmersedBody(Carried):
         return self.shape.inertia(self.fluid.density)
 
     def _displace(self, model: Model) -> None:
-        d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")
-        mass = -mass_matrix(self._displaced)[: d + 1, : d + 1]
-        if self.leaves:
-            model.term(self, self._leaving(mass))
-            return
-        pairs = np.argwhere(mass != 0.0)
-        term = _core.InertiaTerm(
-            2,
-            d + 1,
-            d,
-            np.ascontiguousarray(pairs, dtype=np.int32),
-            np.ascontiguousarray(mass[tuple(pairs.T)][:, None]),
-            np.ascontiguousarray((self._vectors[:, None] + np.arange(d)).reshape(-1, 1)),
-            (np.arange(d + 1) == 0).astype(np.int32),
-        )
-        book(term, [account], [model.index(self)], 1)
-        model.batch(term)
-
-    def _leaving(self, mass: Array) -> Displaced:
-        """It displaces fluid by the part of its marks that are within."""
-
-        def share() -> Array | None:
-            return None if self._within is None else np.array([np.mean(self._within)])
-
         d = self.fluid.dimension
-        unknowns = (self._vectors[:, None] + np.arange(d)).reshape(1, -1)
-        return Displaced(unknowns, mass[None], np.arange(d + 1) == 0, share, lambda: self._gravity)
+        mass = -mass_matrix(self._displaced)[: d + 1, : d + 1]
+        self._take_away(model, self._vectors[None], mass[None], np.arange(d + 1) == 0, self._wet)
+
+    def _wet(self) -> Array | None:
+        """The part of it (1,) that displaces fluid: that of its marks that are within."""
+        return None if self._within is None else np.array([np.mean(self._within)])
 
     def point_name(self, k: int) -> str:
         return f"mark {k} of {self.body.label}"

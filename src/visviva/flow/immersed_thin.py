@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component, settings
@@ -20,7 +19,6 @@ from visviva.flow.location import Place
 from visviva.mesh.cells import CELLS
 from visviva.mesh.geometry import jacobians
 from visviva.mesh.quadrature import mass_rule
-from visviva.model.batch import book
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -194,24 +192,10 @@ class ImmersedThin(Carried):
         return found
 
     def _displace(self, model: Model) -> None:
-        d, account = self.fluid.dimension, model.account(self, "displaced", "kinetic")
         for kind, cells in self.body.grid.cells.items():
-            m, k = cells.shape
-            pairs = np.argwhere(np.ones((k, k)))
-            term = _core.InertiaTerm(
-                2,
-                k,
-                d,
-                np.ascontiguousarray(pairs, dtype=np.int32),
-                np.ascontiguousarray(self._masses[kind].reshape(m, k * k).T),
-                np.ascontiguousarray(
-                    (self.body.node_unknowns(cells)[:, :, None] + np.arange(d)).reshape(m, -1).T,
-                    dtype=np.int32,
-                ),
-                np.ones(k, dtype=np.int32),
-            )
-            book(term, [account] * m, [model.index(self)] * m, m)
-            model.batch(term)
+            everywhere = np.ones(cells.shape[1], dtype=bool)
+            vectors, masses = self.body.node_unknowns(cells), self._masses[kind]
+            self._take_away(model, vectors, masses, everywhere, lambda: None)  # thin ones stay within
 
     @cached_property
     def _nodal_mass(self) -> Array:
