@@ -133,12 +133,13 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "node_to_segment",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double radius, double reach,
-           bool rubs, const Ints& turning, double axis) {
-            return shared(make_node_to_segment(skin, {vector_of<double>(areas), vector_of<double>(behind),
-                                                      radius, reach, rubs, vector_of<int>(turning), axis}));
+           bool rubs, const Ints& turning, double axis, int copies) {
+            return shared(
+                make_node_to_segment(skin, {vector_of<double>(areas), vector_of<double>(behind), radius,
+                                            reach, rubs, vector_of<int>(turning), axis, copies}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("radius"), nb::arg("reach"),
-        nb::arg("rubs"), nb::arg("turning"), nb::arg("axis"));
+        nb::arg("rubs"), nb::arg("turning"), nb::arg("axis"), nb::arg("copies"));
     m.def(
         "line_gaps",
         [](const Skin& skin, const Doubles& areas, double radius, double reach, const Ints& start,

@@ -81,7 +81,8 @@ double ContactTerm::compliance(int A, const Context& c) const {
         c.step.h > 0 && !c.step.has_length();  // where modes take closed gaps for constraints
     if (instant || (!options_.rigid && !has_tangential())) return 0;
     const double mass = std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
-    if (is_inertial(c) && has_several()) return of_inertia / tangential(A, c);
+    const bool leans = gaps_->copies() > 1 && has_tangential() && !c.step.is_static();
+    if ((is_inertial(c) || leans) && has_several()) return of_inertia / tangential(A, c);
     const double stiffness = augmentation(A, c) + mass;
     return little / (stiffness > 0 ? stiffness : options_.stiffness[A]);
 }

@@ -48,6 +48,12 @@ bool ContactTerm::is_inertial(const Context& c) const {
            options_.friction.inertia[0] > 0;
 }
 
+// Several vertices, or facets that lean together over the only one.
+bool ContactTerm::has_several() const {
+    const int own = gaps_->n() / gaps_->copies();
+    return own > 1 || std::any_of(area0_.begin() + own, area0_.end(), [](double a) { return a > 0; });
+}
+
 // As a gap closes when the step begins. Schemes whose velocities follow from the step alone throw nothing
 // back.
 bool ContactTerm::rubs_in_impact(const Context& c) const {

@@ -152,7 +152,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
     bool rubs_in_impact(const Context&) const;
-    bool has_several() const { return gaps_->n() > 1; }
+    bool has_several() const;
     bool gives_energy(const Context&);
     int rubs_too_late(const Context&) const;
     void note_attempt(double h);

@@ -48,6 +48,8 @@ class Gaps {
     const Skin& skin() const { return skin_; }
     /// Gaps are numbered like the vertices of the first surface.
     int n() const { return n_; }
+    /// How many of them in turn are of the same vertices.
+    virtual int copies() const { return 1; }
     /// Finds what may come into contact between two configurations and near them; true if that is something
     /// else than before.
     virtual bool search(const double* from, const double* to) = 0;
@@ -136,6 +138,9 @@ struct PointOptions {
     // the ends of its axes, and how long these are.
     std::vector<int> turning;
     double axis = 0;
+    // So many of each vertex of the first surface, one set behind the other: where facets lean together over
+    // it, each of them holds a copy.
+    int copies = 1;
 };
 
 /// Distances to the closest points of the second surface's facets.

@@ -235,6 +235,8 @@ double NodeToSegment::depth(const double* X, int A, int side) const {
 
 // What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
+    if (!static_ && held_[A].facet >= 0) return locate_held(X, A, found);
+    if (A >= n_own()) return Reach::far;
     Reach reach = locate_nearest(X, A, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
     if (came >= 0 && leaves(X, A, found, came)) {

@@ -13,7 +13,7 @@ NodeToSegment::NodeToSegment(Skin skin, PointOptions options, std::vector<double
     : PointGaps(std::move(skin), std::move(options)), rest_(std::move(rest)), candidates_(n_) {
     normals_.build(skin_);
     make_topology();
-    kept_.resize(n_);
+    kept_.resize(n_), held_.resize(n_);
 }
 
 // --- which facets there are --------------------------------------------------------------------------------
@@ -120,13 +120,15 @@ FacetShape NodeToSegment::shape(const double* X, int f) const {
 bool NodeToSegment::settle(const double* X) {
     const bool changed = PointGaps::settle(X);
     std::vector<Kept> last(n_), fresh(n_);
+    const std::vector<Held> held = std::exchange(held_, std::vector<Held>(n_));
     kept_.swap(last);
-    parallel_for(n_, [&](int A) {
+    parallel_for(n_own(), [&](int A) {
         Found found;
         if (locate(X, A, found) == Reach::near) fresh[A] = {found.candidate->facet, found.foot.simplex};
+        if (options_.copies > 1) share_out(X, A);
     });
     kept_.swap(fresh);
-    return changed || kept_ != last;
+    return changed || kept_ != last || held_ != held;
 }
 
 bool NodeToSegment::roams(const double* X, int A) const {

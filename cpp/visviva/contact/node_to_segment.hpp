@@ -65,6 +65,7 @@ class NodeToSegment : public PointGaps {
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
+    Reach locate_held(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
     bool turns() const { return !options_.turning.empty(); }  // balls that rub
     int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
@@ -76,6 +77,10 @@ class NodeToSegment : public PointGaps {
     double sight(int A, int facet) const;
     double seen_inside(int A, int facet) const;
     Found pick(const double* X, int A, bool only_facing, int side) const;
+    struct Touched;
+    std::vector<Touched> touched(const double* X, int A) const;
+    std::vector<Touched> bottoms(const std::vector<Touched>&) const;
+    void share_out(const double* X, int A);
     Reach locate_nearest(const double* X, int A, Found& found) const;
     Found plane_of(const double* X, int A, int side) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
@@ -93,6 +98,14 @@ class NodeToSegment : public PointGaps {
         bool operator==(const Kept&) const = default;
     };
     std::vector<Kept> kept_;
+    // What copies of a vertex hold for the step: a simplex, or of balls an edge or a corner of one.
+    struct Held {
+        int facet = -1, simplex = 0, n = 0;
+        int vertex[3] = {};
+        bool operator==(const Held&) const = default;
+    };
+    std::vector<Held> held_;
+    int n_own() const { return n_ / options_.copies; }
     bool static_ = false;
     std::vector<double> rest_;  // places, if the surface may touch itself
     NormalField normals_;

@@ -18,6 +18,7 @@ class PointGaps : public Gaps {
     void grips(const double* X, const std::vector<char>& wanted, bool gradients,
                std::vector<Grip>& out) override;
     bool settle(const double* X) override;
+    int copies() const override { return options_.copies; }
     void keep_sides() override { keeps_ = true; }
     void mark_tangent() override { sides_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { sides_.write(m); }

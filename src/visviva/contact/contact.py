@@ -334,7 +334,7 @@ class Contact(Component):
 
         By mortar those at sharp edges of rigid bodies, and of solids that rub, are one for each side: see `source`.
         """
-        return self._surface.places
+        return self._gathered(self._surface.places, np.max)
 
     @property
     def source(self) -> NDArray[np.int64] | None:
@@ -345,30 +345,29 @@ class Contact(Component):
     def pressures(self) -> Array:
         """Pressures (n,) at the vertices of the first surface in the last step.
 
+        Where facets lean together over a point or ball of a rigid body, the sum of what each presses by multipliers.
         Where more than three vertices of a rigid body press on what is rigid by multipliers, only their sum and its
         torque are determined; how they share it follows from the motion before, and so do `tractions` and `forces`.
         """
-        values: Array = self.term.pressures
-        return values
+        return self._gathered(self.term.pressures)
 
     @property
     def tractions(self) -> Array:
         """Tractions of friction (n, 3) on the first surface at its vertices in the last step."""
-        values: Array = self.term.tractions.reshape(-1, 3)
-        return values
+        return self._gathered(self.term.tractions.reshape(-1, 3))
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
         """Whether each vertex (n,) of the first surface slipped in the last step."""
-        slips: NDArray[np.bool_] = np.array(self.term.slips, dtype=bool)
+        slips: NDArray[np.bool_] = self._surface.gathered(np.array(self.term.slips, dtype=bool), np.any)
         return slips
 
     @property
     def gaps(self) -> Array:
         """Mean gaps (n,) near the vertices of the first surface at the end of the last step; nan where none."""
         areas = self.term.areas
-        gaps: Array = np.where(areas > 0, self.term.gaps / np.where(areas > 0, areas, 1.0), np.nan)
-        return gaps
+        gaps = np.where(areas > 0, self.term.gaps / np.where(areas > 0, areas, 1.0), np.nan)
+        return self._gathered(gaps, np.fmin.reduce)
 
     @property
     def costs(self) -> dict[str, float]:
@@ -380,16 +379,25 @@ class Contact(Component):
         """Forces (n, 3) on the vertices of the first surface in the last step; the second feels the opposite."""
         n = len(self._surface.forms)
         if not len(self.term.forces):
-            return np.zeros((n, 3))
+            return self._gathered(np.zeros((n, 3)))
         rubbed = self.term.friction_forces.reshape(-1, 3)
         forces: Array = self.term.forces.reshape(-1, 3)[:n] + rubbed[:n]
         if is_bar(self.first) and len(self._turns):
             forces += rubbed[self._turns[:, None] + np.arange(FRAME)].sum(axis=1)
         elif len(self._turns):  # friction acts on the vertices of one frame for all
             begin = int(self._turns[0])
-            rest = rubbed[begin : begin + FRAME].sum(axis=0) - self.tractions.sum(axis=0)
-            forces += self.tractions + rest / n  # the rest balances torques and is of the order of the gap
-        return forces
+            tractions = self.term.tractions.reshape(-1, 3)
+            rest = rubbed[begin : begin + FRAME].sum(axis=0) - tractions.sum(axis=0)
+            forces += tractions + rest / n  # the rest balances torques and is of the order of the gap
+        return self._gathered(forces)
+
+    def _gathered(self, values: Array, how: Any = np.sum) -> Array:
+        """Of each vertex (n, ...) of the first surface what `values` (k n, ...) of its gaps come to.
+
+        A point or ball of a rigid body has several, by multipliers: one with each facet that leans over it.
+        """
+        gathered: Array = self._surface.gathered(values, how)
+        return gathered
 
     def record(self, x: Array) -> Array:
         return record(self, x)

@@ -45,7 +45,7 @@ def record(contact: Contact, x: Array) -> Array:
     if len(contact.term.forces):
         areas = replace(opposite, places=positions(opposite, x)).areas[:, None]
         forces, friction = (
-            values.reshape(-1, 3)[len(contact.places) :][: len(second)] / areas
+            values.reshape(-1, 3)[len(contact.forms[0]) :][: len(second)] / areas
             for values in (contact.term.forces, contact.term.friction_forces)
         )
         second[:, 0] = np.linalg.norm(forces, axis=1)

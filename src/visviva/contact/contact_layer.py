@@ -72,7 +72,7 @@ class Layer:
     @property
     def rigid_inertia(self) -> float:
         """The same of rigid bodies and points alone, which is all that they answer to a traction with."""
-        area, meshes = self.surface.areas.sum(), mesh_bodies(*self.bodies)
+        area, meshes = self.surface.areas.sum() / self.surface.copies, mesh_bodies(*self.bodies)
         rigid = [body for body in self.bodies if body not in meshes]
         return AT_ONCE * min((c.total_mass / area for c in rigid if c.total_mass > 0), default=0.0)
 

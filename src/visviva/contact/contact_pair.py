@@ -13,7 +13,15 @@ from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.component.point import Attachable
 from visviva.contact.bars import Frames, bar_gaps, bars_of, is_bar, turning_of
-from visviva.contact.contact_surface import Surface, joined, mesh_bodies, points_of, skin, surface_of
+from visviva.contact.contact_surface import (
+    Surface,
+    joined,
+    mesh_bodies,
+    points_of,
+    repeated,
+    skin,
+    surface_of,
+)
 from visviva.contact.creases import SMOOTH_RIGID, SMOOTH_SOLID, creased
 from visviva.contact.obstacle import frame_surface
 from visviva.mesh.faces import Faces
@@ -24,6 +32,10 @@ if TYPE_CHECKING:
 
 FRAME = 4
 """Vertices of a frame."""
+VALLEY = 8
+"""So many facets that lean together may hold a point or ball of a rigid body."""
+FEW = 2
+"""Points, balls and both ends of capsules; of many vertices each would be held more than it can move."""
 NOTHING_TURNS = np.zeros(0, dtype=np.int32)
 
 
@@ -96,13 +108,21 @@ class Pair:
         outline: Outline | None = self.second.outline()
         return outline
 
+    @property
+    def copies(self) -> int:
+        """So many vertices of the first surface stand for one, where facets may lean together over it."""
+        by_facets = not self.mortar and self.outline is None and not is_bar(self.second)
+        feelers = self.first.feelers() if self.is_rigid and by_facets and not self.fine else None
+        return VALLEY if feelers is not None and len(feelers[0]) <= FEW else 1
+
     def first_surface(self, faces: str | Faces, splits: bool) -> tuple[Surface, float]:
         """The first surface, and the radius of balls about its points.
 
         Where it `splits`, it does so at sharp edges if that matters: forces without friction are the same.
         """
         if not self.mortar or self.outline is not None:
-            return points_of(self.first, faces, self.label, self.fine)
+            surface, radius = points_of(self.first, faces, self.label, self.fine)
+            return repeated(surface, self.copies), radius
         surface = surface_of(self.first, faces, self.label)
         if not splits or not (self.is_rigid or self.rubs):
             return surface, 0.0
@@ -173,7 +193,7 @@ class Pair:
             gaps = _core.mortar(pair, reach, surface.axisymmetric, self.dual)
         else:
             areas, behind, rubs = surface.areas, surface.behind, self.rubs
-            gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length)
+            gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length, self.copies)
         return GapFunctions(gaps, size, reach, opposite, turns)
 
     def _check_finer(self, surface: Surface, across: float) -> None:

@@ -30,7 +30,7 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
             f"up to {edge / 2:.0f} degrees askew; finer facets of what is round cure that, and for what is angular a "
             "contact of its own for each face, by its name"
         )
-    if rigid and len(surface.forms) > DETERMINED:
+    if rigid and len(surface.forms) > DETERMINED * surface.copies:
         found.append(
             f"{label}: where more than three vertices of {first} press, pressures, tractions and forces at single ones "
             "are not determined, and depend on the motion before; their sum and its torque are"

@@ -89,6 +89,8 @@ class Surface:
         Areas that belong to the points of a round bar.
     across : float
         Its diameter.
+    copies : int
+        So many sets of the same points, one behind the other: see `repeated`.
     """
 
     forms: list[list[tuple[int, float]]]
@@ -103,6 +105,11 @@ class Surface:
     whole: Surface | None = None
     extent: Array | None = None
     across: float = 0.0
+    copies: int = 1
+
+    def gathered(self, values: Array, how: Any = np.sum) -> Any:
+        """Of each point what `values` (copies n, ...) of its copies come to."""
+        return how(values.reshape(self.copies, -1, *values.shape[1:]), axis=0) if self.copies > 1 else values
 
     @cached_property
     def sights(self) -> Array:
@@ -286,6 +293,20 @@ def joined(*parts: Surface) -> Surface:
         NO_FACETS,
         np.concatenate([part.places for part in parts]),
         3,
+    )
+
+
+def repeated(points: Surface, times: int) -> Surface:
+    """Points without facets, one set of them behind the other."""
+    if times == 1:
+        return points
+    return replace(
+        points,
+        forms=points.forms * times,
+        constant=np.tile(points.constant, (times, 1)),
+        places=np.tile(points.places, (times, 1)),
+        thick=None if points.thick is None else np.tile(points.thick, times),
+        copies=times,
     )
 
 

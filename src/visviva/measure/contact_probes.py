@@ -82,8 +82,8 @@ class ContactArea(Reading):
         return "area"
 
     def __call__(self, system: System) -> float:
-        term = self.contact.term
-        return float(term.areas[term.pressures > 0].sum())
+        pressed = self.contact.pressures > 0
+        return float(self.contact.term.areas[: len(pressed)][pressed].sum())
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

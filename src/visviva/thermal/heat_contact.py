@@ -157,7 +157,8 @@ class HeatContact(Component):
     @property
     def heat(self) -> Array:
         """Heat (n,) per time into the first surface at its vertices in the last step, that of friction included."""
-        return np.array(self.term.conducted)
+        heat: Array = np.array(self.term.conducted).reshape(-1, len(self.contact.places)).sum(axis=0)
+        return heat
 
 
 def warmth_of(body: Any, unknowns: NDArray[np.int64]) -> tuple[Array, Array]:

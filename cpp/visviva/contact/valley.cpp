@@ -1,0 +1,137 @@
+// Valleys: facets that lean together over a vertex hold it together, each by a copy of the vertex of its own.
+// One alone would let it sink into the others, and the next step hold it by another one, deeper and deeper.
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/contact/node_to_segment.hpp"
+
+namespace visviva::node_to_segment {
+
+namespace {
+
+constexpr double closed = 1e-9;  // part of the reach: rounding opens nothing
+constexpr double apart = 1e-6;   // by a facet's size: what touches nearer together is the same
+
+double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
+
+Vector3 middle(const FacetShape& facet, int simplex) {
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < facet.dim; ++i) sum += facet.corner[facet.vertex(simplex, i)] / facet.dim;
+    return sum;
+}
+
+}  // namespace
+
+// What a vertex touches.
+struct NodeToSegment::Touched {
+    const Candidate* candidate;
+    FacetShape facet;
+    Foot foot;
+    Vector3 place, normal;  // of the closest point; of the simplex
+    double above = 0;
+    /// Height of a place above the plane.
+    double height(const Vector3& x) const {
+        return normal.dot(x - facet.corner[facet.vertex(foot.simplex, 0)]);
+    }
+    bool leans_to(const Touched& o) const {
+        return height(middle(o.facet, o.foot.simplex)) > apart * size(facet) &&
+               o.height(middle(facet, foot.simplex)) > apart * size(o.facet);
+    }
+};
+
+// Simplices that a ball touches from outside, or whose planes a point, which lies inside, is behind.
+std::vector<NodeToSegment::Touched> NodeToSegment::touched(const double* X, int A) const {
+    const At x(X + 3 * A);
+    const double r = options_.radius, rounding = closed * options_.reach;
+    std::vector<Touched> all;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape facet = shape(X, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s) {
+            Touched t{&c, facet, closest(facet, s, x), Vector3::Zero(), facet.normal(s)};
+            if (t.normal.isZero() || t.foot.distance > options_.reach + r) continue;
+            for (int i = 0; i < t.foot.n; ++i)
+                t.place += t.foot.coordinate[i] * facet.corner[t.foot.vertex[i]];
+            t.above = t.height(x);
+            const bool meets = t.foot.distance <= r + rounding;
+            if (r > 0 ? t.above > 0 && meets : t.above <= rounding) all.push_back(t);
+        }
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](auto& a, auto& b) { return a.foot.distance < b.foot.distance; });
+    return all;
+}
+
+// Of these, from the nearest on, those that each are a bottom of the distance, or that lean together.
+std::vector<NodeToSegment::Touched> NodeToSegment::bottoms(const std::vector<Touched>& all) const {
+    std::vector<Touched> kept;
+    auto goes_on = [&](const Touched& other, const Touched& t) {
+        return closest(other.facet, other.foot.simplex, t.place).distance <= apart * size(t.facet);
+    };
+    // a point beside a simplex is still below it if it has gone on below what leans to it there
+    auto is_below = [&](const Touched& t) {
+        const double beside = t.foot.distance * t.foot.distance - t.above * t.above;
+        return beside <= std::pow(apart * size(t.facet), 2) ||
+               std::any_of(all.begin(), all.end(),
+                           [&](const Touched& o) { return o.leans_to(t) && goes_on(o, t); });
+    };
+    for (auto t = all.begin(); t != all.end(); ++t) {
+        const bool new_one =
+            options_.radius > 0
+                ? std::none_of(all.begin(), t, [&](const Touched& near) { return goes_on(near, *t); })
+                : std::all_of(kept.begin(), kept.end(), [&](const Touched& k) { return k.leans_to(*t); }) &&
+                      (t == all.begin() || is_below(*t));
+        if (new_one && static_cast<int>(kept.size()) < options_.copies) kept.push_back(*t);
+    }
+    return kept;
+}
+
+// What the copies of a vertex hold in the step that begins. What touches a single facet may slide over its
+// edges within the step.
+void NodeToSegment::share_out(const double* X, int A) {
+    Found nearest, own;
+    if (locate_nearest(X, A, nearest) != Reach::near) return;
+    const bool inside = nearest.value < same_place * size(nearest.facet), is_ball = options_.radius > 0;
+    if (inside == is_ball) return;
+    std::vector<Touched> all = touched(X, A);
+    const bool is_near = locate(X, A, own) == Reach::near;
+    auto is_own = [&](const Touched& t) {
+        return is_near && t.candidate == own.candidate && t.foot.simplex == own.foot.simplex;
+    };
+    if (!is_ball) std::stable_partition(all.begin(), all.end(), is_own);
+    std::vector<Touched> kept = bottoms(all);
+    const bool is_open = is_near && own.value - options_.radius > closed * options_.reach;
+    if (kept.empty() || (kept.size() == 1 && !is_open)) return;
+    std::sort(kept.begin(), kept.end(), [](auto& a, auto& b) {
+        return std::pair(a.candidate->facet, a.foot.simplex) < std::pair(b.candidate->facet, b.foot.simplex);
+    });
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+        const Touched& t = kept[k];
+        Held& held = held_[A + static_cast<int>(k) * n_own()];
+        held = {t.candidate->facet, t.foot.simplex, is_ball ? t.foot.n : t.facet.dim, {}};
+        if (held.n < t.facet.dim) std::copy_n(t.foot.vertex, held.n, held.vertex);
+    }
+}
+
+PointGaps::Reach NodeToSegment::locate_held(const double* X, int A, Found& found) const {
+    const Held& held = held_[A];
+    const auto candidate = std::find_if(candidates_[A].begin(), candidates_[A].end(),
+                                        [&](const Candidate& c) { return c.facet == held.facet; });
+    if (candidate == candidates_[A].end()) return Reach::far;
+    const At x(X + 3 * A);
+    const int s = held.simplex;
+    found = {&*candidate, shape(X, held.facet), {}, {}, Vector3::Zero()};
+    const FacetShape& facet = found.facet;
+    if (held.n == facet.dim) {
+        found.foot = whole(facet, s, x), found.normal = facet.normal(s);
+        found.value = found.normal.dot(x - facet.corner[facet.vertex(s, 0)]);
+        return Reach::near;
+    }
+    const int a = held.vertex[0], b = held.vertex[held.n - 1];
+    found.foot = on_edge(facet, s, a, b, x);
+    Vector3 w = x;
+    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    found.value = found.foot.distance, found.normal = w / found.value;
+    return Reach::near;
+}
+
+}  // namespace visviva::node_to_segment
