@@ -199,6 +199,22 @@ def test_heat_through_boundaries_is_booked() -> None:
     assert body.temperatures(system.x)[body.nodes("x0")].mean() == pytest.approx(22 + np.sin(3.0), abs=0.2)
 
 
+def test_prescribed_temperatures_are_shown_where_they_are_held() -> None:
+    """At nodes of coarse cells, strained by what holds them: the projection from points gave 318.35."""
+    steel = vv.Heat(conductivity=50.0, capacity=3.6e6, expansion=1e-4)
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)),
+        material=vv.NeoHooke(young=210e9, poisson=0.3),
+        density=7850.0,
+        heat=steel,
+        temperature=300.0,
+    )
+    held = [vv.Fixed(solid=body, nodes=side) for side in ("x0", "x1")]
+    system = vv.System([body, *held, vv.PrescribedTemperature(body=body, nodes="x0", value=320.0)])
+    vv.simulate(system, until=800.0, step=400.0, scheme=vv.BackwardEuler())
+    assert body.temperatures(system.x)[body.nodes("x0")] == pytest.approx(320.0, abs=1e-6)
+
+
 def test_conduction_turns_with_the_body() -> None:
     """A bar that spins conducts like one that rests."""
     ends = []

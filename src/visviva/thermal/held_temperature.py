@@ -52,21 +52,30 @@ class HeldTemperature(Term):
         self.gradients, self.share, self.number, self.values = gradients, share, number, values
         self.order = np.array([2] * (unknowns.shape[1] - 2) + [1, 0], dtype=np.int32)
 
-    def _strains(self, s: Stencils) -> tuple[Array, Array]:
+    def temperatures(self, x: Array) -> Array:
+        """Each element's part (m,) of what is held, at the unknowns `x` of the system."""
+        here = x[self.unknowns]
+        return np.asarray(self.share * self._slopes(here)[1][0])
+
+    def _slopes(self, x1: Array) -> tuple[Array, tuple[Array, Array, Array]]:
+        """Deformation gradients (m, 3, 3), and temperatures with their slopes, at the end."""
+        F, C = self._strains(x1)
+        return F, self.heat.temperature_slopes(self.material, C, x1[:, -2])
+
+    def _strains(self, x1: Array) -> tuple[Array, Array]:
         """Deformation gradients (m, 3, 3) and C (m, 6) at the end."""
-        places = s.x1[:, :-2].reshape(len(s.x1), -1, 3)
+        places = x1[:, :-2].reshape(len(x1), -1, 3)
         F = np.einsum("mkj,mki->mij", self.gradients, places)
         return F, components(np.swapaxes(F, -1, -2) @ F)
 
     def residual(self, s: Stencils) -> Array:
         found = np.zeros_like(s.x1)
-        T = self.heat.temperature_slopes(self.material, self._strains(s)[1], s.x1[:, -2])[0]
+        T = self._slopes(s.x1)[1][0]
         found[:, -1] = self.share * (T - self.values(s.step.t1)[self.number])
         return found
 
     def tangent(self, s: Stencils) -> Array:
-        F, C = self._strains(s)
-        _, by_entropy, by_strain = self.heat.temperature_slopes(self.material, C, s.x1[:, -2])
+        F, (_, by_entropy, by_strain) = self._slopes(s.x1)
         found = np.zeros((*s.x1.shape, s.x1.shape[1]))
         by_place = 2 * np.einsum("m,mij,mjl,mkl->mki", self.share, F, by_strain, self.gradients)
         found[:, -1, :-2], found[:, -1, -2] = by_place.reshape(len(F), -1), self.share * by_entropy

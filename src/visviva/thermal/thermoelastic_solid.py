@@ -176,6 +176,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
         self.entropy.beside = self.algorithmic.beside = self.motion
+        self._held: list[tuple[Ints, HeldTemperature]] = []
 
     def _vectors(self, nodes: Ints, first: int) -> Ints:
         """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
@@ -284,6 +285,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
                 self.heat, self.body_material, unknowns, gradients, 1 / cells_of[held], place[held], values
             )
             model.term(owner, term)
+            self._held.append((held, term))
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         unknowns = np.hstack([self.entropy.start + points.nodes, self.algorithmic.start + points.nodes])
@@ -313,12 +315,21 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         return factorized(sp.csc_array(total))
 
     def temperatures(self, x: Array) -> Array:
-        """Temperatures (n,) of the nodes at the unknowns `x` of the system: those of strain and entropy there."""
+        """Temperatures (n,) of the nodes at the unknowns `x` of the system: those of strain and entropy there.
+
+        Where they are prescribed they are what is held, and elsewhere the projection of those at the quadrature points:
+        in coarse cells, strains at nodes are others than these.
+        """
         total = np.zeros(self.grid.n_nodes)
         for part in self._evaluations:
             T = part.points(x, 0, len(part.nodes))[1]
             np.add.at(total, part.nodes, np.einsum("mq,mq,qk->mk", part.volume, T, part.N))
-        return np.asarray(self._projection(total))
+        found = np.asarray(self._projection(total))
+        for nodes, _ in self._held:
+            found[nodes] = 0.0
+        for nodes, term in self._held:
+            np.add.at(found, nodes, term.temperatures(x))
+        return found
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
