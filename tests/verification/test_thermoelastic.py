@@ -319,3 +319,23 @@ def test_a_failing_step_is_told_as_one() -> None:
     body = flying(heat=vv.Heat(conductivity=1e5, capacity=0.2, expansion=0.5, reference=20.0))
     with pytest.raises(vv.StepFailure):
         vv.simulate(vv.System([body]), until=50.0, step=50.0)
+
+
+def test_statics_of_what_a_weak_exchange_holds_says_why_it_fails_from_uneven_temperatures() -> None:
+    """From one temperature it is found: that of the surroundings everywhere."""
+
+    def found(uneven: float) -> Any:
+        body = vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)),
+            material=vv.NeoHooke(young=1e6, poisson=0.3),
+            heat=vv.Heat(conductivity=50.0, capacity=3.6e3, expansion=1e-4, reference=300.0),
+            temperature=lambda X: 300 + uneven * X[:, 0],
+        )
+        weak = vv.HeatExchange(a=body, faces_a="x1", ambient=310.0, conductance=1e-3)
+        system = vv.System([body, vv.Fixed(solid=body, nodes="x0"), weak])
+        vv.equilibrium(system)
+        return body.temperatures(system.x)
+
+    assert found(0.0) == pytest.approx(310.0, abs=1e-6)
+    with pytest.raises(vv.RunError, match="give it one temperature at the start, or march in time"):
+        found(20.0)

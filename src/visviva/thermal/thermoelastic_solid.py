@@ -342,12 +342,21 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         others = super().smoothed([n for n in names if n != "temperature"], x)
         return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
 
+    def _uneven_start(self) -> str:
+        """What may have led there: statics first balances the entropy that conduction makes at the start."""
+        if np.ptp(self.start_temperatures) == 0:
+            return ""
+        return (
+            "; in statics, what is held weakly loses the entropy that differences of temperature at the start "
+            "make only at quite other temperatures: give it one temperature at the start, or march in time"
+        )
+
     def trouble(self, x: Array) -> str:
         T = x[self.algorithmic.start : self.algorithmic.start + self.algorithmic.size]
         if np.any(T <= 0):
             a = int(np.argmin(T))
             at = ", ".join(f"{c:.4g}" for c in self.points[a])
-            return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K"
+            return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K{self._uneven_start()}"
         if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
             return f"{self.label}: {beyond}"
         return super().trouble(x)
