@@ -67,7 +67,11 @@ void ContactTerm::add_to_ledger(const Context& c, LedgerSums& sums) {
         if (collided) sums.impacts.push_back(impact(A, f));
         add_to_vertices(A, S_[A] * f, forces_);
         if (has_friction()) add_to_vertices(A, -sliding(A).force(traction_[A].value), friction_forces_);
-        if (has_multipliers()) sums.work[work_account] += S_[A] * f.dot(stencil_of(A, way));
+        // What turns takes its frame along chords: in schemes with forces of one end these would do work
+        // where nothing moves, which what keeps the frame rigid takes back and no one books.
+        const bool along_arcs = bends && !collided && !c.step.is_static();
+        const double done = along_arcs ? gap1_[A] - gap0_[A] : f.dot(stencil_of(A, way));
+        if (has_multipliers()) sums.work[work_account] += S_[A] * done;
     }
 }
 
