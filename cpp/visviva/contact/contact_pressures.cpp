@@ -161,4 +161,57 @@ void ContactTerm::press_discretely(int A, const Context& c) {
     if (S_[A] <= 0) S_[A] = dS_gap_[A] = 0;
 }
 
+// Whether both surfaces belong to one rigid body each: vertices are forms that begin with the same place.
+bool ContactTerm::is_rigid_pair() const {
+    const Skin& skin = gaps_->skin();
+    auto origin = [&](int v) { return skin.first[v] < skin.first[v + 1] ? skin.unknown[skin.first[v]] : -1; };
+    auto is_one = [&](int begin, int end) {
+        for (int v = begin + 1; v < end; ++v)
+            if (origin(v) != origin(begin)) return false;
+        return true;
+    };
+    const bool deforms = std::any_of(skin.mesh_node.begin(), skin.mesh_node.end(), [](char m) { return m; });
+    const int n = gaps_->n();
+    return rebounds() && has_several() && !deforms && is_one(0, n) && is_one(n, skin.n_vertices());
+}
+
+// What is left of the pressures on a pair of rigid bodies without those of the same force and torque that
+// have the least mean square over the area. Gaps alone leave it open, and rounding would have it drift. With
+// their compliance the rows of gaps have it vanish, and as it moves nothing, gaps close all the same.
+std::vector<double> ContactTerm::idle_pressures(const Context& c) const {
+    std::vector<double> idle(gaps_->n(), 0.0);
+    std::vector<int> pressed;
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (active_[A]) pressed.push_back(A);
+    if (!is_rigid_pair_ || pressed.size() < 2) return idle;
+    const Eigen::Index n = static_cast<Eigen::Index>(pressed.size());
+    auto place = [&](int v) { return Eigen::Vector3d::Map(&Xt_[3 * v]); };
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (int A : pressed) centre += place(A) / static_cast<double>(n);
+    double size = 0;
+    for (int A : pressed) size = std::max(size, (place(A) - centre).norm());
+    Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(n, 6);  // on the first body, by pressures times sqrt(area)
+    Eigen::VectorXd pressure(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const int A = pressed[i];
+        const double root = std::sqrt(options_.area[A]);
+        const auto& stencil = gaps_->stencil(A);
+        for (std::size_t k = 0; k < stencil.size(); ++k) {
+            if (stencil[k] >= gaps_->n()) continue;
+            const Eigen::Vector3d f = Eigen::Vector3d::Map(&at_theta_[A].gradient[3 * k]) / root;
+            wrench.row(i).head<3>() += f;
+            wrench.row(i).tail<3>() += (place(stencil[k]) - centre).cross(f) / size;
+        }
+        pressure[i] = root * c.vectors.x1[options_.multiplier[A]];
+    }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(n, 6);
+    qr.setThreshold(1e-7);
+    qr.compute(wrench);
+    Eigen::VectorXd rest = qr.householderQ().adjoint() * pressure;
+    rest.head(qr.rank()).setZero();
+    rest = qr.householderQ() * rest;
+    for (Eigen::Index i = 0; i < n; ++i) idle[pressed[i]] = rest[i] / std::sqrt(options_.area[pressed[i]]);
+    return idle;
+}
+
 }  // namespace visviva

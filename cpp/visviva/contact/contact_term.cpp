@@ -22,7 +22,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
       search_(reach),
       active_(gaps_->n()),
       scatter_(gaps_, options_.multiplier, options_.friction.multiplier) {
-    is_lasting = false;
+    is_lasting = false, is_rigid_pair_ = is_rigid_pair();
     const std::size_t n = gaps_->n();
     for (auto* a : {&gap0_, &area0_, &gap1_, &area1_, &gapt_, &rate0_, &S_, &dS_gap_, &R_}) a->assign(n, 0.0);
     for (auto* a : {&slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
@@ -166,9 +166,10 @@ void ContactTerm::residual(const Context& c, double* r) {
     for (int A = 0; A < gaps_->n(); ++A)
         if (active_.is_outdated(A) || slips_[A] != slips_at_tangent_[A]) unsettled_gaps_.push_back(A);
     find_gradients();
+    const std::vector<double> idle = idle_pressures(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
-        if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
+        if (has_multipliers()) r[options_.multiplier[A]] += R_[A] - compliance(A, c) * idle[A];
         for (int i = 0; i < scatter_.n_tangential(); ++i)
             r[options_.friction.multiplier[A] + i] +=
                 (traction_[A].value[i] - base_[A][i]) / tangential(A, c);

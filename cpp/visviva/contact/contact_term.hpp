@@ -140,6 +140,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void keep_landings();
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
+    bool is_rigid_pair() const;
+    std::vector<double> idle_pressures(const Context&) const;
     void find_rates(const Context&);
     double slack(int A, const Context&) const;
     void find_covered(const Context&);
@@ -203,7 +205,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<double> mean_increments_;  // increments by the mean of the velocities before and after a step
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
-    bool pushed_out_ = false;
+    bool pushed_out_ = false, is_rigid_pair_ = false;
     // Of rigid bodies, by area: the gap at which a vertex first carried since it was open, else `in_flight`.
     GapMemory landings_;
     static constexpr double in_flight = -HUGE_VAL;

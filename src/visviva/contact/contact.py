@@ -347,7 +347,8 @@ class Contact(Component):
 
         Where facets lean together over a point or ball of a rigid body, the sum of what each presses by multipliers.
         Where more than three vertices of a rigid body press on what is rigid by multipliers, only their sum and its
-        torque are determined; how they share it follows from the motion before, and so do `tractions` and `forces`.
+        torque are determined; they are linear in the place, the least in the mean of squares over the area. How
+        `tractions` of what sticks share theirs follows from the motion before.
         """
         return self._gathered(self.term.pressures)
 

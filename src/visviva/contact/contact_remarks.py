@@ -33,7 +33,8 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
     if rigid and len(surface.forms) > DETERMINED * surface.copies:
         found.append(
             f"{label}: where more than three vertices of {first} press, pressures, tractions and forces at single ones "
-            "are not determined, and depend on the motion before; their sum and its torque are"
+            "are not determined; pressures are taken as even as their sum and its torque allow, and with them the "
+            "torque of friction on what spins"
         )
     if contact.collides and contact.impact == "dissipative" and not contact.restitution:
         found.append(
