@@ -152,6 +152,27 @@ def test_a_ball_rests_in_a_pit_and_on_rails(step: float, mesh: Any, friction: fl
     assert np.diff(total).max() < 1e-12 * np.abs(total).max()
 
 
+@pytest.mark.parametrize(("held", "step"), [("rigid", 0.01), ("rigid", 0.005), ("clamped", 0.01)])
+def test_a_box_lies_in_a_groove(held: str, step: float) -> None:
+    """With an edge down, tilted a little: it went through the ground by 0.2 in 2 s."""
+    angle, size, low = 0.275 * np.pi, 0.3, 0.2421
+    mesh = groove(1.0, 1.0)
+    solid = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=100.0)
+    nodes = "all" if held == "rigid" else np.flatnonzero(mesh.points[:, 2] < -0.4)
+    c, s = np.cos(angle), np.sin(angle)
+    turned = ((c, 0, s), (0, 1, 0), (-s, 0, c))
+    shape = vv.Box(size=(size,) * 3)
+    box = vv.RigidBody(shape=shape, mass=1.0, position=(0.013, 0, low), rotation=turned)
+    contact = vv.Contact(first=box, second=solid, formulation="node-to-segment", stiffness=1e4)
+    gravity = vv.Gravity(acceleration=(0, 0, -G))
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes=nodes), box, contact, gravity])
+    result = vv.simulate(system, until=2.0, step=step)
+    z = result.history(vv.Position(of=box))[:, 2]
+    assert z.min() > size / np.sqrt(2) - 1.5 * step * np.sqrt(2 * G * 0.03)
+    total = result.ledger["total"]
+    assert np.diff(total).max() < 1e-12 * np.abs(total).max()
+
+
 def ball_on_rubber(n: tuple[int, int, int], **options: Any) -> tuple[vv.System, Any, Any, Any]:
     size = (1.0, 1.0, 0.3)
     mesh = vv.BoxMesh(size=size, counts=n, origin=(-0.5, -0.5, -0.3))

@@ -34,8 +34,8 @@ FRAME = 4
 """Vertices of a frame."""
 VALLEY = 8
 """So many facets that lean together may hold a point or ball of a rigid body."""
-FEW = 2
-"""Points, balls and both ends of capsules; of many vertices each would be held more than it can move."""
+FEW = 8
+"""Points, balls, ends of capsules, corners of boxes; of many vertices each would be held more than it can move."""
 NOTHING_TURNS = np.zeros(0, dtype=np.int32)
 
 
