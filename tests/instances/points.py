@@ -288,7 +288,7 @@ class DirectorBeam(Component):
         groups = [Group(start + 12 * pairs, slope[None, :, None], self.line(self.line_density), True)]
         densities = (*self.inertia, 0.0)
         groups += [Group(start + 12 * pairs + 3 * i + 3, director, self.line(densities[i])) for i in range(3)]
-        reference = np.tile([0.0, 0, 1, 0, 0, 0], (self.n, 1, 1))
+        reference = np.tile([0.0, 0, 0.5, 0, 0, 0], (self.n, 1, 1))  # d3 . phi' - d3 . d3 / 2
         volume = np.full((self.n, 1), h)
         parameters = upper(np.diag(self.stiffness))
         add_points(model, self, PhysicsKind.BEAM, groups, volume, parameters, reference)

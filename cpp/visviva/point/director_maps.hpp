@@ -11,8 +11,9 @@ constexpr T dot(const T* a, int i, const T* b, int j) {
     return a[0] * b[0] + a[i] * b[j] + a[2 * i] * b[2 * j];
 }
 
-/// Gamma_i = d_i . phi', K_i = (d_k . d_j' - d_j . d_k') / 2 with (i, j, k) cyclic. Columns: of phi the
-/// derivative, of directors the value and the derivative.
+/// Gamma_i = d_i . phi', K_i = (d_k . d_j' - d_j . d_k') / 2 with (i, j, k) cyclic, and Gamma_3 less
+/// d_3 . d_3 / 2: between nodes that are turned the mean of d_3 is shorter than one, by which a force along
+/// the line would bend it. Columns: of phi the derivative, of directors the value and the derivative.
 struct BeamMap : Layout<BeamMap> {
     static constexpr int n_groups = 4, n_components = 12, n_local = 21, n_strains = 6;
     static constexpr Group groups[] = {{3, 1, 2}, {3, 2, 2}, {3, 2, 2}, {3, 2, 2}};
@@ -24,6 +25,7 @@ struct BeamMap : Layout<BeamMap> {
             e[i] = dot(d, 2, y, 1);
             e[3 + i] = 0.5 * (dot(dk, 2, dj + 1, 2) - dot(dj, 2, dk + 1, 2));
         }
+        e[2] = dot(y + 15, 2, y, 1) - 0.5 * dot(y + 15, 2, y + 15, 2);
     }
 };
 

@@ -218,6 +218,11 @@ VISVIVA_INLINE void form_tangent(const StrainView& v, const Step& step, const Wo
     }
     if (!has_material_part(s.law)) return;
     chain_gradients(v, step, w);
+    if (s.n_e == 1 && !traits(s.law).needs_rate) {  // symmetric to the last bit
+        for (int b = 0; b < s.n_y; ++b)
+            for (int a = 0; a < s.n_y; ++a) w.ky[a * s.n_y + b] += (w.g[a] * w.gc[b]) * w.D[0];
+        return;
+    }
     for (int i = 0; i < s.n_e; ++i)
         for (int b = 0; b < s.n_y; ++b) {
             const V d = stress_gradient(s, w, i, b);
@@ -257,8 +262,8 @@ void strain_tangent(const StrainView& v, const Step& step, const Vectors& x, con
             for (; k < v.n_products && v.products[k].slot == slot; ++k) {
                 const Product& p = v.products[k];
                 const int* ab = v.pairs + 2 * p.pair;
-                a += vload(v.weight + p.k1 * v.stride + base) * w.ky[ab[0] * s.n_y + ab[1]] *
-                     vload(v.weight + p.k2 * v.stride + base);
+                a += (vload(v.weight + p.k1 * v.stride + base) * vload(v.weight + p.k2 * v.stride + base)) *
+                     w.ky[ab[0] * s.n_y + ab[1]];
             }
             add(a, v, slot, base, n, values);
         }

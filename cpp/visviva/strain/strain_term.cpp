@@ -124,7 +124,8 @@ StrainTerm::StrainTerm(StrainShape shape, int n, const int* index, const double*
     make_program();
 }
 
-// Expand B^T Ky B and the multiplier borders into flat lists over the structurally nonzero entries.
+// Expand B^T Ky B and the multiplier borders into flat lists over the structurally nonzero entries. Entries
+// across the diagonal are summed in the same order, so that what cancels leaves the same rounding in both.
 void StrainTerm::make_program() {
     const StrainShape& s = shape_;
     std::vector<std::vector<int>> entries(s.n_y);  // of B, by form
@@ -139,6 +140,9 @@ void StrainTerm::make_program() {
         ++pair;
     }
     for (auto& [local, products] : blocks) {
+        std::stable_sort(products.begin(), products.end(), [](const Product& p, const Product& q) {
+            return std::minmax(p.k1, p.k2) < std::minmax(q.k1, q.k2);
+        });
         for (Product& p : products) {
             p.slot = static_cast<int>(slots_.size());
             products_.push_back(p);

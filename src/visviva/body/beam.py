@@ -86,9 +86,9 @@ class Beam(DirectorBody):
 
     Notes
     -----
-    Strains are ``d_i . phi'`` and ``(d_k . d_j' - d_j . d_k') / 2`` less those of the reference, integrated with one
-    point less than an element has nodes. Between nodes the directors of a frame are orthonormal up to the error of the
-    interpolation; at nodes they are exactly so.
+    Strains are ``d_i . phi'``, with ``- d_3 . d_3 / 2`` beside the third, and ``(d_k . d_j' - d_j . d_k') / 2`` less
+    those of the reference, integrated with one point less than an element has nodes. Between nodes the directors of a
+    frame are orthonormal up to the error of the interpolation; at nodes they are exactly so.
 
     Examples
     --------

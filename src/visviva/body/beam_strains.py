@@ -69,6 +69,7 @@ class BeamStrains:
         dD = np.einsum("mqk,mkic->mqic", self.slope, own)
         e = np.empty((*tangent.shape[:2], 6))
         e[..., :3] = np.einsum("mqic,mqc->mqi", D, tangent)
+        e[..., 2] -= 0.5 * np.einsum("mqc,mqc->mq", D[:, :, 2], D[:, :, 2])
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
             e[..., 3 + i] = 0.5 * (D[:, :, k] * dD[:, :, j] - D[:, :, j] * dD[:, :, k]).sum(axis=2)
@@ -105,6 +106,8 @@ class BeamStrains:
         for s in chosen:
             if s < 3:
                 e = dot(director(s, self.N[q]), tangent)
+                if s == 2:
+                    e = e - 0.5 * dot(director(s, self.N[q]), director(s, self.N[q]))
             else:
                 j, k = (s - 2) % 3, (s - 1) % 3
                 e = dot(director(k, self.N[q]), director(j, slope)) - dot(

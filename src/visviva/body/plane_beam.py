@@ -143,7 +143,11 @@ class PlaneBeam(Beam):
         n, dn, x = N[:, :, None], slope[:, :, None], np.broadcast_to(slope[:, :, None], (m, q, 3, k))
         dn = np.broadcast_to(dn, x.shape)
         weights = np.concatenate(
-            [shear * n, -stretch * n, shear * n, stretch * n, x, x, bend * n, bend * n, dn, dn], 3
+            [
+                *(shear * n, -stretch * n, shear * n, stretch * n, x, x, bend * n, bend * n, dn, dn),
+                *(-0.5 * stretch * n, -0.5 * stretch * n, n + 0 * x, n + 0 * x),
+            ],
+            3,
         )
         length = np.broadcast_to(self._strains.length[..., None], free.shape)
         term = strain_batch(
@@ -177,7 +181,7 @@ class PlaneBeam(Beam):
         tangent, d2, d3 = self.combination(nodes, slope), self._second(nodes, N), self._third(nodes, N)
         none = dot(tangent, Vector.constant((0.0, 0.0, 1.0)))
         bend = 0.5 * (dot(d3, self._second(nodes, slope)) - dot(d2, self._third(nodes, slope)))
-        found = [none, dot(d2, tangent), dot(d3, tangent), bend, none, none]
+        found = [none, dot(d2, tangent), dot(d3, tangent) - 0.5 * dot(d3, d3), bend, none, none]
         return [e - float(c) for e, c in zip(found, self._strains.reference[cell, point], strict=True)]
 
     def directors(self, x: Array) -> Array:
@@ -242,13 +246,13 @@ def uncoupled(C: Array) -> Array:
 
 
 def one_strain(k: int) -> Layout:
-    """One strain ``p . phi' + q x n'`` of k nodes with unknowns x, y, n_x, n_y.
+    """One strain ``p . phi' + q x n' + r . n`` of k nodes with unknowns x, y, n_x, n_y.
 
-    Forms are p, made of n and n turned by a quarter, phi', q along n, and n'.
+    Forms are p, made of n and n turned by a quarter, phi', q along n, n', r along n, and n.
     """
     x, y, nx, ny = ([4 * a + c for a in range(k)] for c in range(4))
     places = [(0, nx), (0, ny), (1, ny), (1, nx), (2, x), (3, y), (4, nx), (5, ny), (6, nx), (7, ny)]
+    places += [(8, nx), (9, ny), (10, nx), (11, ny)]
     forms = [(form, u) for form, unknowns in places for u in unknowns]
-    return Layout(
-        4 * k, 8, 1, forms, products=[(0, 0, 2), (0, 1, 3), (0, 4, 7), (0, 5, 6)], coefficients=[1, 1, 1, -1]
-    )
+    products = [(0, 0, 2), (0, 1, 3), (0, 4, 7), (0, 5, 6), (0, 8, 10), (0, 9, 11)]
+    return Layout(4 * k, 12, 1, forms, products=products, coefficients=[1, 1, 1, -1, 1, 1])
