@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from visviva.component.announcements import Conducting
 from visviva.contact.contact_surface import mesh_bodies
 from visviva.contact.creases import bluntest
+from visviva.contact.spin import least_torque
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 FELT = 5.0
 """Degrees of an edge below which half of it, by which friction acts askew, does not matter."""
+TORQUE = 0.95
+"""Part of the torque of friction as a face spins from which on what it lacks does not matter."""
 DETERMINED = 3
 """So many pressures of a rigid body on a plane follow from its equilibrium."""
 
@@ -29,6 +32,11 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
             f"{label}: edges of {first} of up to {edge:.0f} degrees count as round, so that friction beside them acts "
             f"up to {edge / 2:.0f} degrees askew; finer facets of what is round cure that, and for what is angular a "
             "contact of its own for each face, by its name"
+        )
+    if contact.friction > 0 and not mesh_bodies(contact.first) and (part := least_torque(surface)) < TORQUE:
+        found.append(
+            f"{label}: friction feels the mean slip near each vertex, so that a face of {first} that spins where it "
+            f"lies is braked by {part:.2f} of the torque of its pressure; finer facets, of a vv.SurfaceMesh, cure that"
         )
     if rigid and len(surface.forms) > DETERMINED * surface.copies:
         found.append(
