@@ -66,6 +66,28 @@ void ContactTerm::keep_landings() {
     landings_.end_step(X0_, X1_, std::move(landings));
 }
 
+// Those of vertices that have met another surface in the step that ended with these gaps and areas, deeper
+// than what they carried on: that is an impact. Surfaces that lean to each other by less are one that turns
+// or bends.
+void ContactTerm::forget_landings(const std::vector<double>& gap, const std::vector<double>& area) {
+    constexpr double same_surface = 0.9;  // least agreement of normals
+    std::vector<double> landings = landings_.at_start();
+    std::vector<char> deeper(gaps_->n(), 0);
+    for (int A = 0; A < gaps_->n(); ++A)
+        deeper[A] = landings[A] != in_flight && known_of_.size() == deeper.size() && known_of_[A] &&
+                    area[A] > 0 && area0_[A] > 0 &&
+                    gap0_[A] / area0_[A] < gap[A] / area[A] - touching * search_.reach();
+    if (std::none_of(deeper.begin(), deeper.end(), [](char d) { return d; })) return;
+    segments([&] { gaps_->gradients(X0_.data(), deeper, at_start_); });
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (!deeper[A]) continue;
+        const Eigen::Vector3d was = Eigen::Vector3d::Map(at_theta_[A].gradient.data());
+        const Eigen::Vector3d is = Eigen::Vector3d::Map(at_start_[A].gradient.data());
+        if (was.dot(is) < same_surface * was.norm() * is.norm()) landings[A] = in_flight;
+    }
+    landings_.amend(std::move(landings));
+}
+
 // The gap below which there is pressure. In time what overlaps shall not close further, but opening it would
 // give energy: so it is with conserving impact, and where a vertex was not covered enough to carry before.
 double ContactTerm::least_gap(int A, const Context& c) const {

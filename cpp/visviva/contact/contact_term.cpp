@@ -263,7 +263,9 @@ void ContactTerm::accept(const Context& c) {
         elastic_.end_step(X0_, X1_, std::move(tractions));
     }
     if (rebounds()) keep_landings();
+    const std::vector<double> gap = gap1_, area = area1_;
     begin(c.vectors.x1);
+    if (rebounds()) forget_landings(gap, area);
 }
 
 }  // namespace visviva

@@ -138,6 +138,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     double rebound(int A, const Context&) const;
     double sink(int A, const Context&) const;
     void keep_landings();
+    void forget_landings(const std::vector<double>& gap, const std::vector<double>& area);
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
     bool is_rigid_pair() const;

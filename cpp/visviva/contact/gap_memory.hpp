@@ -29,6 +29,8 @@ class GapMemory {
         before_ = {X0, at_start_};
         now_ = {X1, std::move(numbers)};
     }
+    /// Other numbers for the step that begins where the last one ended.
+    void amend(std::vector<double> numbers) { at_start_ = now_.numbers = std::move(numbers); }
     void mark_tangent(const std::vector<double>& X0) { at_tangent_ = {X0, at_start_}; }
 
     void write(std::vector<double>& m) const {
