@@ -15,7 +15,7 @@ def rope(cell: str, bending: float) -> vv.Beam:
     return vv.Beam(mesh=vv.LineMesh(points=[(0, 0, 0), (1.3, 0, 0)], count=12, cell=cell), section=section)
 
 
-@pytest.mark.parametrize(("cell", "bending"), [("line2", 1e-2), ("line3", 1e-2), ("line4", 1e-3)])
+@pytest.mark.parametrize(("cell", "bending"), [("line2", 1e-2), ("line3", 3e-3), ("line4", 1e-3)])
 def test_a_rope_that_curls_within_a_cell_is_refused(cell: str, bending: float) -> None:
     """It kept its energy and grew from 1.3 to 1.5 and more, where interpolated directors vanish."""
     beam = rope(cell, bending)
@@ -24,7 +24,7 @@ def test_a_rope_that_curls_within_a_cell_is_refused(cell: str, bending: float) -
         vv.simulate(system, until=0.6, step=0.005)
     assert system.time > 0.1
     stretch = beam.volume(system.x) / 1.3
-    assert stretch < 1.09  # eight percent in a cell at most
+    assert stretch < 1.001
 
 
 def test_paths_of_statics_refuse_it_too() -> None:

@@ -51,7 +51,8 @@ bool ContactTerm::is_inertial(const Context& c) const {
 // Several vertices, or facets that lean together over the only one.
 bool ContactTerm::has_several() const {
     const int own = gaps_->n() / gaps_->copies();
-    return own > 1 || std::any_of(area0_.begin() + own, area0_.end(), [](double a) { return a > 0; });
+    if (own > 1 || static_cast<int>(area0_.size()) <= own) return own > 1;
+    return std::any_of(area0_.begin() + own, area0_.end(), [](double a) { return a > 0; });
 }
 
 // As a gap closes when the step begins. Schemes whose velocities follow from the step alone throw nothing

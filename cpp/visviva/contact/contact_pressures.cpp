@@ -212,6 +212,7 @@ std::vector<double> ContactTerm::idle_pressures(const Context& c) const {
     for (int A : pressed) centre += place(A) / static_cast<double>(n);
     double size = 0;
     for (int A : pressed) size = std::max(size, (place(A) - centre).norm());
+    if (size == 0) size = 1;                               // all of one vertex
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(n, 6);  // on the first body, by pressures times sqrt(area)
     Eigen::VectorXd pressure(n);
     for (Eigen::Index i = 0; i < n; ++i) {

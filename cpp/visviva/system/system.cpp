@@ -425,10 +425,13 @@ double System::asymmetry() const {
     // rows and columns scaled by their diagonal, whatever the units; those without one by their largest
     // entry. Where something is larger than one then, both its row and its column share in taking it down
     std::vector<double> scale(csr_.n, 0.0), largest(csr_.n);
+    double greatest = 0;
+    for (const double value : values_) greatest = std::max(greatest, std::abs(value));
+    auto size = [&](double value) { return std::abs(value) > 1e-60 * greatest ? std::abs(value) : 0.0; };
     for (int i = 0; i < csr_.n; ++i) {
         const auto begin = csr_.col.begin() + csr_.row[i], end = csr_.col.begin() + csr_.row[i + 1];
         const auto own = std::lower_bound(begin, end, i);
-        const double diagonal = own != end && *own == i ? std::abs(values_[own - csr_.col.begin()]) : 0.0;
+        const double diagonal = own != end && *own == i ? size(values_[own - csr_.col.begin()]) : 0.0;
         if (diagonal > 0) scale[i] = 1 / std::sqrt(diagonal);
     }
     for (int round = 0; round < 5; ++round) {
@@ -436,7 +439,7 @@ double System::asymmetry() const {
             largest[i] = 0;
             for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
                 largest[i] = std::max(
-                    largest[i], std::abs(values_[k]) * scale[csr_.col[k]] * (scale[i] > 0 ? scale[i] : 1.0));
+                    largest[i], size(values_[k]) * scale[csr_.col[k]] * (scale[i] > 0 ? scale[i] : 1.0));
         }
         for (int i = 0; i < csr_.n; ++i)
             if (largest[i] > 0 && scale[i] == 0)

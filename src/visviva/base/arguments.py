@@ -53,9 +53,9 @@ class Validated(ABCMeta):
     >>> vv.PointMass(mass=-1.0)
     Traceback (most recent call last):
     visviva.base.errors.InputError: PointMass: mass -1 is not positive
-    >>> vv.PointMass(weight=1.0)
+    >>> vv.Ground(mass=1.0)
     Traceback (most recent call last):
-    visviva.base.arguments.ArgumentError: PointMass: mass: this argument is needed
+    visviva.base.arguments.ArgumentError: Ground: mass: there is no such argument; there are name
     """
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 
-from visviva import _core
 from visviva.base.arguments import whole
 from visviva.base.errors import InputError
 
@@ -43,6 +42,8 @@ def use_threads(n: int | None = None) -> int:
     >>> vv.use_threads(before) == before
     True
     """
+    from visviva import _core  # here, so that the command line can tell of an unknown instruction set
+
     if n is not None:
         n = whole("use_threads", "n", n)
         if n > MOST:

@@ -145,7 +145,7 @@ def shares(shape: AnyShape, places: Array, spacing: float, *, plane: bool) -> Ar
     >>> import numpy as np
     >>> import visviva as vv
     >>> bar = vv.Box(size=(4.0, 2.0, 1.0))
-    >>> shares(bar, np.array([[-2.0, 0, 0], [2.0, 0, 0], [0, 0, 0]]), 0.2, plane=True).round(2).tolist()
+    >>> shares(bar, np.array([[-2.0, 0, 0], [2.0, 0, 0], [0, 0, 0]]), 0.2, plane=True).round().tolist()
     [4.0, 4.0, 4.0]
     """
     from scipy.spatial import cKDTree

@@ -107,7 +107,7 @@ class ContactPressure(Reading):
     >>> layer = vv.Solid(mesh=mesh, material=vv.LinearElastic(young=100.0, poisson=0.0))
     >>> floor = vv.Plane()
     >>> contact = vv.Contact(first=layer, first_faces="z0", second=floor)
-    >>> press = vv.Prescribed(solid=layer, nodes="z1", motion=(0, 0, "-0.01*t"))
+    >>> press = vv.Prescribed(solid=layer, nodes="z1", motion=(None, None, "-0.01*t"))
     >>> side = vv.Fixed(solid=layer, nodes="all", directions=(1, 1, 0))
     >>> system = vv.System([layer, floor, contact, press, side])
     >>> result = vv.quasi_static(system, until=1.0, step=1.0)

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
 Array = NDArray[np.float64]
+VANISHING = 1e-60
+"""Part of the largest entry: what cancels may leave less, whose inverse overflows."""
 
 SWEEPS = 12
 """Each takes the root of what rows differ by; bodies of grams beside such of thousands of tons need some ten."""
@@ -73,6 +75,7 @@ def by_units(K: sp.csr_array, scale: Array) -> Array:
     effect = reach * scale
     energy = [typical(own[own > 1e-8 * own.max()]) for own in split(effect, part, n_parts)]
     unit = np.sqrt(energy)[part] if n_parts else np.ones(0)
+    reach[reach < VANISHING * reach.max(initial=0.0)] = 0.0
     of_forces = np.where(
         reach > 0, unit / np.where(reach > 0, reach, 1.0), 1 / np.sqrt(np.where(own > 0, own, 1.0))
     )
@@ -94,7 +97,9 @@ def asymmetry(K: sp.csr_array) -> sp.coo_array:
     """
     import scipy.sparse as sp
 
-    A, diagonal = abs(K).tocsr(), np.abs(K.diagonal())
+    A = abs(K).tocsr()
+    A.data[A.data < VANISHING * A.data.max(initial=0.0)] = 0.0
+    diagonal = A.diagonal()
     s = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
     for _ in range(5):
         rows = np.where(s > 0, s, 1.0)
