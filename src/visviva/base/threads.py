@@ -17,7 +17,7 @@ def n_cores() -> int:
 
 
 def use_threads(n: int | None = None) -> int:
-    """Compute with so many threads from now on; returns how many there are.
+    """Compute with so many threads from now on, in what the calling thread of Python runs; returns how many there are.
 
     They share assembly, products with matrices, contact search and factorisations, of PARDISO as well. Results are the
     same bits for any number: what threads do is divided in one way, and so is PARDISO's factorisation.
