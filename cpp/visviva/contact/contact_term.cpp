@@ -169,7 +169,8 @@ void ContactTerm::residual(const Context& c, double* r) {
     const std::vector<double> idle = idle_pressures(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
-        if (has_multipliers()) r[options_.multiplier[A]] += R_[A] - compliance(A, c) * idle[A];
+        if (has_multipliers())
+            r[options_.multiplier[A]] += R_[A] - (idle[A] != 0 ? compliance(A, c) * idle[A] : 0.0);
         for (int i = 0; i < scatter_.n_tangential(); ++i)
             r[options_.friction.multiplier[A] + i] +=
                 (traction_[A].value[i] - base_[A][i]) / tangential(A, c);
@@ -262,10 +263,11 @@ void ContactTerm::accept(const Context& c) {
         for (const Traction& t : traction_) tractions.insert(tractions.end(), t.value.begin(), t.value.end());
         elastic_.end_step(X0_, X1_, std::move(tractions));
     }
-    if (rebounds()) keep_landings();
+    if (!rebounds()) return begin(c.vectors.x1);
+    keep_landings();
     const std::vector<double> gap = gap1_, area = area1_;
     begin(c.vectors.x1);
-    if (rebounds()) forget_landings(gap, area);
+    forget_landings(gap, area);
 }
 
 }  // namespace visviva
