@@ -1,4 +1,6 @@
 // Binding of physics at points.
+#include <nanobind/stl/pair.h>
+
 #include "arrays.hpp"
 #include "callback.hpp"
 #include "parts.hpp"
@@ -93,6 +95,7 @@ void bind_point(nb::module_& m) {
         .def("set_callback", [](PointTerm& t, nb::object f,
                                 const std::vector<double>& start) { t.set_callback(law_callback(f), start); })
         .def("limit", &PointTerm::limit)
+        .def("drive", &PointTerm::drive, nb::arg("places"), nb::arg("account"))
         .def("history", &history)
         .def_prop_ro("n_strains", &PointTerm::n_strains)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {

@@ -11,6 +11,8 @@ from catalogue.entry import MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
 WELL = vv.DoubleWell(barrier=4.0)
 CHAINS = vv.FloryHuggins(chi=2.5, lengths=(1.0, 2.0))
+HEATED = vv.RegularSolution(temperature="300 + 40*sin(3*t)", excess=(7e3, -1e3), volume=2500.0)
+DIFFUSION = vv.ArrheniusMobility(base=0.9, activation=3e3, temperature="300 + 40*sin(3*t)")
 KISTER = vv.RegularSolution(temperature=300.0, excess=(7e3, -1e3), volume=2500.0)
 
 
@@ -124,6 +126,12 @@ PHASE = [
     Entry("mixture, periodic", lambda: [mixture("quad8", periodic=[("x0", "x1")])], NOTHING, steps=40),
     Entry("mixture of chains", lambda: [mixture("tri3", free_energy=CHAINS)], NOTHING, steps=40),
     Entry("mixture, Redlich-Kister", lambda: [mixture("tet4", free_energy=KISTER)], NOTHING, steps=20),
+    Entry(
+        "mixture, heated",
+        lambda: [mixture(free_energy=HEATED, mobility=DIFFUSION)],
+        NOTHING,
+        steps=20,
+    ),
     Entry("mixture, anisotropic", lambda: [mixture("hex8", gradient_energy=TENSOR)], NOTHING, steps=40),
     Entry("mixture with walls", walled, NOTHING, steps=40),
     Entry("mixture on splines", lambda: [splines()], NOTHING, steps=40),

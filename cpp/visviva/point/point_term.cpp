@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace visviva {
@@ -77,6 +78,28 @@ void PointTerm::set_callback(LawCallback f, const std::vector<double>& start) {
 void PointTerm::start(const Context& c) {
     view_.backwards = c.backwards;
     std::fill(lost_way_.begin(), lost_way_.end(), 0);
+    set_driven(c.signals.ate);
+}
+
+void PointTerm::drive(std::vector<std::pair<int, int>> places, int account) {
+    if (!view_.is_even) throw std::invalid_argument("driven parameters are the same at all points");
+    driven_ = std::move(places), drive_account_ = account;
+}
+
+void PointTerm::set_driven(const double* signals) {
+    for (const auto& [place, signal] : driven_)
+        std::fill_n(par_.begin() + static_cast<std::int64_t>(place) * L8, L8, signals[signal]);
+}
+
+/// Energy of the unknowns x with the parameters of some signals.
+double PointTerm::energy_at(const Context& c, const double* x, const double* signals) {
+    set_driven(signals);
+    Vectors there = c.vectors;
+    there.x0 = there.x1 = x;
+    slots_.for_tasks([&](int begin, int end) {
+        kernels_.ledger(view_, c.step, there, c.vectors.rate, begin, end, out_.data());
+    });
+    return std::accumulate(out_.begin(), out_.begin() + view_.n, 0.0);
 }
 
 void PointTerm::call_back(const Context& c, bool want_tangent) {
@@ -114,6 +137,15 @@ void PointTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     double total[point_ledger_rows] = {};
     for (int k = 0; k < point_ledger_rows; ++k)
         for (int e = 0; e < view_.n; ++e) total[k] += out_[k * stride + e];
+    // The step is taken with the parameters of its middle: they change at its start, and again at its end.
+    if (!driven_.empty() && !callback_) {
+        const Vectors& x = c.vectors;
+        const double middle =
+            energy_at(c, x.x0, c.signals.ate) - energy_at(c, x.x0, c.signals.at0) - total[0];
+        total[0] = energy_at(c, x.x1, c.signals.at1);
+        sums.work[drive_account_] += middle + total[0];
+        set_driven(c.signals.ate);
+    }
     sums.energy[energy_account] += total[0];
     if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
     // What is lost within the material is lost once, not by halves there and back.

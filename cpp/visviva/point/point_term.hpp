@@ -2,6 +2,7 @@
 // history.
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "visviva/base/aligned.hpp"
@@ -41,6 +42,10 @@ class PointTerm : public Term,
     /// [variable].
     void set_callback(LawCallback f, const std::vector<double>& start);
 
+    /// Parameters, the same at all points, that follow signals: (place, signal). The energy that their change
+    /// gives to what stands still is work of an account.
+    void drive(std::vector<std::pair<int, int>> places, int account);
+
     /// The value of a group (its first column) changes by `reach` at most in an iteration; and where its
     /// parameters have logarithms (mixture.hpp), goes nine tenths of the way to their ends at most.
     void limit(int group, double reach) { limited_ = group, reach_ = reach; }
@@ -78,7 +83,11 @@ class PointTerm : public Term,
   private:
     void start(const Context&);
     void call_back(const Context&, bool want_tangent);
+    void set_driven(const double* signals);
+    double energy_at(const Context&, const double* x, const double* signals);
 
+    std::vector<std::pair<int, int>> driven_;
+    int drive_account_ = -1;
     int n_history_ = 0, limited_ = -1;
     double reach_ = 0;
     std::vector<char> lost_way_;

@@ -84,7 +84,7 @@ class PhaseEnergy(Reading):
     part: Literal["all", "chemical", "gradient"] = "all"
 
     def __call__(self, system: System) -> Any:
-        chemical, gradient = self.body.energies(system.x)
+        chemical, gradient = self.body.energies(system.x, system.time)
         return {"all": chemical + gradient, "chemical": chemical, "gradient": gradient}[self.part]
 
 

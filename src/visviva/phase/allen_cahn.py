@@ -87,9 +87,6 @@ class AllenCahn(PhaseBody):
         if self.conserved:
             self.load = model.field(self, "load", [0.0], role=Role.MULTIPLIER, instantaneous=False)
 
-    def _mobility_constants(self) -> list[float]:
-        return self._mobility.constants()
-
     def contribute(self, model: Model) -> None:
         kind = PhysicsKind.CONSERVED_ORDER if self.conserved else PhysicsKind.ORDER_PARAMETER
         energy = self._user_energy()
@@ -100,3 +97,4 @@ class AllenCahn(PhaseBody):
                 groups.append(Group(np.full((len(table.numbers), 1), self.load.start), one))
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
             term.limit(0, 0.5 * self.scale)
+            self.drive(model, self, term)

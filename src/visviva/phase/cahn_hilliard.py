@@ -124,9 +124,6 @@ class CahnHilliard(PhaseBody):
         if self.form == "mixed":
             self.potential = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
 
-    def _mobility_constants(self) -> list[float]:
-        return self._mobility.constants()
-
     def contribute(self, model: Model) -> None:
         energy = self._user_energy()
         for table in self.space.cells():
@@ -136,6 +133,7 @@ class CahnHilliard(PhaseBody):
             groups = [self.group(f, table, weights) for f in (self.phase, self.potential) if f is not None]
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
             term.limit(0, 0.5 * self.scale)
+            self.drive(model, self, term)
 
     def widths(self) -> Mapping[str, int]:
         return {"concentration": 1, "potential": 1} if self.form == "mixed" else {"concentration": 1}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated
+from dataclasses import replace
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -12,8 +13,9 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import LISTED, Unchanging
 from visviva.base.errors import InputError
+from visviva.base.timefunction import OfTime, TimeFunction
 from visviva.component.component import settings
-from visviva.component.values import Function, Number
+from visviva.component.values import Function, Number, NumberOrFunction
 from visviva.model.callback import Function as Derivatives
 
 Array = NDArray[np.float64]
@@ -33,6 +35,16 @@ class FreeEnergy(Unchanging):
     logs: tuple[float, float] = (0.0, 0.0)
     centre: float = 0.0
     polynomial: Polynomial
+    temperature: Any = 0.0
+
+    @property
+    def changes(self) -> bool:
+        """Whether its temperature is a function of time; what it knows is then that at the start."""
+        return not is_constant(self.temperature)
+
+    def at(self, time: float) -> FreeEnergy:
+        """The energy at a time."""
+        return self
 
     def positive(self, *names: str) -> None:
         """Refuse arguments that are not positive."""
@@ -81,6 +93,26 @@ class FreeEnergy(Unchanging):
             if a:
                 bend = bend + a / x
         return np.asarray(bend, dtype=float)
+
+
+def is_constant(temperature: Any) -> bool:
+    """Whether a temperature does not change in time."""
+    return not isinstance(temperature, TimeFunction) or isinstance(temperature.source, float)
+
+
+def temperature_at(of: Any, time: float) -> float:
+    """The temperature of an energy or a mobility at a time.
+
+    Raises
+    ------
+    InputError
+        If it is not positive.
+    """
+    found = float(of.temperature(time))
+    if not (found > 0 and np.isfinite(found)):
+        when = "" if is_constant(of.temperature) else f" at t = {time:g}"
+        raise InputError(f"{type(of).__name__}: temperature = {found:g}{when} is not positive")
+    return found
 
 
 @dataclass(config=settings, kw_only=True)
@@ -155,10 +187,10 @@ class RegularSolution(FreeEnergy):
 
     Parameters
     ----------
-    temperature : float
+    temperature : float, or a function of time
         Absolute.
-    excess : sequence of float
-        L_0, L_1, ..., six at most, at this temperature; per mole.
+    excess : sequence of float, or functions of the temperature
+        L_0, L_1, ..., six at most; per mole.
     standard : (float, float)
         G_A and G_B, per mole.
     volume : float
@@ -173,28 +205,38 @@ class RegularSolution(FreeEnergy):
     >>> f = vv.RegularSolution(temperature=1000.0, excess=[2 * 8.31446261815324 * 1000.0])
     >>> abs(float(f.curvatures(0.5))) < 1e-9
     True
+
+    A temperature that changes in time, with an excess energy that follows it:
+
+    >>> heated = vv.RegularSolution(temperature="900 + 5*t", excess=[lambda T: 20e3 - 4 * T])
+    >>> bool(heated.at(60.0).curvatures(0.5) > heated.curvatures(0.5))
+    True
     """
 
-    temperature: Number
-    excess: Annotated[tuple[Number, ...], LISTED] = ()
+    temperature: OfTime
+    excess: Annotated[tuple[NumberOrFunction, ...], LISTED] = ()
     standard: tuple[Number, Number] = (0.0, 0.0)
     volume: Number = 1.0
     gas_constant: Number = GAS_CONSTANT
 
     def __post_init__(self) -> None:
-        self.positive("temperature", "volume", "gas_constant")
+        self.positive("volume", "gas_constant")
+        now = temperature_at(self, 0.0)
         if len(self.excess) > COEFFICIENTS - 2:
             raise InputError(
                 f"RegularSolution: excess has {len(self.excess)} coefficients, {COEFFICIENTS - 2} are known"
             )
-        thermal = self.gas_constant * self.temperature / self.volume
+        thermal = self.gas_constant * now / self.volume
         self.logs, self.centre = (thermal, thermal), 0.5
         first, second = self.standard
         series = Polynomial([0.0])
         for k, L in enumerate(self.excess):
-            series = series + L * Polynomial([0.0, -2.0]) ** k
+            series = series + (L(now) if callable(L) else L) * Polynomial([0.0, -2.0]) ** k
         mixed = Polynomial([0.25, 0.0, -1.0]) * series
         self.polynomial = (mixed + Polynomial([0.5 * (first + second), second - first])) / self.volume
+
+    def at(self, time: float) -> FreeEnergy:
+        return replace(self, temperature=temperature_at(self, time)) if self.changes else self
 
 
 @dataclass(config=settings, kw_only=True)

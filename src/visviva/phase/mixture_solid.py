@@ -212,6 +212,7 @@ class MixtureSolid(Solid):
         groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
         term = add_points(model, self, kind, groups, at.volume, self.constants())
         term.limit(1, 0.5 * self.chemistry.scale)
+        self.chemistry.drive(model, self, term)
         self._stressed.append(at)
         looks: Any = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
         return Elements(

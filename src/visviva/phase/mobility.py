@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,15 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
+from visviva.base.timefunction import OfTime
 from visviva.component.component import settings
 from visviva.component.values import Function, Number
-from visviva.phase.free_energy import COEFFICIENTS, GAS_CONSTANT
+from visviva.phase.free_energy import (
+    COEFFICIENTS,
+    GAS_CONSTANT,
+    is_constant,
+    temperature_at,
+)
 
 Array = NDArray[np.float64]
 
@@ -23,6 +30,16 @@ class Mobility(Unchanging):
 
     centre: float = 0.0
     polynomial: Polynomial
+    temperature: Any = 0.0
+
+    @property
+    def changes(self) -> bool:
+        """Whether its temperature is a function of time; what it knows is then that at the start."""
+        return not is_constant(self.temperature)
+
+    def at(self, time: float) -> Mobility:
+        """The mobility at a time."""
+        return self
 
     def constants(self) -> list[float]:
         """Of the core, see ``visviva/point/mixture.hpp``."""
@@ -142,8 +159,8 @@ class ArrheniusMobility(Mobility):
         At infinite temperature.
     activation : float
         Energy per mole.
-    temperature : float
-        Absolute; the same everywhere and as long as the body lasts.
+    temperature : float, or a function of time
+        Absolute; the same everywhere.
     gas_constant : float
 
     Examples
@@ -156,23 +173,26 @@ class ArrheniusMobility(Mobility):
 
     base: Number | Mobility
     activation: Number
-    temperature: Number
+    temperature: OfTime
     gas_constant: Number = GAS_CONSTANT
 
     def __post_init__(self) -> None:
         base = mobility_of("ArrheniusMobility", self.base)
-        for name in ("temperature", "gas_constant"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"ArrheniusMobility: {name} = {getattr(self, name):g} is not positive")
+        if not self.gas_constant > 0:
+            raise InputError(f"ArrheniusMobility: gas_constant = {self.gas_constant:g} is not positive")
+        now = temperature_at(self, 0.0)
         if not self.activation >= 0:
             raise InputError(f"ArrheniusMobility: activation = {self.activation:g} is negative")
-        share = float(np.exp(-self.activation / (self.gas_constant * self.temperature)))
+        share = float(np.exp(-self.activation / (self.gas_constant * now)))
         if not share > 0:
             raise InputError(
-                f"ArrheniusMobility: nothing moves at temperature = {self.temperature:g} with activation = "
+                f"ArrheniusMobility: nothing moves at temperature = {now:g} with activation = "
                 f"{self.activation:g}; check their units"
             )
         self.centre, self.polynomial = base.centre, share * base.polynomial
+
+    def at(self, time: float) -> Mobility:
+        return replace(self, temperature=temperature_at(self, time)) if self.changes else self
 
 
 def mobility_of(label: str, given: Any) -> Mobility:

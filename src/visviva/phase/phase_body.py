@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,11 +20,14 @@ from visviva.model.callback import Function
 from visviva.model.field import Field
 from visviva.model.points import Group
 from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy, interface
+from visviva.phase.mobility import Mobility
 from visviva.phase.space import MeshSpace, ScalarSpace, Table
 from visviva.phase.spline_space import SplineSpace
 
 if TYPE_CHECKING:
-    pass
+    from visviva._core import PointTerm
+    from visviva.model.field import Owner
+    from visviva.model.model import Model
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -55,6 +58,7 @@ class PhaseBody(Meshed):
     space: ScalarSpace
     start_values: Array
     quantity: str
+    _mobility: Mobility
     potential: Field | None = None
     level_at_sides = False
     cure = "take a mesh of cells without nodes between their corners"
@@ -167,12 +171,25 @@ class PhaseBody(Meshed):
         low, high = self.range
         return high - low
 
-    def constants(self) -> list[float]:
-        """Of energy and mobility, see ``visviva/point/mixture.hpp``."""
-        return [*self.free_energy.constants(), *self._tensor, *self._mobility_constants()]
+    def constants(self, time: float = 0.0) -> list[float]:
+        """Of energy and mobility at a time, see ``visviva/point/mixture.hpp``."""
+        energy, mobility = self.free_energy.at(time), self._mobility.at(time)
+        return [*energy.constants(), *self._tensor, *mobility.constants()]
 
-    @abstractmethod
-    def _mobility_constants(self) -> list[float]: ...
+    def drive(self, model: Model, component: Owner, term: PointTerm) -> None:
+        """Let constants of a term of a component follow the temperature, where that changes in time."""
+        changing = [part for part in (self.free_energy, self._mobility) if part.changes]
+        if not changing:
+            return
+        constants = lru_cache(maxsize=8)(self.constants)
+        n, first = len(self.free_energy.constants()), len(self.free_energy.constants()) + len(self._tensor)
+        places = [*range(n)] * self.free_energy.changes
+        places += [*range(first, len(constants(0.0)))] * self._mobility.changes
+        account = model.account(component, "temperature", "work")
+        for part in changing:
+            model.driving.bend(part.temperature.kinks, account)
+        signals = [(k, model.signal(lambda t, k=k: constants(t)[k])) for k in places]
+        term.drive(signals, account)
 
     def _user_energy(self) -> Function | None:
         """The energy of value and gradient where it is the user's."""
@@ -203,11 +220,12 @@ class PhaseBody(Meshed):
         c = self.coefficients(self.phase, x)
         return float(sum((t.size * t.at(c)).sum() for t in self.space.cells()))
 
-    def energies(self, x: Array) -> tuple[float, float]:
-        """Chemical energy and gradient energy at the unknowns `x`."""
+    def energies(self, x: Array, time: float = 0.0) -> tuple[float, float]:
+        """Chemical energy and gradient energy at the unknowns `x`, and at a time where temperatures change."""
         c, K, bulk, gradient = self.coefficients(self.phase, x), full(self._tensor), 0.0, 0.0
+        energy = self.free_energy.at(time)
         for t in self.space.cells():
-            bulk += float((t.size * self.free_energy.values(t.at(c))).sum())
+            bulk += float((t.size * energy.values(t.at(c))).sum())
             g = t.slopes(c)
             gradient += 0.5 * float(np.einsum("mq,mqa,ab,mqb->", t.size, g, K, g))
         return bulk, gradient

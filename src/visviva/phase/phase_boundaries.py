@@ -101,6 +101,11 @@ class Wetting(Component):
         self.wall_energy = self._by_angle(self.angle) if self.energy is None else self.energy
 
     def _by_angle(self, angle: Any) -> FreeEnergy:
+        if self.body.free_energy.changes:
+            raise InputError(
+                f"{self.label}: the free energy of {self.body.label} changes in time, and with it what an angle stands "
+                "for; give an energy"
+            )
         found = self.body.interface()
         if found is None:
             raise InputError(
