@@ -56,6 +56,7 @@ class LineGaps : public PointGaps {
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     Vector3 push(const Distance& d, int vertex) const override;
+    std::vector<int> others(int vertex) const override;
     double way(const double* from, const double* to, int vertex) const override;
     bool is_inside(const double*, int) const override { return false; }
     int nearest_side(const double*, int) const override { return Sides::nearest; }
@@ -138,6 +139,15 @@ Vector3 LineGaps::push(const Distance& d, int A) const {
     Vector3 sum = d.gradient.head<3>();
     for (const Neighbour& b : neighbours_[A]) sum += d.gradient.segment<3>(3 * b.local);
     return sum;
+}
+
+std::vector<int> LineGaps::others(int A) const {
+    std::vector<int> corners;
+    for (const Candidate& c : candidates_[A])
+        corners.insert(corners.end(), skin_.corners(c.facet), skin_.corners(c.facet) + 2);
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    return corners;
 }
 
 double LineGaps::way(const double* from, const double* to, int A) const {

@@ -137,6 +137,16 @@ bool NodeToSegment::roams(const double* X, int A) const {
     return kept_[A] != Kept{found.candidate->facet, found.foot.simplex};
 }
 
+std::vector<int> NodeToSegment::others(int A) const {
+    std::vector<int> corners;
+    for (const Candidate& c : candidates_[A])
+        corners.insert(corners.end(), skin_.corners(c.facet),
+                       skin_.corners(c.facet) + skin_.n_corners(c.facet));
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    return corners;
+}
+
 double NodeToSegment::way(const double* from, const double* to, int A) const {
     double farthest = 0;
     const Vector3 own = At(to + 3 * A) - At(from + 3 * A);

@@ -56,6 +56,7 @@ class NodeToSegment : public PointGaps {
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
+    std::vector<int> others(int vertex) const override;
     double way(const double* from, const double* to, int vertex) const override;
     bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;

@@ -76,6 +76,9 @@ class Obstacle : public PointGaps {
   protected:
     Reach distance(const double* X, int vertex, int derivatives, Distance& out) const override;
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
+    std::vector<int> others(int A) const override {
+        return {stencils_[A].begin() + 1, stencils_[A].begin() + 5};
+    }
     double way(const double* from, const double* to, int vertex) const override {
         return (place(to, vertex) - place(from, vertex)).norm();
     }

@@ -1,12 +1,15 @@
 #include "visviva/contact/point_gaps.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "visviva/base/parallel.hpp"
+#include "visviva/contact/way_about.hpp"
 
 namespace visviva {
 
 using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
 using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
@@ -69,17 +72,33 @@ bool PointGaps::settle(const double* X) {
     });
 }
 
-// The straight way of a vertex' stencil in a step.
+// The way of a vertex' stencil in a step, seen by the other body: straight, but for what turns.
 class PointGaps::Path {
   public:
-    Path(const PointGaps& gaps, const double* from, const double* to, int A)
-        : length(gaps.way(from, to, A)), gaps_(gaps), from_(from), to_(to), A_(A) {}
-    const double length;
+    Path(const PointGaps& gaps, const double* from, const double* to, const Matrix3& turn, int A)
+        : gaps_(gaps), from_(from), to_(to), A_(A), others_(gaps.others(A)) {
+        const std::vector<double> alike(others_.size(), 1.0);
+        other_ = RigidMotion(from, to, others_, alike);
+        even_ = EvenWay(other_.turn.transpose() * turn);
+        double straight = 0, round = 0;
+        for (const int v : gaps.stencils_[A]) {
+            Vector3 rate = other_.back(At(to + 3 * v)) - At(from + 3 * v);
+            const bool beyond = std::find(others_.begin(), others_.end(), v) != others_.end();
+            if (!beyond) rate = even_.rate(rate);
+            rates_.push_back({rate, beyond});
+            double& farthest = beyond ? straight : round;
+            farthest = std::max(farthest, rate.norm());
+        }
+        length = straight + round;
+    }
+    double length;  // bound of the motion relative to each other
     double gap(double t) const { return near(t, 0).value - gaps_.options_.radius; }
     /// Zero where nothing is near.
     Vector3 normal(double t) const {
         const Distance d = near(t, 1);
-        return d.gradient.size() ? gaps_.push(d, A_).normalized() : Vector3::Zero();
+        if (d.gradient.size() == 0) return Vector3::Zero();
+        const Vector3 n = gaps_.push(d, A_).normalized();
+        return t == 1 ? Vector3(other_.turn.transpose() * n) : n;
     }
 
   private:
@@ -87,8 +106,12 @@ class PointGaps::Path {
         const double* X = t == 0 ? from_ : to_;
         if (t > 0 && t < 1) {
             if (X_.empty()) X_.assign(from_, from_ + gaps_.skin_.constant.size());
-            for (const int v : gaps_.stencils_[A_])
-                for (int i = 3 * v; i < 3 * v + 3; ++i) X_[i] = (1 - t) * from_[i] + t * to_[i];
+            for (std::size_t k = 0; k < rates_.size(); ++k) {
+                const int v = gaps_.stencils_[A_][k];
+                const auto& [rate, beyond] = rates_[k];
+                const Vector3 gone = beyond ? Vector3(t * rate) : even_.gone(rate, t);
+                for (int i = 0; i < 3; ++i) X_[3 * v + i] = from_[3 * v + i] + gone[i];
+            }
             X = X_.data();
         }
         Distance d;
@@ -98,6 +121,10 @@ class PointGaps::Path {
     const PointGaps& gaps_;
     const double *from_, *to_;
     int A_;
+    std::vector<int> others_;
+    RigidMotion other_;
+    EvenWay even_;
+    std::vector<std::pair<Vector3, bool>> rates_;  // of the stencil, and whether it is the other body's
     mutable std::vector<double> X_;
 };
 
@@ -116,12 +143,13 @@ bool PointGaps::cuts_through(const Path& path, double before, double after, doub
 // Whether what touches at the end of a step pushes elsewhere than where it closed.
 bool PointGaps::turns_about(const Path& path) const {
     constexpr double same = 0.5;  // least agreement of normals
+    const double rounding = 1e-6 * path.length;
     const Vector3 end = path.normal(1);
     if (path.normal(0).dot(end) > same) return false;
     double open = 0, closed = 1;
     for (int halving = 0; halving < 20; ++halving) {
         const double t = 0.5 * (open + closed);
-        (path.gap(t) > 0 ? open : closed) = t;
+        (path.gap(t) > -rounding ? open : closed) = t;
     }
     return path.normal(open).dot(end) <= same;
 }
@@ -129,10 +157,13 @@ bool PointGaps::turns_about(const Path& path) const {
 int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
     find_middles({from, to, start()});
     std::vector<char> stray(n_, 0);
+    std::vector<int> own(n_ / options_.copies);
+    std::iota(own.begin(), own.end(), 0);
+    const Matrix3 turn = RigidMotion(from, to, own, options_.areas).turn;
     parallel_for(n_, [&](int A) {
         if (stencils_[A].empty() || before[A] <= 0) return;
-        const Path path(*this, from, to, A);
-        if (before[A] + after[A] >= options_.areas[A] * path.length) return;
+        if (before[A] + after[A] >= options_.areas[A] * way(from, to, A)) return;
+        const Path path(*this, from, to, turn, A);
         const double area = options_.areas[A], near = (nudged(to, A) - At(to + 3 * A)).norm();
         if (after[A] > 0)
             stray[A] = cuts_through(path, before[A] / area, after[A] / area, near);

@@ -37,6 +37,8 @@ class PointGaps : public Gaps {
     virtual Reach distance(const double* X, int vertex, int derivatives, Distance& out) const = 0;
     /// Where what is near pushes to, of a distance with its gradient: along the force on the vertex.
     virtual Eigen::Vector3d push(const Distance& d, int /*vertex*/) const { return d.gradient.head<3>(); }
+    /// Of a vertex' stencil, what belongs to the body that it may touch.
+    virtual std::vector<int> others(int vertex) const = 0;
     /// Bound of a vertex' motion relative to its neighbourhood.
     virtual double way(const double* from, const double* to, int vertex) const = 0;
     /// Whether a vertex, or the middle of a ball, lies inside of the other body.
