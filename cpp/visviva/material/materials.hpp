@@ -92,14 +92,14 @@ VISVIVA_INLINE T hencky(const T* e, const V* p) {
 }
 
 /// Calls `use` with the energy of an isotropic material as a function of invariants. Every material has a
-/// call of its own, so that derivatives that are constant or zero drop out.
+/// call of its own that is always inlined, so that derivatives that are constant or zero drop out.
 template <class Use>
 VISVIVA_INLINE void with_energy(MaterialKind kind, const V* p, Use&& use) {
     switch (kind) {
-#define VISVIVA_MATERIAL(energy, ...)                                \
-    case MaterialKind::energy:                                       \
-        if constexpr (traits(MaterialKind::energy).isotropic)        \
-            return use([&](const auto* i) { return energy(i, p); }); \
+#define VISVIVA_MATERIAL(energy, ...)                                                               \
+    case MaterialKind::energy:                                                                      \
+        if constexpr (traits(MaterialKind::energy).isotropic)                                       \
+            return use([&](const auto* i) __attribute__((always_inline)) { return energy(i, p); }); \
         break;
 #include "visviva/material/material_list.hpp"
 #undef VISVIVA_MATERIAL
