@@ -184,6 +184,6 @@ def test_asymmetry_is_that_of_the_assembled_tangent() -> None:
     vv.quasi_static(system, until=1.0, step=1.0)
     equations = Equilibrium(system, vv.Static())
     equations.linearise(system.time)
-    exact = asymmetry(system.tangent(load_step(system.time, 0.0))[1]).data.max()
+    exact, _ = asymmetry(system.tangent(load_step(system.time, 0.0))[1])
     assert exact > 1e-5
     assert system.core.asymmetry() == pytest.approx(exact, rel=1e-12)

@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 // each without which a part of the binding would compile, and fail when it is called
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>

@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "outside.hpp"
 #include "parts.hpp"
+#include "visviva/linear/asymmetry.hpp"
 #include "visviva/linear/linear_choice.hpp"
 #include "visviva/system/system.hpp"
 
@@ -163,5 +164,10 @@ void bind_linear(nb::module_& m) {
     bind_solver(m);
     m.def("missing_pardiso", &missing_pardiso, nb::arg("library"));
     m.def("available_memory", &available_memory);
+    m.def("asymmetry", [](const Longs& row, const Ints& col, const Doubles& value) {
+        const Asymmetry found =
+            asymmetry({row.data(), row.size()}, {col.data(), col.size()}, {value.data(), value.size()});
+        return std::pair(found.size, found.row);
+    });
     m.def("left_in_groups", &left_in_groups);
 }

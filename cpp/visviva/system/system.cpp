@@ -9,6 +9,7 @@
 #include "visviva/base/parallel.hpp"
 #include "visviva/base/stopwatch.hpp"
 #include "visviva/base/vector_dispatch.hpp"
+#include "visviva/linear/asymmetry.hpp"
 #include "visviva/linear/block_rows.hpp"
 #include "visviva/term/pattern.hpp"
 
@@ -422,43 +423,7 @@ void System::assemble(const Step& step, const Signals& signals, double* residual
 }
 
 double System::asymmetry() const {
-    // rows and columns scaled by their diagonal, whatever the units; those without one by their largest
-    // entry. Where something is larger than one then, both its row and its column share in taking it down
-    std::vector<double> scale(csr_.n, 0.0), largest(csr_.n);
-    double greatest = 0;
-    for (const double value : values_) greatest = std::max(greatest, std::abs(value));
-    auto size = [&](double value) { return std::abs(value) > 1e-60 * greatest ? std::abs(value) : 0.0; };
-    for (int i = 0; i < csr_.n; ++i) {
-        const auto begin = csr_.col.begin() + csr_.row[i], end = csr_.col.begin() + csr_.row[i + 1];
-        const auto own = std::lower_bound(begin, end, i);
-        const double diagonal = own != end && *own == i ? size(values_[own - csr_.col.begin()]) : 0.0;
-        if (diagonal > 0) scale[i] = 1 / std::sqrt(diagonal);
-    }
-    for (int round = 0; round < 5; ++round) {
-        for (int i = 0; i < csr_.n; ++i) {
-            largest[i] = 0;
-            for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
-                largest[i] = std::max(
-                    largest[i], size(values_[k]) * scale[csr_.col[k]] * (scale[i] > 0 ? scale[i] : 1.0));
-        }
-        for (int i = 0; i < csr_.n; ++i)
-            if (largest[i] > 0 && scale[i] == 0)
-                scale[i] = 1 / largest[i];
-            else if (largest[i] > 1)
-                scale[i] /= std::sqrt(largest[i]);
-    }
-    double found = 0;
-    for (int i = 0; i < csr_.n; ++i) {
-        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k) {
-            const int j = csr_.col[k];
-            const auto begin = csr_.col.begin() + csr_.row[j], end = csr_.col.begin() + csr_.row[j + 1];
-            const auto across = std::lower_bound(begin, end, i);
-            const bool is_there = across != end && *across == i;
-            const double lack = values_[k] - (is_there ? values_[across - csr_.col.begin()] : 0.0);
-            found = std::max(found, std::abs(lack) * scale[i] * scale[j]);
-        }
-    }
-    return found;
+    return visviva::asymmetry(csr_.row, csr_.col, {values_.data(), csr_.col.size()}).size;
 }
 
 }  // namespace visviva

@@ -188,8 +188,7 @@ class System {
     // Whether an increment is no smaller than the one before it because the residual that it answers to, by
     // the tangent factored last, is rounding: no iteration gets nearer.
     bool meets_rounding(const double* residual, double size, double last) const;
-    // Largest difference of an entry of the tangent factored last from that across the diagonal, relative to
-    // the largest entry of their rows.
+    // Of the tangent factored last.
     double asymmetry() const;
     // Why the trial state is no solution though its residual may vanish; empty if it can be one.
     std::string refuse(const Step& step, const Signals& signals);

@@ -328,7 +328,10 @@ def refuse_following(tangent: Tangent, loads: LoadRates) -> None:
     S = sp.diags_array(tangent.scale)
     found = abs(S @ (loads.tangent - loads.tangent.T) @ S).tocoo()
     found.data = np.maximum(found.data - loads.rounding, 0.0) / (abs(S @ loads.tangent @ S).max() or 1.0)
-    refuse_unsymmetric("buckling", tangent.system, loads.tangent, tangent.unknowns, found)
+    if found.nnz:
+        k = int(np.argmax(found.data))
+        lack = float(found.data[k]), int(found.row[k])
+        refuse_unsymmetric("buckling", tangent.system, loads.tangent, tangent.unknowns, lack)
 
 
 def energetic_step(time: float) -> _core.Step:

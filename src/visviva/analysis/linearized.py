@@ -136,8 +136,8 @@ def whole(linear: Linearized) -> tuple[sp.csr_array, NDArray[np.int64]]:
 
 def is_symmetric(linear: Linearized) -> bool:
     """Whether forces have a potential."""
-    found = asymmetry(whole(linear)[0])
-    return bool(found.data.max(initial=0.0) <= lack_of_rounding(linear.at.system))
+    size, _ = asymmetry(whole(linear)[0])
+    return size <= lack_of_rounding(linear.at.system)
 
 
 def refuse_unsymmetric(
@@ -145,19 +145,18 @@ def refuse_unsymmetric(
     system: System,
     A: sp.csr_array,
     unknowns: NDArray[np.int64],
-    found: sp.coo_array | None = None,
+    found: tuple[float, int] | None = None,
 ) -> None:
     """Refuse a matrix (n, n) of forces without potential; `unknowns` (n,) tell whose they are.
 
-    `found` is what entries differ by across the diagonal, if it is not `asymmetry` that tells.
+    `found` is the most by which entries differ across the diagonal and the row of one, where not `asymmetry` tells.
     """
     limit = lack_of_rounding(system) if found is None else BY_DIFFERENCES
-    found = asymmetry(A) if found is None else found
-    if found.data.max(initial=0.0) > limit:
-        k = int(np.argmax(found.data))
-        owner, unknown = system.describe(int(unknowns[found.row[k]]))
+    size, row = asymmetry(A) if found is None else found
+    if size > limit:
+        owner, unknown = system.describe(int(unknowns[row]))
         raise InputError(
-            f"{whose}: the stiffness of {unknown} of {owner} is not symmetric (by {found.data[k]:.1g} of it): "
+            f"{whose}: the stiffness of {unknown} of {owner} is not symmetric (by {size:.1g} of it): "
             "follower loads, servos, friction that sticks under load (tie the surfaces instead) or other forces "
             f"without potential act; {whose} asks for conservative systems"
         )

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva import _core
+
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
@@ -88,23 +90,18 @@ def split(values: Array, part: NDArray[np.int32], n_parts: int) -> list[Array]:
     return np.split(values[order], np.searchsorted(part[order], np.arange(1, n_parts))) if n_parts else []
 
 
-def asymmetry(K: sp.csr_array) -> sp.coo_array:
-    """Largest difference of entries of a scaled matrix across the diagonal, as ``System::asymmetry`` of the core.
+def asymmetry(K: sp.csr_array) -> tuple[float, int]:
+    """Largest difference of entries of a matrix across the diagonal, whatever the units, and in which row it stands.
 
-    Rows and columns are scaled by their diagonal, so that units do not count and constraints do not either; those
-    without one by their largest entry. Where something is larger than one then, row and column share in taking it
-    down.
+    How rows and columns are scaled for that: ``cpp/visviva/linear/asymmetry.hpp``.
+
+    Examples
+    --------
+    >>> import scipy.sparse as sp
+    >>> size, row = asymmetry(sp.csr_array([[4.0, 0.6], [0.0, 9.0]]))
+    >>> round(size, 9), row
+    (0.1, 0)
     """
-    import scipy.sparse as sp
-
-    A = abs(K).tocsr()
-    A.data[A.data < VANISHING * A.data.max(initial=0.0)] = 0.0
-    diagonal = A.diagonal()
-    s = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
-    for _ in range(5):
-        rows = np.where(s > 0, s, 1.0)
-        largest = rows * row_maxima(A, s)
-        first = np.where(largest > 0, 1 / np.where(largest > 0, largest, 1.0), 0.0)
-        s = np.where(s > 0, s / np.sqrt(np.maximum(largest, 1.0)), first)
-    S = sp.diags_array(s)
-    return abs(S @ (K - K.T) @ S).tocoo()
+    A = K.tocsr()
+    A.sum_duplicates()  # which also brings columns into order
+    return _core.asymmetry(A.indptr.astype(np.int64), A.indices.astype(np.int32), A.data)
