@@ -117,6 +117,7 @@ from .mesh.mesh_file import MeshFile
 from .mesh.spline import SplineBox, SplinePatch
 from .model.form import dot
 from .model.term import Term
+from .output.pictures import Pictures
 from .output.reader import StoredRun, read
 from .phase.allen_cahn import AllenCahn
 from .phase.cahn_hilliard import CahnHilliard
@@ -290,6 +291,7 @@ __all__ = [
     "PeriodicFaces",
     "PhaseEnergy",
     "PhaseVolume",
+    "Pictures",
     "Planar",
     "Plane",
     "PlaneBeam",

@@ -1,15 +1,20 @@
 """Plots and pictures."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+import visviva as vv
 from output.scenes import MARK, drawers, read_image, write
 from visviva.base.errors import InputError
 from visviva.output import Surface, Table, stage
 from visviva.output.labels import Labels
 from visviva.output.picture import picture, snapshot
 from visviva.output.plot import energy_plot, probes_plot
+from visviva.output.trajectory import Trajectory
 from visviva.output.view import Scene
+from visviva.scene import read_scene, write_scene
 
 
 def test_energy_plot_leaves_matplotlib_alone(tmp_path):
@@ -107,3 +112,74 @@ def test_camera_sees_every_point():
         upwards = np.abs(seen @ np.cross(back, right)) / depth / half
         assert max(sideways.max(), upwards.max()) < 1
         assert max(sideways.max(), upwards.max()) > 0.7  # and does not stand too far away
+
+
+def bent(**pictures: Any) -> vv.Study:
+    """A beam that is bent by 3 at its end, 2 away from where it is held."""
+    section = vv.TubeSection(radius=0.05, young=1e9, poisson=0.25, density=1.0)
+    mesh = vv.LineMesh(points=[(0, 0, 0), (2, 0, 0)], count=4, cell="line3")
+    beam = vv.Beam(name="beam", mesh=mesh, section=section)
+    held = vv.Clamped(name="held", solid=beam, nodes="start")
+    load = vv.Force(name="load", on=beam.point((2, 0, 0)), force=(0, 0, -3.0), times="t")
+    options: dict[str, Any] = {"scheme": vv.Static(), "fields": (), "pictures": vv.Pictures(**pictures)}
+    return vv.Study(vv.System([beam, held, load]), until=1.0, step=1.0, **options)
+
+
+def test_a_run_stores_and_draws_what_its_pictures_show(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("visviva.output.picture.snapshot", lambda *_, **given: drawn.append(given))
+    study = bent(diagram="bending_1", vectors="section_force", camera="front", size=(320, 200))
+    write_scene(study, tmp_path / "beam.yaml")
+    again = read_scene(tmp_path / "beam.yaml")
+    assert again.pictures == study.pictures
+    vv.run(again, tmp_path / "run")
+    assert {"diagram": "bending_1", "vectors": "section_force"}.items() <= drawn[0].items()
+    assert (drawn[0]["camera"], drawn[0]["size"], drawn[0]["deform"]) == ("front", (320, 200), 1.0)
+    with Trajectory(tmp_path / "run" / "trajectory.vtkhdf") as motion:
+        moments = motion.field("diagram_bending_1", 1)[0]
+        assert np.linalg.norm(moments, axis=1).max() == pytest.approx(3.0 * 2, rel=1e-3)  # force times arm
+
+
+def test_scenes_name_moments_movies_and_pictures(tmp_path):
+    (tmp_path / "drop.yaml").write_text(
+        "system: {ball: {PointMass: {mass: 2.0}}}\nrun: {until: 1.0, step: 0.1}\nmoments: [0.2, 0.5]\nmovie: true\n"
+        "pictures: {vectors: velocity, camera: [[9, 0, 1], [0, 0, 1], [0, 0, 1]], limits: [0, 2.5]}\n"
+    )
+    study = read_scene(tmp_path / "drop.yaml")
+    assert (study.moments, study.movie) == ((0.2, 0.5), True)
+    assert study.pictures.limits == (0, 2.5)
+    write_scene(study, tmp_path / "copy.toml")
+    copy = read_scene(tmp_path / "copy.toml")
+    assert (copy.moments, copy.movie, copy.pictures) == (study.moments, study.movie, study.pictures)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"camera": "font"}, "camera 'font'; did you mean 'front'"),
+        ({"limits": (2.0, 1.0)}, r"limits = \(2.0, 1.0\)"),
+        ({"size": (321, 200)}, "size = .*even"),
+        ({"size": (8, 8)}, "16 to"),
+        ({"cmap": "viridi"}, "colour map 'viridi'"),
+        ({"deform": "much"}, "deform"),
+    ],
+)
+def test_pictures_that_nothing_draws_are_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        vv.Pictures(**given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"diagram": "bending"}, "'diagram_bending'; did you mean .diagram_bending_"),
+        ({"vectors": "cauchy"}, "vectors 'cauchy' is nothing that this system has"),
+        ({"field": "von_mises"}, "field 'von_mises' is nothing"),
+        ({"vectors": "velocty"}, "velocty"),
+    ],
+)
+def test_pictures_of_what_a_system_has_not_are_refused_before_the_first_step(given, message, tmp_path):
+    study = bent(**given)
+    with pytest.raises(InputError, match=message):
+        vv.run(study, tmp_path / "run")
+    assert study.system.time == 0.0

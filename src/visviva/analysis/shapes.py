@@ -15,7 +15,7 @@ from visviva.system.memory import refuse_recomposed
 
 if TYPE_CHECKING:
     from visviva.component.component import Component
-    from visviva.output.view import Camera
+    from visviva.output.pictures import Camera
     from visviva.system.system import System
 
 

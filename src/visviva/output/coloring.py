@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError, nearest
+from visviva.base.errors import InputError
+from visviva.output.pictures import COLORS, refuse_unknown_colors
 from visviva.output.trajectory import Trajectory
-
-COLORS = "viridis"
-"""Colour map of fields."""
 
 STREAMED = "velocity", "temperature"
 """Fields that are drawn with streamlines."""
@@ -119,14 +117,6 @@ def rounded(low: float, high: float) -> tuple[float, float]:
         return low, high
     ticks = MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
     return float(ticks[0]), float(ticks[-1])
-
-
-def refuse_unknown_colors(name: str) -> None:
-    """Refuse colour maps that matplotlib does not know."""
-    from matplotlib import colormaps
-
-    if name not in colormaps:
-        raise InputError(f"there is no colour map {name!r}{nearest(name, list(colormaps))}")
 
 
 def fluids_of(motion: Trajectory) -> frozenset[int]:

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from visviva.base.errors import InputError, nearest
 from visviva.output.coloring import fluids_of
+from visviva.output.pictures import DIAGRAM
 from visviva.output.skin import CELL_OF, skin
 from visviva.output.standing import Standing
 from visviva.output.surface import Surface
@@ -26,7 +27,7 @@ REACH = 0.1
 """Length of the longest glyph, of the size of what is in view."""
 STEPS = 20
 """Moments at which the largest value is looked for."""
-DIAGRAM = "diagram_"
+
 TENSOR = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
 """Places of the entries of a symmetric tensor among its six components xx, yy, zz, xy, yz, zx."""
 

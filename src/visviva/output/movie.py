@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, RunError
-from visviva.output.coloring import COLORS, Coloring, fluids_of
+from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.glyphs import MotionGlyphs
 from visviva.output.picture import trails_until
+from visviva.output.pictures import COLORS, Camera, refuse_size
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import NO_STREAMS, Camera, Scene, refuse_size
+from visviva.output.view import NO_STREAMS, Scene
 
 Image = NDArray[np.uint8]
 

@@ -20,11 +20,12 @@ from visviva.base.errors import InputError
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.page_frames import Frames
+from visviva.output.pictures import COLORS, Camera
 from visviva.output.plot import grouped
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.tables import read_table
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import INK, PALETTE, Camera, Scene
+from visviva.output.view import INK, PALETTE, Scene
 
 LARGEST = 20_000_000
 """Bytes of a page."""
@@ -228,8 +229,6 @@ def _plain(values: NDArray[np.float64]) -> list[float | None]:
 def color_map() -> NDArray[np.uint8]:
     """Colours (256, 3) of fields."""
     from matplotlib import colormaps
-
-    from visviva.output.coloring import COLORS
 
     colors: NDArray[np.uint8] = colormaps[COLORS](np.arange(256), bytes=True)[:, :3]
     return colors

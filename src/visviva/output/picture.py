@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
-from visviva.output.coloring import COLORS, Coloring, fluids_of
+from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.glyphs import NO_GLYPHS, Glyphs, MotionGlyphs
+from visviva.output.pictures import COLORS, Camera, refuse_size
 from visviva.output.safe_files import replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import NO_STREAMS, Camera, Points, Scene, Streams, Trails, Values, refuse_size
+from visviva.output.view import NO_STREAMS, Points, Scene, Streams, Trails, Values
 
 
 def picture(

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
+from visviva.output.pictures import PRESETS, Camera
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
-from visviva.output.view import PRESETS, Camera
 
 Array = NDArray[np.float64]
 FLAT = 1e-3

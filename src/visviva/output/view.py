@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring
+from visviva.output.pictures import PRESETS, Camera
 from visviva.output.surface import Surface
 
 Points = Sequence[NDArray[np.float64]]
@@ -20,35 +20,16 @@ Values = Sequence[
     NDArray[np.float64] | None
 ]  # of a field at the points of every surface; None for plain ones
 Streams = Mapping[int, NDArray[np.float64]]  # velocities (n, 3) of fluids, by the number of the surface
-Camera = tuple[Sequence[float], Sequence[float], Sequence[float]]
 
 NO_STREAMS: Streams = {}
 PALETTE = ("#4c78a8", "#f58518", "#54a24b", "#c9463d", "#72b7b2", "#b279a2", "#e0b93c", "#8c6d5a", "#7f8790")
 INK = "#2b3440"
 POSITIVE, NEGATIVE, SHEET = "#c0392b", "#1f5fa8", "#e67e22"
 """Colours of principal values above and below zero, and of diagrams."""
-PRESETS = {
-    "front": ((0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
-    "back": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
-    "left": ((-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
-    "right": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
-    "top": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
-    "bottom": ((0.0, 0.0, -1.0), (0.0, 1.0, 0.0)),
-    "iso": ((1.0, -1.0, 0.8), (0.0, 0.0, 1.0)),
-}
-"""Directions from which one looks at the whole, and what is up then."""
 MARGIN = 1.12  # of the view around what is shown
 WIDE = 1.25  # the same of what is flat, which would lie under the label
-LARGEST = 16384
-"""Most pixels along an edge of a picture."""
 VIEW = ((1.0, -1.7, 0.75), (0.0, 0.0, 1.0))  # from where one looks by default, and what is up
 ABOVE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))  # the same for what lies in the plane of the first two axes
-
-
-def refuse_size(size: tuple[int, int]) -> None:
-    """Refuse pictures of sizes that no renderer draws."""
-    if min(size) < 16 or max(size) > LARGEST:
-        raise InputError(f"a picture is 16 to {LARGEST} pixels wide and high, not {size[0]} x {size[1]}")
 
 
 @dataclass(frozen=True)

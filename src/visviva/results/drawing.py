@@ -108,10 +108,10 @@ class Drawing:
         return {name: width for name, width in found if name != "velocity"}
 
     @property
-    def stored(self) -> set[str]:
-        """Names of all that is stored at points."""
-        of_contacts = () if self._painting.is_blank else of_contact.FIELDS
-        return {*self.fields, *of_contacts, *(("velocity", "displacement") if self.surfaces else ())}
+    def stored(self) -> dict[str, int]:
+        """Numbers of components of all that is stored at points, by name."""
+        of_contacts = {} if self._painting.is_blank else of_contact.FIELDS
+        return self.fields | of_contacts | ({"velocity": 3, "displacement": 3} if self.surfaces else {})
 
     def points(self, x: Array) -> list[Array]:
         """Points of every surface at the unknowns `x`."""

@@ -28,7 +28,8 @@ from visviva.thermal.heat import HeatLaw
 
 T = TypeVar("T")
 
-TOP_LEVEL = ("title", "notes", "system", "newton", "run", "probes", "trails", "fields", "units")
+STUDY = ("probes", "trails", "fields", "moments", "movie", "pictures", "units")
+TOP_LEVEL = ("title", "notes", "system", "newton", "run", *STUDY)
 RUN = ("until", "step", "scheme", "adaptive")
 ATTACHMENTS: dict[str, tuple[str, ...]] = {
     "point": ("X",),

@@ -17,6 +17,7 @@ from visviva.base.unit_labels import Units
 from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.mesh.source_files import refuse_outside
+from visviva.output.pictures import Pictures
 from visviva.scene import language
 from visviva.scene.gallery import Source, plain_value
 from visviva.scene.text import Document, parse
@@ -101,6 +102,9 @@ def read_scene(
         probes=reader.probes(),
         trails=tuple(reader.value(("trails",), data.get("trails", []), list[str])),
         fields=tuple(reader.value(("fields",), data.get("fields", list(FIELDS)), list[str])),
+        moments=tuple(reader.value(("moments",), data.get("moments", []), list[float])),
+        movie=reader.value(("movie",), data.get("movie", False), bool),
+        pictures=reader.construct(("pictures",), Pictures, data.get("pictures", {})),
         title=reader.value(("title",), data.get("title", Path(file).stem), str),
         notes=reader.value(("notes",), data.get("notes", ""), str),
         units=reader.units(data.get("probes") or {}),

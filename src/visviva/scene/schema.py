@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 from visviva.analysis.adaptive import Adaptive
 from visviva.component.component import settings
 from visviva.component.values import VECTOR_SCHEMA
+from visviva.output.pictures import Pictures
 from visviva.scene import language
 from visviva.system.newton import Newton
 
@@ -41,6 +42,7 @@ def scene_schema() -> Schema:
         **language.schemes(),
         "Newton": Newton,
         "Adaptive": Adaptive,
+        "Pictures": Pictures,
     }
     definitions = {name: constructor(cls) for name, cls in classes.items()}
     definitions |= {
@@ -69,6 +71,9 @@ def scene_schema() -> Schema:
                 "probes": {"type": "object", "additionalProperties": ref("probe")},
                 "trails": {"type": "array", "items": TEXT},
                 "fields": {"type": "array", "items": TEXT},
+                "moments": {"type": "array", "items": {"type": "number"}},
+                "movie": {"type": "boolean"},
+                "pictures": ref("Pictures"),
                 "units": {"anyOf": [TEXT, {"type": "object", "additionalProperties": TEXT}]},
             },
             required=["system", "run"],

@@ -75,7 +75,8 @@ def of_study(study: Study) -> dict[str, Any]:
                 "such as vv.Position(of=...), vv.JointCoordinate(joint=...), or vv.ReactionForce(joint=...)"
             )
         data["probes"][name] = value(f"probe {name}", probe)
-    data["trails"] = list(study.trails)
+    data |= {"trails": list(study.trails), "moments": [float(t) for t in study.moments], "movie": study.movie}
+    data["pictures"] = given("pictures", study.pictures)
     fields = {} if tuple(study.fields) == FIELDS else {"fields": list(study.fields)}
     data["units"] = study.units if isinstance(study.units, str) else dict(study.system.units.names)
     return {key: item for key, item in data.items() if item} | fields

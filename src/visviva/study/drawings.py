@@ -67,6 +67,7 @@ def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, m
         options: dict[str, Any] = {
             "field": next((name for name in study.fields if name in motion.fields), ""),
             "trails": [s.name for s in motion.surfaces if s.name in study.trails],
+            **study.pictures.options,
         }
         reached = float(motion.times[-1]) + 1e-6 * study.step  # times add up with rounding
     due = [(files.picture, None), *((files.picture_at(m), m) for m in study.moments if m <= reached)]

@@ -58,7 +58,9 @@ def fingerprint(study: Study) -> tuple[Arguments, list[str]]:
             untold.extend(f"{owner}: {name} ({reason})" for reason in teller.untold)
         return texts
 
-    options = {name: getattr(study, name) for name in ("step", "scheme", "adaptive", "fields")}
+    options = {name: getattr(study, name) for name in ("step", "scheme", "adaptive")} | {
+        "fields": study.stored
+    }
     found: Arguments = {"visviva": {"version": visviva.__version__}}
     found["study"] = told("study", options | {f"probe {k}": p for k, p in study.probes.items()})
     found["Newton"] = told("Newton", arguments_of(system.newton))

@@ -9,10 +9,18 @@ from visviva.study.study import Probe, Study
 
 
 def draw(study: Study) -> Drawing:
-    """Drawn components of a study: its system, and its trails where no component has their name."""
+    """Drawn components of a study: its system, and its trails where no component has their name.
+
+    Raises
+    ------
+    InputError
+        For fields that the system has not, or that pictures cannot show.
+    """
     places = {name: place_of(study.probes[name]) for name in study.trails if name in study.probes}
     spots = {name: place for name, place in places.items() if place is not None}
-    return Drawing(study.system, spots, study.fields)
+    drawing = Drawing(study.system, spots, study.stored)
+    study.pictures.refuse_unshown(drawing.stored)
+    return drawing
 
 
 def place_of(probe: Probe) -> Vector | None:

@@ -12,6 +12,7 @@ from visviva.base.errors import InputError, nearest
 from visviva.component.component import refuse_absent
 from visviva.measure.names import columns_of, units_of
 from visviva.model.form import Form, Strain, Vector, refuse_foreign
+from visviva.output.pictures import ALWAYS, Pictures
 from visviva.scheme.schemes import EnergyMomentum, Scheme
 from visviva.system.system import System
 
@@ -29,6 +30,7 @@ TYPES: tuple[tuple[str, Any, str], ...] = (
     ("trails", Iterable, "a list of names of probes"),
     ("fields", Iterable, "a list of names of fields"),
     ("moments", Iterable, "a list of times"),
+    ("pictures", Pictures, "vv.Pictures(...)"),
     ("adaptive", Adaptive | None, "vv.Adaptive(...)"),
 )
 """Arguments of a study."""
@@ -55,6 +57,8 @@ class Study(metaclass=Named):
         Times of which `run` draws pictures, beside the end.
     movie : bool
         `run` makes a movie, too.
+    pictures : Pictures
+        What pictures and the movie show, and from where.
     title : str
     notes : str
         Choices the source leaves open.
@@ -73,6 +77,7 @@ class Study(metaclass=Named):
     fields: Sequence[str] = FIELDS
     moments: Sequence[float] = ()
     movie: bool = False
+    pictures: Pictures = field(default_factory=Pictures)
     title: str = ""
     notes: str = ""
     adaptive: Adaptive | None = None
@@ -95,6 +100,12 @@ class Study(metaclass=Named):
             raise InputError(
                 f"Study: trails name {unknown[0]!r}, which is no probe{nearest(unknown[0], self.probes)}"
             )
+
+    @property
+    def stored(self) -> tuple[str, ...]:
+        """Fields that the trajectory holds because they are asked for, by name or by what pictures show."""
+        shown = (name for name in self.pictures.named.values() if name not in ALWAYS)
+        return tuple(dict.fromkeys([*self.fields, *shown]))
 
 
 def measure(system: System, probe: Probe) -> Any:
