@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -78,6 +81,33 @@ def test_factors_of_pardiso_are_the_same_bits(kind: str, restored: None) -> None
         assert solver.solve(b, x)
         found.add(x.tobytes())
     assert len(found) == 1
+
+
+def test_the_number_holds_for_all_threads_of_python(restored: None) -> None:
+    """It was that of the calling thread: what another one computed took as many as there are cores."""
+    found = []
+
+    def elsewhere() -> None:
+        found.append(vv.use_threads())
+        vv.use_threads(5)
+
+    vv.use_threads(3)
+    another = threading.Thread(target=elsewhere)
+    another.start()
+    another.join()
+    assert [*found, vv.use_threads()] == [3, 5]
+
+
+def test_every_parallel_region_is_told_the_number() -> None:
+    core = Path(__file__).parents[1] / "cpp"
+    regions = [
+        line
+        for file in sorted([*core.rglob("*.?pp"), *core.rglob("*.h")])
+        for line in file.read_text().splitlines()
+        if re.search(r"\bomp\b.*\bparallel\b", line)
+    ]
+    assert regions
+    assert [line for line in regions if "num_threads(n_threads())" not in line] == []
 
 
 def test_there_are_as_many_threads_as_cores() -> None:

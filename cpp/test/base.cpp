@@ -2,9 +2,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <thread>
+#include <vector>
 
 #include "dense.hpp"
 #include "visviva/base/jet.hpp"
+#include "visviva/base/parallel.hpp"
 #include "visviva/base/vectors.hpp"
 
 #ifdef _OPENMP
@@ -153,13 +156,31 @@ TEST_CASE("vectors: sums are right, and the same bits for any number of threads"
         const double after = add_dot(0.5, a, y, a);
         CHECK(std::abs(after - (plain + 0.5 * Real(norm(a)) * norm(a))) <= 200 * eps * (size + n));
 #ifdef _OPENMP
-        const int before = omp_get_max_threads();
-        omp_set_num_threads(3);
+        const int before = n_threads();
+        use_threads(3);
         CHECK(dot(a, b) == sum);
         Vector again = b;
         CHECK(add_dot(0.5, a, again, a) == after);
         CHECK(again == y);
-        omp_set_num_threads(before);
+        use_threads(before);
 #endif
     }
 }
+
+#ifdef _OPENMP
+TEST_CASE("threads: one number for loops of all threads of a program, and for none of Eigen's") {
+    const int before = n_threads();
+    std::vector<int> team(6, 0);
+    auto count = [&] { parallel_for(6, [&](int i) { team[i] = omp_get_num_threads(); }); };
+    for (int n : {3, 2}) {
+        use_threads(n);
+        std::thread(count).join();
+        CHECK(team == std::vector<int>(6, n));
+        CHECK(Eigen::nbThreads() == 1);
+    }
+    std::thread([] { use_threads(4); }).join();
+    count();
+    CHECK(team == std::vector<int>(6, 4));
+    use_threads(before);
+}
+#endif

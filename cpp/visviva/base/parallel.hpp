@@ -2,6 +2,7 @@
 // one loop touch different data, so results are the same bits for any number of threads.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 
 #ifdef _OPENMP
@@ -10,26 +11,26 @@
 
 namespace visviva {
 
+// Asked for by any thread of the program; 0: none has. OpenMP's own number is that of the thread that sets it.
+inline std::atomic<int> threads_asked{0};
+
 // Threads of loops and of factorisations that are not ours.
 inline int n_threads() {
 #ifdef _OPENMP
-    return omp_get_max_threads();
+    const int asked = threads_asked;
+    return asked > 0 ? asked : omp_get_max_threads();
 #else
     return 1;
 #endif
 }
 
-inline void use_threads([[maybe_unused]] int n) {
-#ifdef _OPENMP
-    omp_set_num_threads(n);
-#endif
-}
+inline void use_threads(int n) { threads_asked = n; }
 
 template <class F>
 void parallel_for(int n, F f) {
 #ifdef _OPENMP
     if (n > 1 && n_threads() > 1) {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) num_threads(n_threads())
         for (int i = 0; i < n; ++i) f(i);
         return;
     }

@@ -17,10 +17,11 @@ def n_cores() -> int:
 
 
 def use_threads(n: int | None = None) -> int:
-    """Compute with so many threads from now on, in what the calling thread of Python runs; returns how many there are.
+    """Compute with so many threads from now on, whichever thread of Python runs it; returns how many there are.
 
     They share assembly, products with matrices, contact search and factorisations, of PARDISO as well. Results are the
-    same bits for any number: what threads do is divided in one way, and so is PARDISO's factorisation.
+    same bits for any number: what threads do is divided in one way, and so is PARDISO's factorisation. Systems that
+    several threads of Python step at once take as many each.
 
     Parameters
     ----------
