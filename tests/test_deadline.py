@@ -45,7 +45,25 @@ def test_two_of_the_longest_steps_have_to_fit_in(clock: Clock) -> None:
     assert end.is_near(saving=5.1)
 
 
-@pytest.mark.parametrize("text", ["12:60:00", "11:30", "90", "1-2", "-1:00:00", "01:00:00.5", ""])
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("30:00", 1800),
+        ("90:05", 5405),
+        ("1:30:00", 5400),
+        ("120:00:01", 432001),
+        ("1-02:03:04", 93784),
+        (" 0:01 ", 1),
+    ],
+)
+def test_times_are_read_as_schedulers_write_them(text: str, seconds: float) -> None:
+    """Two numbers are minutes and seconds to Slurm's --time, three hours, minutes and seconds."""
+    assert seconds_of(text) == seconds
+
+
+@pytest.mark.parametrize(
+    "text", ["12:60:00", "11:60", "1:5", "1-30:00", "90", "1-2", "-1:00:00", "01:00:00.5", "1::00", ""]
+)
 def test_other_times_are_refused(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ValueError, match="is no time such as 11:30:00"):
         seconds_of(text)

@@ -22,6 +22,7 @@ from visviva.examples import pendulum
         ("PMI_SIZE", "2", 2),
         ("SLURM_STEP_NUM_TASKS", "3", 3),
         ("PMIX_RANK", "1", 2),
+        ("PMIX_RANK", "0", 1),
         ("SLURM_NTASKS", "4", 1),  # of a batch script, which is one process
         ("OMPI_COMM_WORLD_SIZE", "1", 1),
         ("PMI_SIZE", "many", 1),
@@ -37,6 +38,23 @@ def test_launchers_say_how_many(name: str, value: str, n: int, monkeypatch: pyte
         processes.refuse_unaware()
     monkeypatch.setattr(processes, "world", n)  # they know of each other
     processes.refuse_unaware()
+
+
+def test_a_size_tells_more_than_a_rank(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One task of srun, started by a process that is itself one of several, has its rank in the environment."""
+    monkeypatch.setenv("PMIX_RANK", "3")
+    monkeypatch.setenv("SLURM_STEP_NUM_TASKS", "1")
+    assert processes.n_launched() == 1
+    assert processes.is_first()
+    assert not processes.may_be_several()
+    processes.refuse_unaware()
+
+
+def test_a_rank_alone_leaves_it_open_how_many_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not processes.may_be_several()
+    monkeypatch.setenv("PMIX_RANK", "0")
+    assert processes.may_be_several()
+    processes.refuse_unaware()  # one process of prterun is no reason to refuse anything
 
 
 def test_nothing_is_written(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

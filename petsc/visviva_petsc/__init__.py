@@ -24,7 +24,8 @@ def join() -> World:
 
     refuse_unfit()
     world = World(MPI.COMM_WORLD)
-    end_all_together(world)
+    if world.size > 1:
+        end_all_together(world)
     return world
 
 

@@ -126,7 +126,7 @@ TimeGiven = Annotated[
     Parameter(
         name="--time-limit",
         converter=lambda _, tokens: seconds_of(tokens[0].value),
-        help="HH:MM:SS from now on (or D-HH:MM:SS): stop in time with the state saved, exit code 75.",
+        help="HH:MM:SS from now on (or MM:SS, D-HH:MM:SS): stop in time with the state saved, exit code 75.",
     ),
 ]
 Profiled = Annotated[

@@ -11,7 +11,8 @@
 
 namespace visviva {
 
-// Asked for by any thread of the program; 0: none has. OpenMP's own number is that of the thread that sets it.
+// Asked for by any thread of the program; 0: none has. OpenMP's own number is that of the thread that sets
+// it.
 inline std::atomic<int> threads_asked{0};
 
 // Threads of loops and of factorisations that are not ours.

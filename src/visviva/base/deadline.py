@@ -18,7 +18,7 @@ class TimeLimit(RunError):
 
 
 def seconds_of(text: str) -> float:
-    """Seconds of a time as queues write it.
+    """Seconds of a time as queues write it: two numbers are minutes and seconds.
 
     Raises
     ------
@@ -27,14 +27,16 @@ def seconds_of(text: str) -> float:
 
     Examples
     --------
-    >>> seconds_of("01:30:00"), seconds_of("2-00:00:10")
-    (5400.0, 172810.0)
+    >>> seconds_of("30:00"), seconds_of("1:30:00"), seconds_of("2-00:00:10")
+    (1800.0, 5400.0, 172810.0)
     """
-    found = re.fullmatch(r"(?:(\d+)-)?(\d+):([0-5]\d):([0-5]\d)", text.strip())
+    found = re.fullmatch(r"(?:(?:(\d+)-)?(\d+):([0-5]\d)|(\d+)):([0-5]\d)", text.strip())
     if not found:
-        raise ValueError(f"{text!r} is no time such as 11:30:00 or 2-00:00:00 (days-hours:minutes:seconds)")
-    days, hours, minutes, seconds = (int(part or 0) for part in found.groups())
-    return 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds
+        raise ValueError(
+            f"{text!r} is no time such as 11:30:00, 30:00 (minutes:seconds) or 2-00:00:00 (days-hours:minutes:seconds)"
+        )
+    days, hours, minutes, alone, seconds = (int(part or 0) for part in found.groups())
+    return 86400.0 * days + 3600.0 * hours + 60.0 * (minutes + alone) + seconds
 
 
 def left_of(seconds: float | None) -> float | None:

@@ -24,7 +24,12 @@ def number_in(name: str) -> int:
 
 def n_launched() -> int:
     """Processes that were started at once with this one, as far as it can know."""
-    return max(1, number_in("PMIX_RANK") + 1, *map(number_in, SIZES))
+    return max(map(number_in, SIZES)) or number_in("PMIX_RANK") + 1
+
+
+def may_be_several() -> bool:
+    """Whether others may have been started with this one: PMIx alone tells a rank, and not how many there are."""
+    return n_launched() > 1 or ("PMIX_RANK" in os.environ and not any(map(number_in, SIZES)))
 
 
 def is_first() -> bool:

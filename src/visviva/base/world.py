@@ -120,7 +120,7 @@ def joined() -> World:
 
 
 def _found() -> World:
-    if processes.n_launched() == 1 or importlib.util.find_spec(PACKAGE) is None:
+    if not processes.may_be_several() or importlib.util.find_spec(PACKAGE) is None:
         return Alone()
     package = importlib.import_module(PACKAGE)
     if package.SEAM != SEAM:
@@ -130,4 +130,4 @@ def _found() -> World:
         )
     joined: World = package.join()
     processes.world = joined.size
-    return joined
+    return joined if joined.size > 1 else Alone()
