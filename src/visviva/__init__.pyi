@@ -115,6 +115,7 @@ from .mesh.lines import ArcMesh, LineMesh
 from .mesh.mesh import Mesh
 from .mesh.mesh_file import MeshFile
 from .mesh.spline import SplineBox, SplinePatch
+from .mesh.spline_joined import SplinePatches
 from .model.form import dot
 from .model.term import Term
 from .output.pictures import Pictures
@@ -345,6 +346,7 @@ __all__ = [
     "Spherical",
     "SplineBox",
     "SplinePatch",
+    "SplinePatches",
     "Spring",
     "SquaredDistance",
     "Static",

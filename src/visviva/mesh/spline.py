@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,10 +37,18 @@ Knots = Annotated[
 
 
 class SplineSource(metaclass=Validated):
-    """Base of what gives a patch of splines."""
+    """Base of what gives patches of splines.
 
-    def patch(self, periodic: Sequence[int] = ()) -> SplinePatch:
-        """The patch, smooth across the ends of some coordinates, which are taken for the same.
+    Attributes
+    ----------
+    numbers : list of array of int, (n_control,), or None
+        Of the control points of each patch, the same where patches are joined; None for a single patch.
+    """
+
+    numbers: ClassVar[list[Ints] | None] = None
+
+    def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
+        """The patches, smooth across the ends of some coordinates, which are taken for the same.
 
         Raises
         ------
@@ -266,13 +274,13 @@ class SplinePatch(SplineSource):
         weights = None if self.weights is None else Q[..., -1]
         return replace(self, knots=knots, control=Q[..., :-1] / Q[..., -1:], weights=weights)
 
-    def patch(self, periodic: Sequence[int] = ()) -> SplinePatch:
+    def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
         if set(periodic) - set(self.wrapped):
             raise InputError(
                 f"SplinePatch: it is not smooth across the ends of direction {min(set(periodic) - set(self.wrapped))}; "
                 "vv.SplineBox is where it is periodic"
             )
-        return self
+        return (self,)
 
     def sampled(self, samples: int) -> tuple[Mesh, Array]:
         """A mesh of plain cells, so many along each knot span, and the parameters (n_nodes, d) of its nodes."""
@@ -301,7 +309,7 @@ class SplineBox(SplineSource):
 
     Examples
     --------
-    >>> SplineBox(size=(2, 1), counts=(4, 2), degree=3).patch().control.shape
+    >>> SplineBox(size=(2, 1), counts=(4, 2), degree=3).parts()[0].control.shape
     (7, 5, 2)
     """
 
@@ -322,7 +330,7 @@ class SplineBox(SplineSource):
         if self.origin and len(self.origin) != len(self.size):
             raise InputError(f"SplineBox: origin {self.origin} needs {len(self.size)} coordinates")
 
-    def patch(self, periodic: Sequence[int] = ()) -> SplinePatch:
+    def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
         p, knots, greville = self.degree, [], []
         origin = self.origin or (0.0,) * len(self.size)
         for k, (length, n) in enumerate(zip(self.size, self.counts, strict=True)):
@@ -335,6 +343,6 @@ class SplineBox(SplineSource):
             knots.append(t)
             greville.append(origin[k] + np.stack([t[i + 1 : i + p + 1].mean() for i in range(n + p)]))
         control = np.stack(np.meshgrid(*greville, indexing="ij"), axis=-1)
-        return SplinePatch(
-            degrees=(p,) * len(self.size), knots=knots, control=control, wrapped=tuple(periodic)
+        return (
+            SplinePatch(degrees=(p,) * len(self.size), knots=knots, control=control, wrapped=tuple(periodic)),
         )

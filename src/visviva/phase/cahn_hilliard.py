@@ -100,7 +100,7 @@ class CahnHilliard(PhaseBody):
             self._refuse_rough()
 
     def _refuse_rough(self) -> None:
-        if not isinstance(self.space, SplineSpace) or self.space.patch.smoothness < 1:
+        if not isinstance(self.space, SplineSpace) or self.space.smoothness < 1:
             raise InputError(
                 f"{self.label}: form = 'direct' needs splines whose first derivatives are continuous, such as "
                 "vv.SplineBox(degree=2); take form = 'mixed' on others"
@@ -109,7 +109,7 @@ class CahnHilliard(PhaseBody):
             raise InputError(
                 f"{self.label}: form = 'direct' needs an isotropic gradient_energy; take 'mixed'"
             )
-        if not isinstance(self.mesh, SplineBox) and len(self.periodic) < self.space.patch.dimension:
+        if not isinstance(self.mesh, SplineBox) and len(self.periodic) < self.space.grid.dimension:
             raise InputError(
                 f"{self.label}: form = 'direct' knows sides without flux of vv.SplineBox alone; take form = 'mixed'"
             )

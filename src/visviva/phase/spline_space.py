@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -11,12 +12,15 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.body.mesh_points import face_points
+from visviva.mesh import convert
 from visviva.mesh.cells import CELLS
-from visviva.mesh.faces import Faces
+from visviva.mesh.faces import Faces, corner_rows
 from visviva.mesh.geometry import determinant
 from visviva.mesh.grid import SIDES
+from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
-from visviva.mesh.spline import SplineSource
+from visviva.mesh.spline import SplinePatch, SplineSource
+from visviva.mesh.spline_joined import CLOSE
 from visviva.phase.space import Table
 
 Array = NDArray[np.float64]
@@ -24,7 +28,7 @@ Ints = NDArray[np.int64]
 
 
 class SplineSpace:
-    """Splines on one patch; what is drawn is a fine mesh of plain cells.
+    """Splines on one patch or several; what is drawn is a fine mesh of plain cells.
 
     Parameters
     ----------
@@ -52,43 +56,39 @@ class SplineSpace:
         level_at_sides: bool = False,
     ) -> None:
         directions = [direction_of(pair) for pair in periodic]
-        self.patch, self.thickness = source.patch(directions), thickness
-        self.number, self.size = self._numbering(directions, level_at_sides)
-        self.grid, self._xi = self.patch.sampled(max(2, max(self.patch.degrees)))
+        self.patches, self.thickness = source.parts(directions), thickness
+        if source.numbers is None:
+            self.numbers = [numbering(self.patches[0], directions, level_at_sides)]
+        else:
+            self.numbers = source.numbers
+        self.size = 1 + max(int(number.max()) for number in self.numbers)
+        self._samples_of_span = max(2, *(max(p.degrees) for p in self.patches))
+        self.grid, self._xi, self._nodes = sampled(self.patches, self._samples_of_span)
 
-    def _numbering(self, periodic: Sequence[int], level: bool) -> tuple[Ints, int]:
-        """Coefficient (n_control,) of every control point, and how many there are."""
-        shape, along = self.patch.control.shape[:-1], []
-        for k, n in enumerate(shape):
-            here = np.arange(n)
-            if k in periodic:
-                here %= n - self.patch.degrees[k]
-            elif level:
-                here[0], here[-1] = 1, n - 2
-            along.append(np.unique(here, return_inverse=True)[1])
-        counts = [int(a.max()) + 1 for a in along]
-        number = np.zeros(1, dtype=np.int64)
-        for a, n in zip(along, counts, strict=True):
-            number = (number[:, None] * n + a[None]).ravel()
-        return number, int(np.prod(counts))
+    @property
+    def smoothness(self) -> int:
+        """So many derivatives are continuous."""
+        return 0 if len(self.patches) > 1 else self.patches[0].smoothness
 
     @property
     def spacing(self) -> float:
         """Longest knot span."""
         points = self.grid.points
-        step = max(2, max(self.patch.degrees))
         cells = next(iter(self.grid.cells.values()))
-        return float(step * np.ptp(points[cells], axis=1).max())
+        return float(self._samples_of_span * np.ptp(points[cells], axis=1).max())
 
     def cells(self) -> Sequence[Table]:
-        return [self._cells]
+        return self._cells
 
     @cached_property
-    def _cells(self) -> Table:
-        xi, w = self._points()
+    def _cells(self) -> list[Table]:
+        return [self._table(patch, number) for patch, number in zip(self.patches, self.numbers, strict=True)]
+
+    def _table(self, patch: SplinePatch, number: Ints) -> Table:
+        xi, w = gauss_points(patch)
         q = w.shape[1]
-        numbers, N, dN, H = self.patch.functions(xi)
-        P = self.patch.control.reshape(-1, self.patch.dimension)[numbers]
+        numbers, N, dN, H = patch.functions(xi)
+        P = patch.control.reshape(-1, patch.dimension)[numbers]
         X = np.einsum("nk,nkc->nc", N, P)
         J = np.einsum("nka,nkc->nca", dN, P)
         if not determinant(J).min() > 0:
@@ -100,13 +100,13 @@ class SplineSpace:
         gradients = dN @ inverse
         bend = H - np.einsum("nkc,ncab->nkab", gradients, np.einsum("nkab,nkc->ncab", H, P))
         laplacians = np.einsum("nac,nkab,nbc->nk", inverse, bend, inverse)
-        d = self.patch.dimension
+        d = patch.dimension
 
         def by_cell(a: Array) -> Array:
             return np.ascontiguousarray(a.reshape(-1, q, *a.shape[1:]))
 
         return Table(
-            numbers=self.number[numbers.reshape(-1, q, numbers.shape[1])[:, 0]],
+            numbers=number[numbers.reshape(-1, q, numbers.shape[1])[:, 0]],
             N=by_cell(N),
             gradients=by_cell(np.pad(gradients, ((0, 0), (0, 0), (0, 3 - d)))),
             size=by_cell(determinant(J)) * w * (self.thickness if d == 2 else 1.0),
@@ -114,39 +114,30 @@ class SplineSpace:
             laplacians=by_cell(laplacians),
         )
 
-    def _points(self) -> tuple[Array, Array]:
-        """Parameters (m q, d) of Gauss points, degree and one in each direction, and weights (m, q)."""
-        places, weights = [], []
-        for k, p in enumerate(self.patch.degrees):
-            x, w = np.polynomial.legendre.leggauss(p + 1)
-            b = self.patch.breaks(k)
-            half = 0.5 * np.diff(b)
-            places.append(b[:-1, None] + half[:, None] * (1 + x))
-            weights.append(half[:, None] * w)
-        d = self.patch.dimension
-
-        def spread(parts: Sequence[Array], k: int) -> Array:
-            """Of direction k on all spans, then all points."""
-            spans, n = self.patch.counts, [len(a[0]) for a in parts]
-            shape = [1] * (2 * d)
-            shape[k], shape[d + k] = spans[k], n[k]
-            return np.broadcast_to(parts[k].reshape(shape), (*spans, *n)).reshape(int(np.prod(spans)), -1)
-
-        xi = np.stack([spread(places, k) for k in range(d)], axis=-1)
-        w = np.prod([spread(weights, k) for k in range(d)], axis=0)
-        return xi.reshape(-1, d), np.asarray(w)
-
     def walls(self, faces: Faces) -> Iterator[Table]:
         """Tables of faces of the mesh that is drawn, whose plain shape their size is taken from."""
+        ends = np.cumsum([0, *(self._samples_of_span**p.dimension * np.prod(p.counts) for p in self.patches)])
+        for k in range(len(self.patches)):
+            own = {kind: (rows >= ends[k]) & (rows < ends[k + 1]) for kind, rows in faces.owners.items()}
+            part = Faces(
+                *({kind: rows[own[kind]] for kind, rows in of.items()} for of in (faces.cells, faces.owners))
+            )
+            yield from self._walls(k, part)
+
+    def _walls(self, k: int, faces: Faces) -> Iterator[Table]:
+        patch, local = self.patches[k], np.zeros(self.grid.n_nodes, dtype=np.int64)
+        local[self._nodes[k]] = np.arange(len(self._nodes[k]))
         for p in face_points(self.grid, faces, thickness=self.thickness):
+            if not len(p.nodes):
+                continue
             kind = next(name for name, nodes in faces.cells.items() if nodes is p.nodes)
-            xi = np.einsum("mkc,qk->mqc", self._xi[p.nodes], CELLS[kind].N(mass_rule(kind).points))
+            xi = np.einsum("mkc,qk->mqc", self._xi[k][local[p.nodes]], CELLS[kind].N(mass_rule(kind).points))
             q = xi.shape[1]
             # all points of a face see the functions of its first point, whose span is that of the face's middle
-            numbers, N, _, _ = self.patch.functions(xi.reshape(-1, self.patch.dimension))
+            numbers, N, _, _ = patch.functions(xi.reshape(-1, patch.dimension))
             values = N.reshape(-1, q, N.shape[1])
             yield Table(
-                numbers=self.number[numbers.reshape(-1, q, numbers.shape[1])[:, 0]],
+                numbers=self.numbers[k][numbers.reshape(-1, q, numbers.shape[1])[:, 0]],
                 N=values,
                 gradients=np.zeros((*values.shape, 3)),
                 size=p.size,
@@ -158,10 +149,15 @@ class SplineSpace:
         """From coefficients to the nodes of the grid, as a sparse matrix."""
         import scipy.sparse as sp
 
-        numbers, N, _, _ = self.patch.functions(self._xi)
-        rows = np.repeat(np.arange(len(N)), N.shape[1])
-        shape = (len(N), self.size)
-        return sp.csr_array(sp.coo_array((N.ravel(), (rows, self.number[numbers].ravel())), shape=shape))
+        seen, parts = np.zeros(self.grid.n_nodes, dtype=bool), []
+        for patch, number, xi, nodes in zip(self.patches, self.numbers, self._xi, self._nodes, strict=True):
+            new = ~seen[nodes]
+            seen[nodes] = True
+            numbers, N, _, _ = patch.functions(xi[new])
+            rows = np.repeat(nodes[new], N.shape[1])
+            parts.append((N.ravel(), rows, number[numbers].ravel()))
+        values, rows, columns = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(self.grid.n_nodes, self.size)))
 
     def at_nodes(self, coefficients: Array) -> Array:
         return np.asarray(self._samples @ coefficients)
@@ -181,6 +177,71 @@ class SplineSpace:
         held = self.held(nodes)
         S = self._samples[nodes][:, held].toarray()
         return np.asarray(np.linalg.lstsq(S, values, rcond=None)[0])
+
+
+def numbering(patch: SplinePatch, periodic: Sequence[int], level: bool) -> Ints:
+    """Coefficient (n_control,) of every control point of a patch that stands alone."""
+    shape, along = patch.control.shape[:-1], []
+    for k, n in enumerate(shape):
+        here = np.arange(n)
+        if k in periodic:
+            here %= n - patch.degrees[k]
+        elif level:
+            here[0], here[-1] = 1, n - 2
+        along.append(np.unique(here, return_inverse=True)[1])
+    number = np.zeros(1, dtype=np.int64)
+    for a in along:
+        number = (number[:, None] * (int(a.max()) + 1) + a[None]).ravel()
+    return number
+
+
+def sampled(patches: Sequence[SplinePatch], samples: int) -> tuple[Mesh, list[Array], list[Ints]]:
+    """A mesh of plain cells of all patches, and the parameters (n, d) and numbers (n,) of the nodes of each."""
+    made = [patch.sampled(samples) for patch in patches]
+    if len(made) == 1:
+        return made[0][0], [made[0][1]], [np.arange(made[0][0].n_nodes)]
+    named = [
+        replace(mesh, face_sets={f"{k}.{name}": faces for name, faces in mesh.face_sets.items()})
+        for k, (mesh, _) in enumerate(made)
+    ]
+    apart = convert.joined(named)
+    close = CLOSE * float(np.ptp(apart.points, axis=0).max())
+    grid = convert.welded(apart, 10 * close)
+    rows = [np.concatenate([c.ravel() for c in mesh.cells.values()]) for mesh in (apart, grid)]
+    number = np.empty(apart.n_nodes, dtype=np.int64)
+    number[rows[0]] = rows[1]
+    outer = grid.boundary()
+    kept = {name: faces for name, faces in grid.face_sets.items() if is_part(faces, outer)}
+    nodes = np.split(number, np.cumsum([mesh.n_nodes for mesh, _ in made])[:-1])
+    return replace(grid, face_sets=kept), [xi for _, xi in made], nodes
+
+
+def is_part(faces: Faces, of: Faces) -> bool:
+    """Whether faces are all among others."""
+    return set(corner_rows(faces)) <= set(corner_rows(of))
+
+
+def gauss_points(patch: SplinePatch) -> tuple[Array, Array]:
+    """Parameters (m q, d) of Gauss points, degree and one in each direction, and weights (m, q)."""
+    places, weights = [], []
+    for k, p in enumerate(patch.degrees):
+        x, w = np.polynomial.legendre.leggauss(p + 1)
+        b = patch.breaks(k)
+        half = 0.5 * np.diff(b)
+        places.append(b[:-1, None] + half[:, None] * (1 + x))
+        weights.append(half[:, None] * w)
+    d = patch.dimension
+
+    def spread(parts: Sequence[Array], k: int) -> Array:
+        """Of direction k on all spans, then all points."""
+        spans, n = patch.counts, [len(a[0]) for a in parts]
+        shape = [1] * (2 * d)
+        shape[k], shape[d + k] = spans[k], n[k]
+        return np.broadcast_to(parts[k].reshape(shape), (*spans, *n)).reshape(int(np.prod(spans)), -1)
+
+    xi = np.stack([spread(places, k) for k in range(d)], axis=-1)
+    w = np.prod([spread(weights, k) for k in range(d)], axis=0)
+    return xi.reshape(-1, d), np.asarray(w)
 
 
 def direction_of(pair: tuple[str, str]) -> int:
