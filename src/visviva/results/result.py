@@ -34,7 +34,7 @@ from visviva.results.showing import (
     write_directory,
     write_trajectory,
 )
-from visviva.system.memory import refuse_recomposed
+from visviva.system.memory import holds, refuse_recomposed
 
 if TYPE_CHECKING:
     from visviva.output.directory import RunDirectory
@@ -133,11 +133,6 @@ class Result:
     def system(self) -> System:
         self._refuse_other_run()
         return self._system
-
-    @property
-    def _is_present(self) -> bool:
-        """Whether its system holds this run, and was not reset since."""
-        return self._system.composition is self._composition
 
     def _refuse_other_run(self) -> None:
         refuse_recomposed("Result", self._system, self._composition)
@@ -305,7 +300,8 @@ class Result:
         return f"Result({end} with {self.scheme}, {len(self.times)} states kept)"
 
     def _repr_html_(self) -> str:
-        return html_of(self) if self._is_present else table([], title=repr(self))
+        is_present = holds(self._system, self._composition)
+        return html_of(self) if is_present else table([], title=repr(self))
 
     def conservation(self) -> dict[str, float]:
         """Relative errors: energy balance, each momentum, constraints at position and velocity level.

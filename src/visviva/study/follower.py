@@ -22,23 +22,12 @@ Array = NDArray[np.float64]
 class Follower(Recorder):
     """Takes part in all that is evaluated for the files of a run, which the first process writes."""
 
-    @classmethod
-    def start(
-        cls,
-        study: Study,
-        files: RunDirectory,
-        cadence: Cadence,
-        notes: dict[str, Any],
-        project: bool = False,
-        overwrite: bool = False,
-    ) -> Recorder:
+    def open(self, overwrite: bool) -> None:
         """Evaluate what the first process writes at the start."""
-        follower = cls._of(study, files, *begin(study.system, study.scheme, project=project, step=study.step))
-        follower.cadence = cadence
-        follower.write_row(np.zeros(0))
-        follower.write_frame()
-        follower.save()
-        return follower
+        probe_columns(self.study)
+        self.write_row(np.zeros(0))
+        self.write_frame()
+        self.save()
 
     @classmethod
     def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
@@ -47,14 +36,10 @@ class Follower(Recorder):
         changed = Origin.read(files).resumed(files, study, force)[1]
         result, books = begin(study.system, study.scheme, project=True, step=study.step)
         restart.load(files.state, result, books, bool(changed))
-        follower = cls._of(study, files, result, books)
+        probe_columns(study)
+        follower = cls(study, files, result, books, Origin({}, []))
         follower.cadence, follower.saved_time = Cadence(**kept["cadence"]), study.system.time
         return follower
-
-    @classmethod
-    def _of(cls, study: Study, files: RunDirectory, result: Any, books: Any) -> Follower:
-        probe_columns(study)
-        return cls(study, files, result, books, Origin({}, []))
 
     def write_row(self, row: Array) -> None:
         """Evaluate the probes."""

@@ -124,31 +124,35 @@ class Recorder:
         project: bool = False,
         overwrite: bool = False,
     ) -> Recorder:
-        """Open the files of a new run and write the initial state into them."""
+        """Begin a new run."""
         origin = Origin.of(study)
         result, books = begin(study.system, study.scheme, project=project, step=study.step)
-        columns = probe_columns(study)
-        recorder = cls(study, RunDirectory.create(files.path, overwrite), result, books, origin)
+        recorder = cls(study, files, result, books, origin)
         recorder.cadence, recorder.notes = cadence, notes
-        with files.beginning(), recorder.closed_on_failure():
-            origin.write(files)
-            labels = recorder.write_labels(columns)
-            units = ledger_units(books.ledger.names, study.system.units, study.scheme)
-            recorder.ledger = Table(files.ledger, units)
-            recorder.probes = Table(files.probes, with_clock(columns, study.scheme))
-            if recorder.drawing.surfaces:
-                n_frames = int((study.until - study.system.time) / study.step / cadence.frames) + 3
-                recorder.trajectory = TrajectoryWriter(
-                    files.trajectory, recorder.drawing.surfaces, n_frames, labels
-                )
-            first = result.records[0]
-            recorder.states = StateFile(files.states, len(study.system.x), [r.shape for r in first])
-            result.kept, result.directory = recorder.states, recorder.files
-            first_row = books.ledger.rows.pop()
-            recorder.write_all(first_row, (True, True, True))
-            books.ledger.file = recorder.ledger
-            recorder.save()
+        recorder.open(overwrite)
         return recorder
+
+    def open(self, overwrite: bool) -> None:
+        """Open the files of a new run and write the initial state into them."""
+        study, files, books = self.study, self.files, self.books
+        columns = probe_columns(study)
+        self.files = self.result.directory = RunDirectory.create(files.path, overwrite)
+        with files.beginning(), self.closed_on_failure():
+            self.origin.write(files)
+            labels = self.write_labels(columns)
+            self.ledger = Table(
+                files.ledger, ledger_units(books.ledger.names, study.system.units, study.scheme)
+            )
+            self.probes = Table(files.probes, with_clock(columns, study.scheme))
+            if self.drawing.surfaces:
+                n_frames = int((study.until - study.system.time) / study.step / self.cadence.frames) + 3
+                self.trajectory = TrajectoryWriter(files.trajectory, self.drawing.surfaces, n_frames, labels)
+            shapes = [r.shape for r in self.result.records[0]]
+            self.result.kept = self.states = StateFile(files.states, len(study.system.x), shapes)
+            first_row = books.ledger.rows.pop()
+            self.write_all(first_row, (True, True, True))
+            books.ledger.file = self.ledger
+            self.save()
 
     @classmethod
     def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:

@@ -230,6 +230,11 @@ def _give(term: Term, history: Arrays, trial: Arrays, at_tangent: Arrays, before
     term.history_at_tangent, term.history_before = dict(at_tangent), dict(before)
 
 
+def holds(system: System, composition: object) -> bool:
+    """Whether a system was not reset since this composition of it was noted."""
+    return system.composition is composition
+
+
 def refuse_recomposed(whose: str, system: System, composition: object) -> None:
     """Refuse to go on with a system that was reset since this composition of it was noted.
 
@@ -238,7 +243,7 @@ def refuse_recomposed(whose: str, system: System, composition: object) -> None:
     InputError
         With the cure.
     """
-    if system.composition is not composition:
+    if not holds(system, composition):
         raise InputError(
             f"{whose}: its system was reset since (start='beginning' does so) and holds another run; look at "
             "earlier results before that, or go on with a system.copy(). Arrays that were kept can still be read"
