@@ -18,7 +18,6 @@ from visviva.component.component import Component
 from visviva.examples import valve
 from visviva.flow import location
 from visviva.flow.location import Location
-from visviva.flow.transfer import Transfer
 from visviva.mesh.cells import CELLS, Cell
 from visviva.system.consistency import initial_acceleration
 from visviva.system.problem import problem_of
@@ -33,7 +32,7 @@ def test_linear_velocities_are_interpolated_exactly(cell: str) -> None:
     vv.System([fluid, vv.Outlet(fluid=fluid, faces="all")])
     places = np.random.default_rng(1).uniform(0.0, 1.0, (40, fluid.dimension))
     v = fluid.points @ np.random.default_rng(2).standard_normal((3, 3)) + [1, 2, 3]
-    unknowns, weights = Transfer(fluid).at(fluid.at(places))
+    unknowns, weights = fluid.transfer.at(fluid.at(places))
     nodes = (unknowns - fluid.flow.start) // fluid.dimension
     expected = (
         np.pad(places, ((0, 0), (0, 3 - fluid.dimension)))
@@ -52,7 +51,7 @@ def test_quadratic_velocities_are_exact_away_from_the_boundary() -> None:
     def field(X: Array) -> Array:
         return np.asarray(X[:, 0] ** 2 - 3 * X[:, 0] * X[:, 1] + 2 * X[:, 1] ** 2)
 
-    unknowns, weights = Transfer(fluid).at(fluid.at(places))
+    unknowns, weights = fluid.transfer.at(fluid.at(places))
     found = np.sum(weights * field(fluid.points)[(unknowns - fluid.flow.start) // 2], axis=1)
     assert np.allclose(found, field(places), rtol=0, atol=1e-13)
 

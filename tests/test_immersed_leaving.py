@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.base.errors import RunError
-from visviva.flow.transfer import Transfer
 from visviva.study.run import run
 
 Array = NDArray[np.float64]
@@ -185,7 +184,7 @@ def test_nothing_moves_through_walls_beside_their_edges(cell: str) -> None:
             for pair in ((0 * along + side, along), (along, 0 * along + side))
         ]
     )
-    unknowns, weights = Transfer(fluid).at(fluid.at(rim))
+    unknowns, weights = fluid.transfer.at(fluid.at(rim))
     free = ~fluid.flow.fixed[unknowns - fluid.flow.start]
     assert np.abs(np.where(free, weights, 0.0)).max() < 1e-12
 

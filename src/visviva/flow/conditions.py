@@ -86,6 +86,11 @@ class Conditions:
         """Largest prescribed velocity at the start."""
         return max((float(np.abs(c.velocities_at(0.0)).max(initial=0.0)) for c in self.listed), default=0.0)
 
+    @property
+    def walls(self) -> list[Faces]:
+        """Where the fluid sticks."""
+        return [c.chosen for c in self.listed if c.rank == 0]
+
     def share(self, condition: Condition) -> NDArray[np.int64]:
         """Numbers in the fluid's field of the components that a condition holds."""
         return np.flatnonzero(self._shares[id(condition)])

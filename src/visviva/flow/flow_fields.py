@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -17,36 +17,29 @@ if TYPE_CHECKING:
     from visviva.flow.elements import Batch
     from visviva.flow.fluid import Fluid
     from visviva.output.streamlines import StreamFunction
+    from visviva.output.surface import Surface
 
 Array = NDArray[np.float64]
 
 CHUNK = 4096  # elements whose gradients are held at a time
 
 
-def raw_pressures(fluid: Fluid, x: Array) -> Array:
-    """The unknown pressures by number."""
-    return x[fluid.pressure.start : fluid.pressure.start + fluid.pressure.size]
-
-
-def level(fluid: Fluid, x: Array) -> float:
-    """Constant subtracted from the unknown pressures, so that their mean vanishes where nothing else fixes them."""
-    if not fluid.conditions.closed:
-        return 0.0
-    p, total, size = raw_pressures(fluid, x), 0.0, 0.0
-    for batch in fluid.batches:
+def mean_pressure(batches: Iterable[Batch], corners: Mapping[str, Array]) -> float:
+    """Mean over a fluid of pressures (m, p) at the corners of the elements of each type."""
+    total, size = 0.0, 0.0
+    for batch in batches:
         _, volume = batch.geometry()
-        total += float(np.sum(volume * (p[fluid.pressure_number[batch.cell]] @ batch.M.T)))
+        total += float(np.sum(volume * (corners[batch.cell] @ batch.M.T)))
         size += float(volume.sum())
     return total / size
 
 
-def nodal_pressures(fluid: Fluid, x: Array) -> Array:
-    """Pressures (n_nodes,), linear between corners."""
-    p, found = raw_pressures(fluid, x), np.zeros(fluid.grid.n_nodes)
-    for batch in fluid.batches:
-        N = linear(CELLS[batch.cell]).N(CELLS[batch.cell].nodes)
-        found[batch.nodes] = p[fluid.pressure_number[batch.cell]] @ N.T
-    return found - level(fluid, x)
+def nodal_pressures(batches: Iterable[Batch], corners: Mapping[str, Array], n: int) -> Array:
+    """Pressures (n,) of the nodes, linear between those (m, p) at the corners of the elements of each type."""
+    found = np.zeros(n)
+    for batch in batches:
+        found[batch.nodes] = corners[batch.cell] @ linear(CELLS[batch.cell]).N(CELLS[batch.cell].nodes).T
+    return found
 
 
 def divergences(batches: Iterable[Batch], v: Array) -> Iterator[tuple[Array, Array]]:
@@ -90,9 +83,7 @@ def velocity_gradient(fluid: Fluid, x: Array) -> Array:
 def stress(fluid: Fluid, x: Array) -> Array:
     """Cauchy's stress (n, 6) at the nodes: xx, yy, zz, xy, yz, zx of ``-p I + mu (grad v + grad v^T)``."""
     L = nodal_gradients(fluid.batches, fluid.by_node(x))
-    sigma = fluid.viscosity * (L + np.swapaxes(L, 1, 2)) - nodal_pressures(fluid, x)[:, None, None] * np.eye(
-        3
-    )
+    sigma = fluid.viscosity * (L + np.swapaxes(L, 1, 2)) - fluid.pressures(x)[:, None, None] * np.eye(3)
     return components(sigma)
 
 
@@ -110,15 +101,15 @@ def stream_function(fluid: Fluid, x: Array) -> Array:
     return np.asarray(psi - psi[0])
 
 
-def streams(fluid: Fluid) -> StreamFunction:
-    """Solver for the stream function of a fluid, over triangles between all of its nodes."""
+def streams(drawn: Surface) -> StreamFunction:
+    """Solver for the stream function of a plane fluid, over triangles between all of its nodes."""
     from visviva.output.skin import skin
     from visviva.output.streamlines import StreamFunction
 
     parts = []
-    for block in skin(fluid.drawn()):
+    for block in skin(drawn):
         parts += [block[:, [0, k, k + 1]] for k in range(1, block.shape[1] - 1)]
-    return StreamFunction(fluid.grid.points[:, :2], np.concatenate(parts))
+    return StreamFunction(drawn.points[:, :2], np.concatenate(parts))
 
 
 FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
@@ -133,11 +124,10 @@ FIELDS: dict[str, Callable[[Fluid, Array], Array]] = {
 """Fields of fluids that can be recorded and written by name."""
 
 
-def widths(fluid: Fluid) -> dict[str, int]:
-    """Number of components of every field."""
-    own = {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if fluid.dimension == 2 else 3}
-    own |= {"velocity_gradient": 9, "stress": 6} | ({"stream_function": 1} if fluid.dimension == 2 else {})
-    return own | dict.fromkeys(fluid.carried, 1)
+def widths(dimension: int) -> dict[str, int]:
+    """Number of components of every field that all fluids have."""
+    own = {"velocity": 3, "speed": 1, "pressure": 1, "vorticity": 1 if dimension == 2 else 3}
+    return own | {"velocity_gradient": 9, "stress": 6} | ({"stream_function": 1} if dimension == 2 else {})
 
 
 def flow_field(fluid: Fluid, name: str) -> Callable[[Array], Array]:

@@ -187,7 +187,7 @@ class Fluid(Meshed):
             refuse_dry(self, model)
         self._gravity = np.zeros(3)
         self.conditions = Conditions(self, model)
-        self.transfer = Transfer(self)  # which depends on the conditions
+        self.transfer = Transfer(self.grid, self.number, self.number_unknowns, self.conditions.walls)
         v = np.zeros((self.n_numbers, self.dimension))
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
@@ -297,7 +297,7 @@ class Fluid(Meshed):
         )
         term.name = self.label
         force = -1
-        if self.is_loaded(model):
+        if self._is_loaded(model):
             load = self._loader(batch.places)
             self._loads.append(load)
             term.set_force(load, batch.places.size)
@@ -332,10 +332,11 @@ class Fluid(Meshed):
         """Accelerations without divergence; pressures that are multipliers see to that by themselves."""
         if not self.is_stabilised:
             return None
-        flux = divergence_rows(self, len(state.x))
+        shape = self.pressure.size, len(state.x)
+        flux = divergence_rows(self.batches, self.node_unknowns, self.pressure_number, shape)
         return np.array(self.pressure.unknowns), flux, np.zeros(self.pressure.size)
 
-    def is_loaded(self, model: Model) -> bool:
+    def _is_loaded(self, model: Model) -> bool:
         """Whether a force may act on its volume."""
         weighed = bool(model.announced(self, Gravity))
         return weighed or self._force is not None or bool(np.any(self.body_force))
@@ -364,7 +365,17 @@ class Fluid(Meshed):
         """Pressures (n,) at the nodes; where nothing fixes their level, their mean over the fluid is zero."""
         from visviva.flow.flow_fields import nodal_pressures
 
-        return nodal_pressures(self, x)
+        return nodal_pressures(self.batches, self._corner_pressures(x), self.grid.n_nodes) - self.level(x)
+
+    def level(self, x: Array) -> float:
+        """Constant subtracted from the unknown pressures, so that their mean vanishes where nothing else fixes them."""
+        from visviva.flow.flow_fields import mean_pressure
+
+        return mean_pressure(self.batches, self._corner_pressures(x)) if self.conditions.closed else 0.0
+
+    def _corner_pressures(self, x: Array) -> dict[str, Array]:
+        """The unknown ones (m, p) of the elements of each cell type."""
+        return {cell: x[self.pressure_unknowns(cell)] for cell in self.pressure_number}
 
     def positions(self, x: Array) -> Array:
         return self.points
@@ -379,7 +390,7 @@ class Fluid(Meshed):
     def widths(self) -> Mapping[str, int]:
         from visviva.flow.flow_fields import widths
 
-        return widths(self)
+        return widths(self.dimension) | dict.fromkeys(self.carried, 1)
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
         from visviva.flow.flow_fields import flow_field
@@ -391,7 +402,7 @@ class Fluid(Meshed):
         """Solver for its stream function."""
         from visviva.flow.flow_fields import streams
 
-        return streams(self)
+        return streams(self.drawn())
 
     @cached_property
     def location(self) -> Location:

@@ -244,7 +244,5 @@ class Place:
 
     def pressures(self, x: Array) -> Array:
         """Pressures (n,) at the unknowns `x` of the system."""
-        from visviva.flow.flow_fields import level
-
         p = np.einsum("np,np->n", self.pressure_weights, x[self.pressure_unknowns])
-        return np.asarray(p - level(self.fluid, x))
+        return np.asarray(p - self.fluid.level(x))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +16,8 @@ from visviva.mesh.mesh import Mesh
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from visviva.flow.fluid import Fluid
     from visviva.flow.location import Place
+    from visviva.mesh.faces import Faces
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -32,11 +33,28 @@ class Transfer:
     around, complete them: ``v(x) = sum_A N_A(x) (v_A + grad v_A . (x - x_A) / 2)``. Without that a solid thinner than
     a cell can bend no more than the cell does, which shears instead. Rigid motions and linear fields stay exact, and
     along walls where the fluid sticks velocities are zero.
+
+    Parameters
+    ----------
+    grid : Mesh
+    number : array (n_nodes,)
+        Numbers that nodes share which stand for each other.
+    unknowns : callable
+        First unknowns of the velocities by number.
+    walls : list of Faces
+        Where the fluid sticks.
     """
 
-    def __init__(self, fluid: Fluid) -> None:
-        self.fluid = fluid
-        self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in fluid.grid.cells)
+    def __init__(
+        self,
+        grid: Mesh,
+        number: NDArray[np.int64],
+        unknowns: Callable[[NDArray[np.int64]], Ints],
+        walls: Sequence[Faces],
+    ) -> None:
+        self.grid, self.number, self.walls = grid, number, walls
+        self._unknowns, self._count = unknowns, int(number.max()) + 1
+        self._linear = all(CELLS[name].n_nodes == CELLS[name].n_corners for name in grid.cells)
 
     @cached_property
     def width(self) -> int:
@@ -54,7 +72,7 @@ class Transfer:
         place, number = np.repeat(np.arange(rows.shape[0]), count), np.arange(rows.nnz)
         number -= np.repeat(rows.indptr[:-1], count)
         numbers[place, number], weights[place, number] = rows.indices, rows.data
-        return np.ascontiguousarray(self.fluid.number_unknowns(numbers.astype(int))), weights
+        return np.ascontiguousarray(self._unknowns(numbers.astype(int))), weights
 
     def within(self, n: int, points: NDArray[np.int64], cells: NDArray[np.int64]) -> tuple[Ints, Ints]:
         """First unknowns that `n` points refer to in cells, those of one in pairs: starts (n + 1), and unknowns."""
@@ -64,20 +82,20 @@ class Transfer:
         numbers = sp.csr_array(
             sp.coo_array((np.ones(len(cells)), (points, cells)), shape=shape) @ self._stencils
         )
-        return numbers.indptr.astype(np.int32), self.fluid.number_unknowns(numbers.indices)
+        return numbers.indptr.astype(np.int32), self._unknowns(numbers.indices)
 
     def _rows(self, found: Place) -> sp.csr_array:
         """Weights (n, n_numbers) of nodal velocities."""
         import scipy.sparse as sp
 
-        X, (n, k) = self.fluid.grid.points, found.nodes.shape
-        place, number = np.repeat(np.arange(n), k), self.fluid.number[found.nodes].ravel()
+        X, (n, k) = self.grid.points, found.nodes.shape
+        place, number = np.repeat(np.arange(n), k), self.number[found.nodes].ravel()
         away = 0.5 * (
             found.of_nodes(X)[:, None, :] - X[found.nodes]
         )  # in the mesh, wherever a place itself is
 
         def spread(weights: Array) -> sp.csr_array:
-            return sp.coo_array((weights.ravel(), (place, number)), shape=(n, self.fluid.n_numbers)).tocsr()
+            return sp.coo_array((weights.ravel(), (place, number)), shape=(n, self._count)).tocsr()
 
         rows = spread(found.weights)
         for i, gradient in enumerate(self._gradients):
@@ -90,12 +108,12 @@ class Transfer:
         """Nodes by number that places in a cell refer to (n_cells, n_numbers)."""
         import scipy.sparse as sp
 
-        mesh = self.fluid.grid
+        mesh = self.grid
         cell = np.concatenate(
             [np.repeat(k, mesh.cells[c].shape[1]) for c, k in cell_numbers(mesh.cells).items()]
         )
         node = np.concatenate([nodes.ravel() for nodes in mesh.cells.values()])
-        number, shape = self.fluid.number[node], (mesh.n_cells, self.fluid.n_numbers)
+        number, shape = self.number[node], (mesh.n_cells, self._count)
         of = sp.csr_array((np.ones(len(node)), (cell, number)), shape=shape)
         return of + of @ sum(abs(g) for g in self._gradients) if self._linear else of
 
@@ -103,7 +121,7 @@ class Transfer:
     def _gradients(self) -> list[Any]:
         import scipy.sparse as sp
 
-        found = nodal_gradients(self.fluid.grid, self.fluid.number)
+        found = nodal_gradients(self.grid, self.number)
         away = self._away_from_walls()
         return [sum(sp.diags_array(p) @ g for p, g in zip(row, found, strict=True)) for row in away.T]
 
@@ -114,14 +132,14 @@ class Transfer:
         node, which touch the wall there alone or stand around an edge of it, would say that it does, and move bodies
         through the wall.
         """
-        n, d = self.fluid.n_numbers, self.fluid.dimension
+        n, d = self._count, self.grid.points.shape[1]
         squares = np.zeros((n, d, d))
-        for faces in (c.chosen for c in self.fluid.conditions.listed if c.rank == 0):
+        for faces in self.walls:
             for nodes in faces.cells.values():
-                along = self.fluid.grid.points[np.roll(nodes, 1, axis=1)] - self.fluid.grid.points[nodes]
+                along = self.grid.points[np.roll(nodes, 1, axis=1)] - self.grid.points[nodes]
                 along /= np.linalg.norm(along, axis=2, keepdims=True)
                 for ends in (nodes, np.roll(nodes, 1, axis=1)):
-                    np.add.at(squares, self.fluid.number[ends], along[..., :, None] * along[..., None, :])
+                    np.add.at(squares, self.number[ends], along[..., :, None] * along[..., None, :])
         size, axes = np.linalg.eigh(squares)
         off = size <= EDGE * size[:, -1:]
         return np.asarray(np.einsum("nik,nk,njk->nij", axes, off.astype(float), axes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -176,7 +177,7 @@ class PrescribedConcentration(Component):
         assert self.body.potential is not None
         unknowns = [f.start + self._held for f in (self.body.phase, self.body.potential)]
         unknowns.append(self.inflow.start + np.arange(len(self._held)))
-        model.term(self, Inflow(np.stack(unknowns, axis=1).astype(np.int32), self))
+        model.term(self, Inflow(np.stack(unknowns, axis=1).astype(np.int32), self.wanted))
 
 
 class Inflow(Term):
@@ -184,13 +185,13 @@ class Inflow(Term):
 
     kind = "supply"
 
-    def __init__(self, unknowns: NDArray[np.int32], given: PrescribedConcentration) -> None:
+    def __init__(self, unknowns: NDArray[np.int32], wanted: Callable[[float], Array]) -> None:
         super().__init__()
-        self.unknowns, self.order, self.given = unknowns, np.array([1, 0, 0], dtype=np.int32), given
+        self.unknowns, self.order, self._wanted = unknowns, np.array([1, 0, 0], dtype=np.int32), wanted
 
     def residual(self, s: Stencils) -> Array:
         found = np.zeros_like(s.x1)
-        found[:, 0], found[:, 2] = -s.x1[:, 2], self.given.wanted(s.step.t1) - s.x1[:, 0]
+        found[:, 0], found[:, 2] = -s.x1[:, 2], self._wanted(s.step.t1) - s.x1[:, 0]
         return found
 
     def tangent(self, s: Stencils) -> Array:

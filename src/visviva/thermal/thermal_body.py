@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -196,7 +196,8 @@ class ThermalBody(Meshed, HeatCarrier):
             add_points(model, self, PhysicsKind.CONDUCTION, [group], g.volume, constants)
 
         if self.conductivity_slope or self.capacity_slope:
-            model.term(self, Bounds(self))
+            unknowns = self.temperature_unknowns(np.arange(self.grid.n_nodes))
+            model.term(self, Bounds(unknowns, self.beyond_slopes))
 
     def trouble(self, x: Array) -> str:
         return self.beyond_slopes(self.temperatures(x))
@@ -242,10 +243,9 @@ class Bounds(Term):
 
     kind = "bounds"
 
-    def __init__(self, body: ThermalBody) -> None:
+    def __init__(self, unknowns: NDArray[np.int32], trouble: Callable[[Array], str]) -> None:
         super().__init__()
-        self.body, self.order = body, np.ones(1, dtype=np.int32)
-        self.unknowns = body.temperature_unknowns(np.arange(body.grid.n_nodes))[:, None]
+        self.unknowns, self.order, self._trouble = unknowns[:, None], np.ones(1, dtype=np.int32), trouble
 
     def residual(self, s: Stencils) -> Array:
         return np.zeros_like(s.x1)
@@ -257,5 +257,5 @@ class Bounds(Term):
         return np.zeros(len(s.x1))
 
     def accept(self, s: Stencils) -> None:
-        if beyond := self.body.beyond_slopes(s.x1[:, 0]):
+        if beyond := self._trouble(s.x1[:, 0]):
             raise RunError(beyond)
