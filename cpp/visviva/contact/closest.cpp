@@ -56,6 +56,23 @@ Vector3 FacetShape::normal(int simplex) const {
     return size > 0 ? Vector3(m / size) : Vector3::Zero();
 }
 
+Vector3 FacetShape::middle(int simplex) const {
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < dim; ++i) sum += corner[vertex(simplex, i)] / dim;
+    return sum;
+}
+
+Vector3 FacetShape::place(const Foot& foot) const {
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < foot.n; ++i) sum += foot.coordinate[i] * corner[foot.vertex[i]];
+    return sum;
+}
+
+bool lean_together(const FacetShape& facet, int simplex, const FacetShape& other, int its, double part) {
+    return facet.height(simplex, other.middle(its)) > part * facet.size() &&
+           other.height(its, facet.middle(simplex)) > part * other.size();
+}
+
 Foot whole(const FacetShape& facet, int simplex, const Vector3& x) {
     Foot foot{simplex, facet.dim};
     for (int i = 0; i < facet.dim; ++i) foot.vertex[i] = facet.vertex(simplex, i);

@@ -6,6 +6,8 @@
 
 namespace visviva {
 
+struct Foot;
+
 /// A facet as simplices: itself, or for four corners triangles about their mean, so that closest points are
 /// known in closed form.
 struct FacetShape {
@@ -21,6 +23,14 @@ struct FacetShape {
     }
     /// Outward unit normal; zero if degenerate.
     Eigen::Vector3d normal(int simplex) const;
+    /// Length by which distances are small or not.
+    double size() const { return (corner[1] - corner[0]).norm(); }
+    Eigen::Vector3d middle(int simplex) const;
+    Eigen::Vector3d place(const Foot& foot) const;
+    /// Of a place above the plane of a simplex.
+    double height(int simplex, const Eigen::Vector3d& x) const {
+        return normal(simplex).dot(x - corner[vertex(simplex, 0)]);
+    }
     /// Share of a corner of the facet in a vertex of a simplex.
     double share(int vertex, int corner) const {
         return vertex == centre ? 1.0 / n : vertex == corner ? 1.0 : 0.0;
@@ -34,6 +44,9 @@ struct Foot {
     double coordinate[3] = {};
     double distance = 0;
 };
+
+/// Whether each of two simplices is in front of the other one by more than this part of its size.
+bool lean_together(const FacetShape& facet, int simplex, const FacetShape& other, int its, double part);
 
 Foot closest(const FacetShape& facet, int simplex, const Eigen::Vector3d& x);
 

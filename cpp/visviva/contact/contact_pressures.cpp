@@ -66,24 +66,30 @@ void ContactTerm::keep_landings() {
     landings_.end_step(X0_, X1_, std::move(landings));
 }
 
-// Those of vertices that have met another surface in the step that ended with these gaps and areas, deeper
-// than what they carried on: that is an impact. Surfaces that lean to each other by less are one that turns
-// or bends.
-void ContactTerm::forget_landings(const std::vector<double>& gap, const std::vector<double>& area) {
-    constexpr double same_surface = 0.9;  // least agreement of normals
-    std::vector<double> landings = landings_.at_start();
-    std::vector<char> deeper(gaps_->n(), 0);
-    for (int A = 0; A < gaps_->n(); ++A)
-        deeper[A] = landings[A] != in_flight && known_of_.size() == deeper.size() && known_of_[A] &&
-                    area[A] > 0 && area0_[A] > 0 &&
-                    gap0_[A] / area0_[A] < gap[A] / area[A] - touching * search_.reach();
-    if (std::none_of(deeper.begin(), deeper.end(), [](char d) { return d; })) return;
-    segments([&] { gaps_->gradients(X0_.data(), deeper, at_start_); });
-    for (int A = 0; A < gaps_->n(); ++A) {
-        if (!deeper[A]) continue;
-        const Eigen::Vector3d was = Eigen::Vector3d::Map(at_theta_[A].gradient.data());
-        const Eigen::Vector3d is = Eigen::Vector3d::Map(at_start_[A].gradient.data());
-        if (was.dot(is) < same_surface * was.norm() * is.norm()) landings[A] = in_flight;
+// Landings belong to places: gaps of a vertex hold others from now on than those of the step that ended with
+// these gaps and areas. What slides over an edge takes its landing along; what is behind something else,
+// deeper than it was before, has met that by an impact.
+void ContactTerm::carry_landings(const std::vector<long>& places, const std::vector<double>& gap,
+                                 const std::vector<double>& area) {
+    const std::vector<double>& landed = landings_.at_start();
+    const int n = gaps_->n(), own = n / gaps_->copies();
+    std::vector<double> landings(n, in_flight);
+    auto copy_at = [&](int A, auto wanted) {
+        for (int B = A % own; B < n; B += own)
+            if (wanted(B)) return B;
+        return -1;
+    };
+    for (int A = 0; A < n; ++A) {
+        if (area0_[A] <= 0) continue;
+        const double least = gap0_[A] / area0_[A] + touching * search_.reach();
+        const long place = gaps_->place(A);
+        int from = copy_at(A, [&](int B) { return landed[B] != in_flight && places[B] == place; });
+        if (from < 0)
+            from = copy_at(A, [&](int B) {
+                return landed[B] != in_flight && gap[B] / area[B] <= least &&
+                       copy_at(B, [&](int C) { return area0_[C] > 0 && gaps_->place(C) == places[B]; }) < 0;
+            });
+        if (from >= 0) landings[A] = landed[from];
     }
     landings_.amend(std::move(landings));
 }

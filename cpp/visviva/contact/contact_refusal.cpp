@@ -35,9 +35,23 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "an impact rubs, for which the elastic slip of tangential='penalty' has no time; take "
                        "tangential='multipliers', or enforcement='penalty', with which impacts last,");
     if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
+    if (const int A = climbs(c); A >= 0)
+        return refused(
+            A,
+            "a vertex slides into a wall, and the force of the middle of the step, across the floor "
+            "before it, would lift it and give energy; take EnergyMomentum or BackwardEuler,");
     if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
         return refused(A, "the first surface comes in by one side and out by another, past an edge,");
     return {};
+}
+
+// A gap held at the end of a step on one facet by the force that another one has in its middle; -1: none.
+// Shorter steps may have that on the facet on which it ends, which gives no energy.
+int ContactTerm::climbs(const Context& c) const {
+    if (!has_multipliers() || is_discrete(c.step) || c.step.theta == 1) return -1;
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (active_[A] && gaps_->turns_uphill(Xt_.data(), X1_.data(), A)) return A;
+    return -1;
 }
 
 // A gap that closes in an impact with an elastic traction below Coulomb's limit, though what slides there and

@@ -266,8 +266,10 @@ void ContactTerm::accept(const Context& c) {
     if (!rebounds()) return begin(c.vectors.x1);
     keep_landings();
     const std::vector<double> gap = gap1_, area = area1_;
+    std::vector<long> places(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);
     begin(c.vectors.x1);
-    forget_landings(gap, area);
+    carry_landings(places, gap, area);
 }
 
 }  // namespace visviva

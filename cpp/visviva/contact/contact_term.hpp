@@ -138,7 +138,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     double rebound(int A, const Context&) const;
     double sink(int A, const Context&) const;
     void keep_landings();
-    void forget_landings(const std::vector<double>& gap, const std::vector<double>& area);
+    void carry_landings(const std::vector<long>& places, const std::vector<double>& gap,
+                        const std::vector<double>& area);
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
     bool is_rigid_pair() const;
@@ -158,6 +159,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool has_several() const;
     bool gives_energy(const Context&);
     int rubs_too_late(const Context&) const;
+    int climbs(const Context&) const;
     void note_attempt(double h);
     Eigen::Vector2d trial(int A, const Context&);
     Sliding slip(int A) const;

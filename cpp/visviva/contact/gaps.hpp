@@ -66,6 +66,12 @@ class Gaps {
     virtual bool set_static(bool) { return false; }
     /// Whether a vertex has left the facet that it was above where the step began.
     virtual bool roams(const double* /*X*/, int /*gap*/) const { return false; }
+    /// Whether a vertex comes from one facet to another that leans to it, between two configurations.
+    virtual bool turns_uphill(const double* /*from*/, const double* /*to*/, int /*gap*/) const {
+        return false;
+    }
+    /// What a vertex touches from the start of a step on, a number that is the same in steps in which it is.
+    virtual long place(int /*gap*/) const { return 0; }
     /// Vertices that overlap stay with the side they came in by until a step begins with them outside, and
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.

@@ -9,28 +9,21 @@ namespace visviva::node_to_segment {
 
 namespace {
 
-double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
-
 // Distance of x from its foot in the direction of the simplex' middle.
 double towards(const FacetShape& facet, const Foot& foot, const Vector3& x) {
-    Vector3 y = Vector3::Zero(), middle = Vector3::Zero();
-    for (int i = 0; i < foot.n; ++i) y += foot.coordinate[i] * facet.corner[foot.vertex[i]];
-    for (int i = 0; i < facet.dim; ++i) middle += facet.corner[facet.vertex(foot.simplex, i)] / facet.dim;
-    return (x - y).dot((middle - y).normalized());
+    const Vector3 y = facet.place(foot);
+    return (x - y).dot((facet.middle(foot.simplex) - y).normalized());
 }
 
 // Height of a point above the plane of a simplex.
-double above(const Found& found, const Vector3& x) {
-    return found.normal.dot(x - found.facet.corner[found.facet.vertex(found.foot.simplex, 0)]);
-}
+double above(const Found& found, const Vector3& x) { return found.facet.height(found.foot.simplex, x); }
 
 // Distance of a point beside a simplex, relative to the length of its first edge.
 double beside(const Found& found, const Vector3& x) {
     const FacetShape& facet = found.facet;
     const Vector3 &a = facet.corner[facet.vertex(found.foot.simplex, 0)],
                   &b = facet.corner[facet.vertex(found.foot.simplex, 1)];
-    Vector3 w = x;
-    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    const Vector3 w = x - facet.place(found.foot);
     return (w - above(found, x) * found.normal).norm() / (b - a).norm();
 }
 
@@ -56,7 +49,7 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
             if (n.isZero() || (only_facing && !faces)) continue;
             if (side >= 0 && n.dot(outside) <= same_side) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
-            if (before == Kept{c.facet, s}) {
+            if (before.is(c.facet, s)) {
                 kept = {&c, facet, foot, {}, n, 0, faces};
                 kept_aside = beside(kept, At(X + 3 * A));
             }
@@ -70,8 +63,37 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
     if (!kept.candidate) return found;
     const double jump = std::abs(std::abs(above(kept, At(X + 3 * A))) - least);
     kept.stays = kept_aside <= same_place ||
-                 (static_ && kept_aside <= near_place && jump <= near_gap * size(kept.facet));
+                 (static_ && kept_aside <= near_place && jump <= near_gap * kept.facet.size());
+    kept.goes_on = !kept.stays && before.touches && meets_wall(X, A, kept, found);
+    kept.stays = kept.stays || kept.goes_on;
     return kept.stays ? kept : found;
+}
+
+// Whether what a vertex has come to in a step leans to what it touched when that began. It goes on along that
+// until the end of the step: there it meets the other one, by an impact. Forces of one step are no impact on
+// the other one: along both they would do no work, and no energy would be lost, whatever is thrown back.
+// Vertices without copies would sink where facets lean together over them.
+bool NodeToSegment::meets_wall(const double* X, int A, const Found& kept, const Found& found) const {
+    if (static_ || !keeps_ || options_.copies == 1) return false;
+    const Vector3 place = found.facet.place(found.foot);
+    return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
+        const FacetShape facet = shape(X, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s)
+            if (lean_together(kept.facet, kept.foot.simplex, facet, s, apart) &&
+                closest(facet, s, place).distance <= apart * facet.size())
+                return true;
+        return false;
+    });
+}
+
+bool NodeToSegment::turns_uphill(const double* from, const double* to, int A) const {
+    constexpr double same_surface = 0.98;  // least agreement of normals
+    Found before, after;
+    if (locate(from, A, before) != Reach::near || locate(to, A, after) != Reach::near) return false;
+    const FacetShape facet = shape(to, before.candidate->facet);
+    const int s = before.foot.simplex, t = after.foot.simplex;
+    return facet.normal(s).dot(after.facet.normal(t)) < same_surface &&
+           lean_together(facet, s, after.facet, t, apart);
 }
 
 // Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
@@ -135,8 +157,7 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     if (found.foot.n == facet.dim) return Reach::near;
     bool border;
     const Vector3 out = outwards(X, found, border);
-    Vector3 w = x;
-    for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
+    const Vector3 w = x - facet.place(found.foot);
     const double aside = beside(found, x);
     const bool rolls = options_.radius > 0;  // off an edge, as balls are round themselves
     if ((border && !rolls) || found.stays || aside <= same_place) {
@@ -156,7 +177,7 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
 // Whether it lies behind what is nearest, or by rounding before it.
 bool NodeToSegment::is_inside(const double* X, int A) const {
     Found found;
-    return locate_nearest(X, A, found) == Reach::near && found.value < same_place * size(found.facet);
+    return locate_nearest(X, A, found) == Reach::near && found.value < same_place * found.facet.size();
 }
 
 int NodeToSegment::nearest_side(const double* X, int A) const {
@@ -239,7 +260,7 @@ PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) con
     if (A >= n_own()) return Reach::far;
     Reach reach = locate_nearest(X, A, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
-    if (came >= 0 && leaves(X, A, found, came)) {
+    if (came >= 0 && !found.goes_on && leaves(X, A, found, came)) {
         found = plane_of(X, A, came);
         reach = sign(X, A, found);
     }

@@ -118,13 +118,17 @@ FacetShape NodeToSegment::shape(const double* X, int f) const {
 // with rounding there: within a step a vertex stays above the one that it was above as long as it hardly
 // leaves that.
 bool NodeToSegment::settle(const double* X) {
+    const std::vector<Kept> last = kept_;
+    for (Kept& kept : kept_) kept.touches = false;  // the step has ended
     const bool changed = PointGaps::settle(X);
-    std::vector<Kept> last(n_), fresh(n_);
+    std::vector<Kept> fresh(n_);
     const std::vector<Held> held = std::exchange(held_, std::vector<Held>(n_));
-    kept_.swap(last);
+    kept_.assign(n_, {});
     parallel_for(n_own(), [&](int A) {
         Found found;
-        if (locate(X, A, found) == Reach::near) fresh[A] = {found.candidate->facet, found.foot.simplex};
+        if (locate(X, A, found) == Reach::near)
+            fresh[A] = {found.candidate->facet, found.foot.simplex,
+                        found.value - options_.radius <= closed * options_.reach};
         if (options_.copies > 1) share_out(X, A);
     });
     kept_.swap(fresh);
@@ -133,8 +137,8 @@ bool NodeToSegment::settle(const double* X) {
 
 bool NodeToSegment::roams(const double* X, int A) const {
     Found found;
-    if (kept_[A] == Kept{} || locate(X, A, found) != Reach::near) return false;
-    return kept_[A] != Kept{found.candidate->facet, found.foot.simplex};
+    if (kept_[A].facet < 0 || locate(X, A, found) != Reach::near) return false;
+    return !kept_[A].is(found.candidate->facet, found.foot.simplex);
 }
 
 std::vector<int> NodeToSegment::others(int A) const {

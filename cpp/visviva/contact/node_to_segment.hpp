@@ -19,6 +19,8 @@ constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a 
 // them. In a load step a vertex stays above the facet it was above where that began, so far beside it, by its
 // size, if the gap there is another one by no more than so much.
 constexpr double near_place = 1e-2, near_gap = 1e-3;
+constexpr double closed = 1e-9;     // part of the reach: rounding opens nothing
+constexpr double apart = 1e-6;      // by a facet's size: what touches nearer together is the same
 constexpr double same_side = 0.5;   // least agreement of normals of one side of a body
 constexpr double between = 1e-10;   // so far beside a facet what comes in between two of them still meets it
 constexpr double on_border = 1e-9;  // and so close to a border as not beyond it
@@ -39,7 +41,8 @@ struct Found {
     Vector3 normal;  // of the simplex, later gradient of the signed distance
     double value = 0;
     bool faces = true;
-    bool stays = false;  // what the vertex was above where the step began, though another one is as close
+    bool stays = false;    // what the vertex was above where the step began, though another one is as close
+    bool goes_on = false;  // and though that leans to it: its plane goes on
 };
 
 class NodeToSegment : public PointGaps {
@@ -48,6 +51,8 @@ class NodeToSegment : public PointGaps {
     bool search(const double* from, const double* to) override;
     bool settle(const double* X) override;
     bool roams(const double* X, int vertex) const override;
+    long place(int vertex) const override;
+    bool turns_uphill(const double* from, const double* to, int vertex) const override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
     void masses(const double* X, const std::vector<char>& wanted, bool gradients,
@@ -85,6 +90,7 @@ class NodeToSegment : public PointGaps {
     Reach locate_nearest(const double* X, int A, Found& found) const;
     Found plane_of(const double* X, int A, int side) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
+    bool meets_wall(const double* X, int A, const Found& kept, const Found& found) const;
     Reach sign(const double* X, int A, Found& found) const;
     static void set_parts(const Found&, Eigen::VectorXd& masses);
     void make_topology();
@@ -93,9 +99,11 @@ class NodeToSegment : public PointGaps {
                         Eigen::MatrixXd* H) const;
     Vector3 at_vertex(const double* X, int vertex) const;
 
-    // The simplex that a vertex was above where the step began.
+    // The simplex that a vertex was above where the step began, and whether it touched that.
     struct Kept {
         int facet = -1, simplex = 0;
+        bool touches = false;
+        bool is(int f, int s) const { return facet == f && simplex == s; }
         bool operator==(const Kept&) const = default;
     };
     std::vector<Kept> kept_;

@@ -7,21 +7,6 @@
 
 namespace visviva::node_to_segment {
 
-namespace {
-
-constexpr double closed = 1e-9;  // part of the reach: rounding opens nothing
-constexpr double apart = 1e-6;   // by a facet's size: what touches nearer together is the same
-
-double size(const FacetShape& facet) { return (facet.corner[1] - facet.corner[0]).norm(); }
-
-Vector3 middle(const FacetShape& facet, int simplex) {
-    Vector3 sum = Vector3::Zero();
-    for (int i = 0; i < facet.dim; ++i) sum += facet.corner[facet.vertex(simplex, i)] / facet.dim;
-    return sum;
-}
-
-}  // namespace
-
 // What a vertex touches.
 struct NodeToSegment::Touched {
     const Candidate* candidate;
@@ -29,13 +14,8 @@ struct NodeToSegment::Touched {
     Foot foot;
     Vector3 place, normal;  // of the closest point; of the simplex
     double above = 0;
-    /// Height of a place above the plane.
-    double height(const Vector3& x) const {
-        return normal.dot(x - facet.corner[facet.vertex(foot.simplex, 0)]);
-    }
     bool leans_to(const Touched& o) const {
-        return height(middle(o.facet, o.foot.simplex)) > apart * size(facet) &&
-               o.height(middle(facet, foot.simplex)) > apart * size(o.facet);
+        return lean_together(facet, foot.simplex, o.facet, o.foot.simplex, apart);
     }
 };
 
@@ -49,9 +29,8 @@ std::vector<NodeToSegment::Touched> NodeToSegment::touched(const double* X, int 
         for (int s = 0; s < facet.n_simplices(); ++s) {
             Touched t{&c, facet, closest(facet, s, x), Vector3::Zero(), facet.normal(s)};
             if (t.normal.isZero() || t.foot.distance > options_.reach + r) continue;
-            for (int i = 0; i < t.foot.n; ++i)
-                t.place += t.foot.coordinate[i] * facet.corner[t.foot.vertex[i]];
-            t.above = t.height(x);
+            t.place = facet.place(t.foot);
+            t.above = facet.height(s, x);
             const bool meets = t.foot.distance <= r + rounding;
             if (r > 0 ? t.above > 0 && meets : t.above <= rounding) all.push_back(t);
         }
@@ -65,12 +44,12 @@ std::vector<NodeToSegment::Touched> NodeToSegment::touched(const double* X, int 
 std::vector<NodeToSegment::Touched> NodeToSegment::bottoms(const std::vector<Touched>& all) const {
     std::vector<Touched> kept;
     auto goes_on = [&](const Touched& other, const Touched& t) {
-        return closest(other.facet, other.foot.simplex, t.place).distance <= apart * size(t.facet);
+        return closest(other.facet, other.foot.simplex, t.place).distance <= apart * t.facet.size();
     };
     // a point beside a simplex is still below it if it has gone on below what leans to it there
     auto is_below = [&](const Touched& t) {
         const double beside = t.foot.distance * t.foot.distance - t.above * t.above;
-        return beside <= std::pow(apart * size(t.facet), 2) ||
+        return beside <= std::pow(apart * t.facet.size(), 2) ||
                std::any_of(all.begin(), all.end(),
                            [&](const Touched& o) { return o.leans_to(t) && goes_on(o, t); });
     };
@@ -90,7 +69,7 @@ std::vector<NodeToSegment::Touched> NodeToSegment::bottoms(const std::vector<Tou
 void NodeToSegment::share_out(const double* X, int A) {
     Found nearest, own;
     if (locate_nearest(X, A, nearest) != Reach::near) return;
-    const bool inside = nearest.value < same_place * size(nearest.facet), is_ball = options_.radius > 0;
+    const bool inside = nearest.value < same_place * nearest.facet.size(), is_ball = options_.radius > 0;
     if (inside == is_ball) return;
     std::vector<Touched> all = touched(X, A);
     const bool is_near = locate(X, A, own) == Reach::near;
@@ -110,6 +89,16 @@ void NodeToSegment::share_out(const double* X, int A) {
         held = {t.candidate->facet, t.foot.simplex, is_ball ? t.foot.n : t.facet.dim, {}};
         if (held.n < t.facet.dim) std::copy_n(t.foot.vertex, held.n, held.vertex);
     }
+}
+
+long NodeToSegment::place(int A) const {
+    const Held& held = held_[A];
+    long number = held.facet < 0 ? kept_[A].facet : held.facet;
+    auto add = [&](int digit) { number = number * (FacetShape::centre + 1) + digit; };
+    add(held.facet < 0 ? kept_[A].simplex : held.simplex);
+    for (int i = 0; i < 2; ++i)
+        add(held.facet < 0 || held.n == skin_.dim ? 0 : held.vertex[i < held.n ? i : 0]);
+    return number;
 }
 
 PointGaps::Reach NodeToSegment::locate_held(const double* X, int A, Found& found) const {
