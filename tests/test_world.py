@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -102,3 +103,11 @@ def test_a_package_of_another_release_is_refused(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(seam, "_joined", [])
     with pytest.raises(vv.InputError, match=r"visviva_petsc 9\.9 goes with another version of visviva"):
         pulled()
+
+
+def test_one_file_of_the_core_speaks_with_other_processes() -> None:
+    """What is decided elsewhere by what one process knows lets others wait forever."""
+    core = Path(__file__).parents[1] / "cpp" / "visviva"
+    assert [file.name for file in sorted(core.rglob("*.?pp")) if "processes_->" in file.read_text()] == [
+        "together.cpp"
+    ]

@@ -35,11 +35,10 @@ void System::weigh_constraints() {
         noise_ = std::max(noise_, 4.4e-16 * (rounding + 1e-3 * sum) / smallest);
     }
     const auto& constrains = blocks_.multiplier;
-    if (processes_ && std::find(constrains.begin(), constrains.end(), 1) != constrains.end())
-        processes_->sum(constraint_weight_.data(), constraint_weight_.size());
+    if (std::find(constrains.begin(), constrains.end(), 1) != constrains.end()) total(constraint_weight_);
     for (double& weight : constraint_weight_)
         if (weight > 0) weight = 1 / weight;
-    noise_ = std::min(processes_ ? processes_->largest(noise_) : noise_, 5e-13);
+    noise_ = std::min(largest(noise_), 5e-13);
 }
 
 // Largest violation of a constraint at the last evaluation, relative like increments.

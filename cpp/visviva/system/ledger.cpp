@@ -1,5 +1,6 @@
 // Contribution of a step to the ledger: energies, works, momenta, defects, and the losses of impacts.
 #include <algorithm>
+#include <numeric>
 
 #include "visviva/system/system.hpp"
 
@@ -22,25 +23,31 @@ void System::clear_sums() {
 // In a step with an impact dissipating schemes take a part of the kinetic energy that does not vanish with
 // its length: it is lost by the impact, with what other forces and constraints do as the velocities jump.
 void System::book_impacts(const Context& c, const double* v1) {
-    if (sums.impacts.empty() || island_.empty()) return;
-    std::vector<char> hit(n_ + 1, 0);
-    double pressed = 0, booked = 0;
+    if (island_.empty() || !searching(!sums.impacts.empty())) return;
+    const std::size_t n_accounts = sums.work.size(), n = static_cast<std::size_t>(n_);
+    // pressed by account, what is hit by island, and what was booked
+    std::vector<double> known(n_accounts + n + 1, 0.0), momentum(n + 1, 0.0);
     for (const Impact& i : sums.impacts) {
-        for (int u : i.unknowns) hit[island_[u]] = 1;
-        pressed += i.pressed, booked += i.pressed + i.rubbed;
+        for (int u : i.unknowns) known[n_accounts + island_[u]] = 1;
+        known[i.account] += i.pressed, known.back() += i.pressed + i.rubbed;
     }
-    if (pressed <= 0) return;
-    std::vector<double> jump(n_ + 1, 0.0), momentum(n_ + 1, 0.0);
+    total(known);
+    const double *pressed = known.data(), *hit = pressed + n_accounts;
+    const double all = std::accumulate(pressed, hit, 0.0);
+    if (all <= 0) return;
+    std::vector<double> jump(n + 1, 0.0);
     for (int u = 0; u < n_; ++u)
-        if (order_[u] == 2 && hit[island_[u]]) jump[u] = v1[u] - v[u];
+        if (order_[u] == 2 && hit[island_[u]] > 0) jump[u] = v1[u] - v[u];
     const Vectors vectors{x.data(), x1_.data(), still_.data(), jump.data(), still_.data()};
-    for (const auto& [term, can] : terms_)
-        if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
+    add_up(momentum, attempt([&] {
+               for (const auto& [term, can] : terms_)
+                   if (term->is_inertia) term->residual({c.step, vectors, c.signals}, momentum.data());
+           }));
     double lost = 0;
     for (int u = 0; u < n_; ++u) lost += 0.5 * jump[u] * momentum[u];
     for (std::size_t k = 0; k < constraint_account_.size(); ++k)
-        if (hit[account_island_[k]]) lost -= sums.work[constraint_account_[k]];
-    for (const Impact& i : sums.impacts) sums.work[i.account] -= (lost - booked) * i.pressed / pressed;
+        if (hit[account_island_[k]] > 0) lost -= sums.work[constraint_account_[k]];
+    for (std::size_t k = 0; k < n_accounts; ++k) sums.work[k] -= (lost - known.back()) * pressed[k] / all;
 }
 
 void System::book(const Context& c, const double* v1) {
@@ -60,6 +67,7 @@ std::vector<double> System::brought_entropy(const Context& c) {
         term->residual(c, r.data());
         for (int u : entropy_.tested) brought[term->entropy_account] -= c.step.h * r[u];
     }
+    total(brought);
     for (std::size_t k = 0; k < entropy_.unknown.size(); ++k)
         if (entropy_.account[k] >= 0)
             brought[entropy_.account[k]] +=

@@ -34,20 +34,14 @@ bool Monotone::project(double* dx) {
     return moved;
 }
 
-void Monotone::release(const double* r, const Csr& csr, const double* values) {
-    if (!any()) return;
+void Monotone::release(const double* r, const double* diagonal) {
     int worst = -1;
     double largest = 0;
     const bool all = changes_ < patience;
-    for (int i = 0; i < csr.n; ++i) {
-        const int u = csr.unknown[i];
-        if (!rests_[u] || halted_[u] || !(r[u] < 0)) continue;
-        double diagonal = 0;
-        for (auto k = csr.row[i]; k < csr.row[i + 1]; ++k)
-            if (csr.col[k] == i) diagonal = values[k];
-        if (!(-r[u] > rounding * diagonal)) continue;
+    for (int u : unknowns_) {
+        if (!rests_[u] || halted_[u] || !(-r[u] > rounding * std::max(diagonal[u], 0.0))) continue;
         if (all) rests_[u] = 0, changed_ = true;
-        if (-r[u] > largest * diagonal) largest = diagonal > 0 ? -r[u] / diagonal : 1e300, worst = u;
+        if (-r[u] > largest * diagonal[u]) largest = diagonal[u] > 0 ? -r[u] / diagonal[u] : 1e300, worst = u;
     }
     if (!all && worst >= 0) rests_[worst] = 0, changed_ = true;
     changes_ += changed_;

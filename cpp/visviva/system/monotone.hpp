@@ -28,8 +28,8 @@ class Monotone {
     }
     /// Let unknowns that shrink rest from now on; returns whether an increment was changed.
     bool project(double* dx);
-    /// Lets go what a negative force holds, by the residual and the tangent's values.
-    void release(const double* r, const Csr& csr, const double* values);
+    /// Lets go what a negative force holds, by the residual and the tangent's diagonal, both by unknown.
+    void release(const double* r, const double* diagonal);
     /// Make rows and columns of resting unknowns those of the identity; halted ones are coupled to nothing
     /// else.
     void mask(const Csr& csr, double* values) const;

@@ -45,15 +45,9 @@ bool System::extend_prescribed_motion(const Context& c) {
     return solvable;
 }
 
-// Of the forces of multipliers; processes know the coordinates of a part.
-double System::largest_force(double here) const {
-    return processes_ && judges_forces_ ? processes_->largest(here) : here;
-}
-
-System::ForceSize System::relative_force(double change) const {
-    const auto [balanced_here, stiffest_here] =
-        multiplier_forces_.sizes(values_.data(), x1_.data(), dx.data());
-    const double balanced = largest_force(balanced_here), stiffest = largest_force(stiffest_here);
+System::ForceSize System::relative_force(double change) {
+    const auto [balanced, stiffest] =
+        multiplier_forces_.sizes(values_.data(), x1_.data(), dx.data(), [this](auto& v) { total(v); });
     return balanced > 0 ? ForceSize{change / balanced, stiffest / balanced} : ForceSize{};
 }
 
@@ -89,13 +83,18 @@ Report System::failed(Report report, const std::string& reason, int unknown) {
     return report;
 }
 
-Report System::succeeded(Report report, const Context& context, bool renewed) {
+// Of the first term that refuses, or of another process.
+Refusal System::refusal(const Context& context) {
     Refusal no;
     for (auto part = terms_.begin(); part != terms_.end() && no.reason.empty(); ++part)
         no = part->term->refuse(context);
-    if (any(!no.reason.empty()))
-        return failed(std::move(report), no.reason.empty() ? "another process refuses it" : no.reason,
-                      no.unknown);
+    if (any(!no.reason.empty()) && no.reason.empty()) no.reason = "another process refuses it";
+    return no;
+}
+
+Report System::succeeded(Report report, const Context& context, bool renewed) {
+    if (const Refusal no = refusal(context); !no.reason.empty())
+        return failed(std::move(report), no.reason, no.unknown);
     report.converged = true;
     if (rigid_) rigid_->balance(r_.data(), place(context.step), dx.data(), x1_.data());
     iterations_last_ = renewed ? 0 : report.iterations;
@@ -123,13 +122,6 @@ Report System::unfinished(Report report, double last, bool arrived) {
     return failed(std::move(report),
                   "no convergence in " + n + " iterations" + (arrived ? " of the forces of constraints" : ""),
                   worst());
-}
-
-double System::finest_search() const {
-    double resolution = 0;
-    for (const auto& [term, can] : terms_)
-        if (can.search) resolution = std::max(resolution, can.search->resolution());
-    return resolution;
 }
 
 Report System::solve(const Step& step, const Signals& signals, const NewtonOptions& options) {
@@ -178,7 +170,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         monotone_.clear(r_.data());
         if (!solve_increment(step, convergence.enough(k)))
             return failed(std::move(report), solver_->report().message, -1);
-        const double change = largest_force(multiplier_forces_.largest(values_.data(), d_.data()));
+        const double change =
+            multiplier_forces_.largest(values_.data(), d_.data(), [this](auto& v) { total(v); });
         double size = 0;  // that of the kept tangent's own increment tells of the residual
         // Coordinates that are there tell nothing of what the increments of multipliers have in common.
         if (accelerates && convergence.last() > noise_ &&

@@ -103,7 +103,7 @@ void System::recall(const std::vector<Record>& memory) {
         if (terms_[k].can.memory->read_memory(m)) changed = true;
         record.end(m);
     }
-    if (changed) rewire();
+    if (searching(changed)) rewire();
     if (sequence) sequence->set_state(solver);
     solver_->forget();
     updated_ = false;

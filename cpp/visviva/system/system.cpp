@@ -7,7 +7,6 @@
 #include "visviva/base/aligned.hpp"
 #include "visviva/base/at_exit.hpp"
 #include "visviva/base/parallel.hpp"
-#include "visviva/base/stopwatch.hpp"
 #include "visviva/base/vector_dispatch.hpp"
 #include "visviva/linear/asymmetry.hpp"
 #include "visviva/linear/block_rows.hpp"
@@ -45,7 +44,7 @@ void System::finalize() {
     for (const auto& [term, can] : terms_) term->couple(pattern);
     if (processes_) pattern.leave_uncoupled();
     pattern.finish(csr_);
-    if (processes_) own_ = processes_->own(csr_.unknown, n_);
+    meet();
     ++revision_;
     assign_with_room(values_, csr_.col.size() + 1, 0.0);  // the last one is for entries of fixed unknowns
     for (const auto& [term, can] : terms_) term->connect(pattern);
@@ -86,32 +85,6 @@ void System::find_held(const Pattern& pattern) {
             else if (is_held[i] || is_held[j])
                 held_zero_.push_back(k);
         }
-}
-
-// The coupling has changed: a new pattern.
-void System::rewire() {
-    const Stopwatch watch(rewiring_);
-    finalize();
-    describe_nodes();
-    find_judged();
-    solver_->analyze(csr_, blocks_);
-    stale_factor_ = true;
-}
-
-bool System::find_neighbours(double theta, double h) {
-    const double* rate = mean_.empty() ? v.data() : mean_.data();
-    vector_kernels().affine(n_, 1.0, dx.data(), x.data(), x1_.data());
-    bool changed = false;
-    for (const Part& part : terms_) {
-        const Lap lap(timed(part));
-        if (part.can.search && part.can.search->find_neighbours({x.data(), x1_.data(), rate, theta, h}))
-            changed = true;
-    }
-    if (changed) {
-        const Lap lap(timed(&Phases::contact));
-        rewire(), stale_begin_ = true;
-    }
-    return changed;
 }
 
 void System::discard() {
@@ -184,7 +157,7 @@ double System::limit_correction() {
     double share = 1;
     for (const auto& [term, can] : terms_)
         if (can.limit) share = std::min(share, can.limit->share(x1_.data(), d_.data()));
-    if (processes_) share = -processes_->largest(-share);
+    share = -largest(-share);
     for (int i = 0; share < 1 && i < n_; ++i) d_[i] *= share;
     return share;
 }
@@ -230,7 +203,7 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     agree(failure, any(failure != nullptr));
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
-    monotone_.release(r_.data(), csr_, values_.data());
+    if (monotone_.any()) monotone_.release(r_.data(), diagonal().data());
     monotone_.mask(csr_, values_.data());
     weigh_constraints();
     factored_ = step, factored_revision_ = revision_;
@@ -244,6 +217,16 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     return factor(step);
 }
 
+// Of the tangent, by unknown.
+std::vector<double> System::diagonal() const {
+    std::vector<double> found(n_, 0.0);
+    for (int i = 0; i < csr_.n; ++i)
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+            if (csr_.col[k] == i) found[csr_.unknown[i]] = values_[k];
+    total(found);
+    return found;
+}
+
 bool System::factor(const Step& step) {
     const Lap lap(timed(&Phases::factorisation));
     return solver_->factor(values_.data(), place(step));
@@ -255,22 +238,6 @@ bool System::solve_increment(const Step& step, double tolerance) {
     const bool solved = solve_for(*solver_, step, tolerance);
     ++phases_.n_solutions, phases_.n_iterations += solver_->report().n_iterations;
     return solved;
-}
-
-bool System::has_branched() const {
-    return std::any_of(terms_.begin(), terms_.end(),
-                       [](const Part& p) { return p.can.search && p.can.search->is_outdated(); });
-}
-
-// Where terms are on another branch, the kept tangent may need other rows and columns alone.
-bool System::update_tangent(const Context& c) {
-    stale_factor_ = true;
-    for (const auto& [term, can] : terms_)
-        if (can.search && can.search->is_outdated() && !can.search->update_tangent(c, values_.data()))
-            return false;
-    for (auto k : held_zero_) values_[k] = 0;
-    updated_ = true;
-    return factor(c.step);
 }
 
 // Size of the predicted step, relative to the unknowns' scales; 1 where nothing is predicted.

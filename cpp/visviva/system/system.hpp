@@ -245,6 +245,7 @@ class System {
     bool renew_tangent(const Context&, bool assembled);
     std::string singular() const;
     Report failed(Report, const std::string& reason, int unknown);
+    Refusal refusal(const Context&);
     Report succeeded(Report, const Context&, bool renewed);
     Report unfinished(Report, double last, bool arrived);
     std::string lost(const Step&, double size) const;
@@ -302,14 +303,18 @@ class System {
     void add_up(std::vector<double>& values, const std::exception_ptr& failure);
     void add_up(LedgerSums&, const std::exception_ptr& failure);
     static void agree(const std::exception_ptr& failure, bool any);
+    void meet();
     bool any(bool here) const;
+    bool searching(bool here) const { return searches_ && any(here); }
+    double largest(double here) const;
+    void total(std::vector<double>& parts) const;
+    std::vector<double> diagonal() const;
     bool solve_for(LinearSolver&, const Step&, double tolerance);
     bool share(bool solved);
     struct ForceSize {
         double change = 0, stiffest = 0;  // relative to the forces that balance each other
     };
-    ForceSize relative_force(double change) const;
-    double largest_force(double here) const;
+    ForceSize relative_force(double change);
 
     int n_ = 0, revision_ = 0, factored_revision_ = -1;
     double rewiring_ = 0;
@@ -366,7 +371,7 @@ class System {
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
     Monotone monotone_;
-    bool judges_forces_ = false;            // of multipliers
+    bool searches_ = false;                 // whether a term of any process does
     std::unique_ptr<Processes> processes_;  // null where this one is alone
     std::vector<char> own_;                 // by unknown: whether it belongs to this process
     bool stale_begin_ = true, stale_factor_ = true;

@@ -37,8 +37,10 @@ void System::find_judged() {
     judged.resize(n_);
     for (const RigidUnknowns& body : blocks_.rigid)
         for (int k = 0; rigid_ && k < 6; ++k) judged[body.multiplier[k]] = 0;
-    multiplier_forces_.analyze(csr_, judged, inverse_scale_);
-    judges_forces_ = any(multiplier_forces_.has_any());
+    std::vector<double> acted_on(n_, 0.0);
+    MultiplierForces::mark(csr_, judged, acted_on);
+    total(acted_on);
+    multiplier_forces_.analyze(csr_, judged, acted_on, inverse_scale_);
 }
 
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
@@ -94,7 +96,7 @@ double System::in_roundings(const double* residual) const {
     for (int i = 0; i < csr_.n; ++i)
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
             rounding[csr_.unknown[i]] += std::abs(values_[k] * x1_[csr_.unknown[csr_.col[k]]]);
-    if (processes_) processes_->sum(rounding.data(), rounding.size());
+    total(rounding);
     for (int u = 0; u < n_; ++u)
         if (!fixed_[u] && !monotone_.is_masked(u) && residual[u] != 0)
             largest = std::max(largest, std::abs(residual[u]) / (eps * rounding[u]));
@@ -109,9 +111,7 @@ bool System::meets_rounding(const double* residual, double size, double last) co
 
 std::string System::refuse(const Step& step, const Signals& signals) {
     const Vectors vectors{x.data(), x1_.data(), rate_.data(), second_rate_.data(), v.data()};
-    for (const auto& [term, can] : terms_)
-        if (const Refusal no = term->refuse({step, vectors, signals}); !no.reason.empty()) return no.reason;
-    return {};
+    return refusal({step, vectors, signals}).reason;
 }
 
 }  // namespace visviva

@@ -1,4 +1,5 @@
 // What processes that share the terms of a system evaluate together. A process alone has nothing to do here.
+#include <algorithm>
 #include <exception>
 
 #include "visviva/system/system.hpp"
@@ -19,7 +20,20 @@ void System::agree(const std::exception_ptr& failure, bool any) {
     if (any) throw FailedElsewhere();
 }
 
+// Anew with every pattern.
+void System::meet() {
+    if (processes_) own_ = processes_->own(csr_.unknown, n_);
+    searches_ = any(std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.can.search; }));
+}
+
 bool System::any(bool here) const { return processes_ ? processes_->any(here) : here; }
+
+double System::largest(double here) const { return processes_ ? processes_->largest(here) : here; }
+
+// Of what each has of the same numbers.
+void System::total(std::vector<double>& parts) const {
+    if (processes_ && !parts.empty()) processes_->sum(parts.data(), parts.size());
+}
 
 // Solves K d = -r for the residual r_, all of which every process knows.
 bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance) {
