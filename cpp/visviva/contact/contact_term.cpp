@@ -135,7 +135,9 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (std::size_t i = 0; stays && i < X1_.size(); ++i)
         stays = std::abs(X1_[i] - narrowed_[i]) < moved * search_.reach();
     if (!stays) narrow();
-    if (gaps_->set_static(c.step.is_static())) known_.clear(), forget_gradients();
+    const bool exact = !has_multipliers() && is_discrete(c.step) && !c.step.is_static();
+    const bool starts = gaps_->set_static(c.step.is_static());
+    if (gaps_->set_exact(exact) || starts) known_.clear(), forget_gradients();
     find_gaps();
     // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
     // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole

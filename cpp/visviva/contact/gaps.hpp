@@ -64,6 +64,9 @@ class Gaps {
     /// Whether gaps are those of a load step, which no energy is to be kept in; true if they are others from
     /// now on.
     virtual bool set_static(bool) { return false; }
+    /// Whether a potential of gaps keeps energy exactly, and has to be one function of the places from step
+    /// to step; true if they are others from now on.
+    virtual bool set_exact(bool) { return false; }
     /// Whether a vertex has left the facet that it was above where the step began.
     virtual bool roams(const double* /*X*/, int /*gap*/) const { return false; }
     /// Whether a vertex comes from one facet to another that leans to it, between two configurations.

@@ -36,18 +36,17 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
     constexpr double same = 1e-12;  // relative
-    const Vector3 outside = side >= 0 ? shape(X, side).normal(0) : Vector3::Zero();
     const Kept& before = kept_[A];
     Found kept;
     double kept_aside = 0;  // beside the simplex, by its size
     double least = options_.reach + options_.radius, aside = -HUGE_VAL;
     for (const Candidate& c : candidates_[A]) {
+        if (side >= 0 && !are_same(X, side, c.facet)) continue;
         const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
             const Vector3 n = facet.normal(s);
             const bool faces = own.isZero() || own.dot(n) < facing;
             if (n.isZero() || (only_facing && !faces)) continue;
-            if (side >= 0 && n.dot(outside) <= same_side) continue;
             const Foot foot = closest(facet, s, At(X + 3 * A));
             if (before.is(c.facet, s)) {
                 kept = {&c, facet, foot, {}, n, 0, faces};
@@ -62,7 +61,8 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
     }
     if (!kept.candidate) return found;
     const double jump = std::abs(std::abs(above(kept, At(X + 3 * A))) - least);
-    kept.stays = kept_aside <= same_place ||
+    const bool is_near = !exact_ || jump <= same_place * kept.facet.size();
+    kept.stays = (kept_aside <= same_place && is_near) ||
                  (static_ && kept_aside <= near_place && jump <= near_gap * kept.facet.size());
     kept.goes_on = !kept.stays && before.touches && meets_wall(X, A, kept, found);
     kept.stays = kept.stays || kept.goes_on;
@@ -200,8 +200,11 @@ bool NodeToSegment::leaves(const double* X, int A, const Found& found, int side)
     });
 }
 
+// The walls of a room are one side where the potential of a penalty counts: what goes from one to the other
+// does not come out between them.
 bool NodeToSegment::are_same(const double* X, int side, int other) const {
-    return shape(X, side).normal(0).dot(shape(X, other).normal(0)) > same_side;
+    const FacetShape one = shape(X, side), two = shape(X, other);
+    return one.normal(0).dot(two.normal(0)) > same_side || (!keeps_ && lean_together(one, 0, two, 0, apart));
 }
 
 // The facet that the vertex passes last from before it to behind it, as both move straight.

@@ -54,6 +54,7 @@ class NodeToSegment : public PointGaps {
     long place(int vertex) const override;
     bool turns_uphill(const double* from, const double* to, int vertex) const override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
+    bool set_exact(bool on) override { return std::exchange(exact_, on) != on; }
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
     void masses(const double* X, const std::vector<char>& wanted, bool gradients,
                 std::vector<Grip>& out) override;
@@ -115,7 +116,7 @@ class NodeToSegment : public PointGaps {
     };
     std::vector<Held> held_;
     int n_own() const { return n_ / options_.copies; }
-    bool static_ = false;
+    bool static_ = false, exact_ = false;
     std::vector<double> rest_;  // places, if the surface may touch itself
     NormalField normals_;
     PointSearch near_facets_;
