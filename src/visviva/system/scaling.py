@@ -74,9 +74,7 @@ def by_units(K: sp.csr_array, scale: Array) -> Array:
 
     n_parts, part = connected_components(K, directed=False)
     reach, own = row_maxima(K, scale), K.diagonal()
-    effect = reach * scale
-    energy = [typical(own[own > 1e-8 * own.max()]) for own in split(effect, part, n_parts)]
-    unit = np.sqrt(energy)[part] if n_parts else np.ones(0)
+    unit = np.sqrt(typical_of_parts(reach * scale, part, n_parts))[part]
     reach[reach < VANISHING * reach.max(initial=0.0)] = 0.0
     of_forces = np.where(
         reach > 0, unit / np.where(reach > 0, reach, 1.0), 1 / np.sqrt(np.where(own > 0, own, 1.0))
@@ -84,10 +82,22 @@ def by_units(K: sp.csr_array, scale: Array) -> Array:
     return np.where(scale > 0, scale / unit, of_forces)
 
 
-def split(values: Array, part: NDArray[np.int32], n_parts: int) -> list[Array]:
-    """The values of each part."""
-    order = np.argsort(part, kind="stable")
-    return np.split(values[order], np.searchsorted(part[order], np.arange(1, n_parts))) if n_parts else []
+def typical_of_parts(effect: Array, part: NDArray[np.int32], n_parts: int) -> Array:
+    """Median (n_parts,) of those of each part that are not negligible beside its largest, 1 for parts of zeros.
+
+    Of all parts at once, for a diagonal matrix has as many as rows.
+    """
+    largest = np.zeros(n_parts)
+    np.maximum.at(largest, part, effect)
+    counted = np.flatnonzero(effect > 1e-8 * largest[part])
+    counted = counted[np.lexsort((effect[counted], part[counted]))]
+    n = np.bincount(part[counted], minlength=n_parts)
+    present = np.flatnonzero(n)
+    first = (np.cumsum(n) - n)[present]
+    medians = np.ones(n_parts)
+    lower, upper = (counted[first + k] for k in ((n[present] - 1) // 2, n[present] // 2))
+    medians[present] = 0.5 * (effect[lower] + effect[upper])
+    return medians
 
 
 def asymmetry(K: sp.csr_array) -> tuple[float, int]:
