@@ -365,4 +365,4 @@ def transported(d: Array, s: Array, t: Array) -> Array:
     c, w = float(s @ t), np.cross(s, t)
     if c < -1 + 1e-12:
         return np.asarray(d - 2 * (d @ s) * s)
-    return np.asarray(d + np.cross(w, d) + np.cross(w, np.cross(w, d)) / (1 + c))
+    return np.asarray(c * d + np.cross(w, d) + ((w @ d) / (1 + c)) * w)

@@ -123,7 +123,8 @@ class DirectorBody(MeshBody, Limited):
 
     def by_cell(self, of: Any) -> Array:
         """A property of the section for every cell (m, ...)."""
-        found = {id(s): np.asarray(of(s), dtype=float) for s in self.sections}
+        different = {id(s): s for s in self.sections}
+        found = {key: np.asarray(of(s), dtype=float) for key, s in different.items()}
         return np.stack([found[id(s)] for s in self.sections])
 
     @cached_property
