@@ -76,9 +76,50 @@ def test_supports_may_hold_both_nodes_of_a_pair_at_their_distance() -> None:
     assert result.ledger["potential_strain"][-1] == pytest.approx(0.99 * density, rel=1e-9)
 
 
+def test_a_motion_that_is_the_same_on_both_sides_moves_both() -> None:
+    """As the same motion without a function of the place, and as one of the middle alone by its images."""
+    u = 0.05 * np.sin(1.0)
+    plates = (lambda t, X: np.stack([0.05 * np.sin(t) + 0 * X[:, 0]] * 3, axis=1), ("0.05*sin(t)",) * 3)
+    found = []
+    for motion in plates:
+        body = cell()
+        held = vv.Prescribed(solid=body, nodes="y1", motion=motion)
+        sides = vv.PeriodicFaces(solid=body, pairs=(("x0", "x1"), ("z0", "z1")))
+        system = vv.System([body, vv.Fixed(solid=body, nodes="y0"), held, sides])
+        vv.quasi_static(system, until=1.0, step=0.5)
+        found.append(body.displacements(system.x))
+    assert found[0][body.nodes("y1")] == pytest.approx(u)
+    np.testing.assert_allclose(*found, atol=1e-12)
+
+
+def test_a_wave_along_the_period_moves_both_sides() -> None:
+    body, wave = cell(), 2 * np.pi / 0.9
+    moved = vv.Prescribed(
+        solid=body,
+        nodes="z1",
+        motion=lambda t, X: 0.02 * t * np.cos(wave * X[:, [1, 1, 1]]),
+        directions=(0, 0, 1),
+    )
+    sides = vv.PeriodicFaces(solid=body, pairs=(("x0", "x1"), ("y0", "y1")))
+    system = vv.System([body, vv.Fixed(solid=body, nodes="z0"), moved, sides])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    u = body.displacements(system.x)
+    assert np.ptp(u[:, 2]) > 0.03
+    for first, second in sides.pairs:
+        np.testing.assert_allclose(u[body.nodes(first)], u[body.nodes(second)], atol=1e-12)
+
+
+@pytest.mark.parametrize("motion", [lambda t, X: 0.1 + 0.1 * X, lambda t, X: 0.1 * t * X])
+def test_motions_that_take_both_sides_apart_are_refused(motion: Any) -> None:
+    body = cell()
+    parts = [body, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])]
+    with pytest.raises(vv.InputError, match=r"its motion differs by .* give both the same"):
+        vv.System([*parts, vv.Prescribed(solid=body, nodes="y0", motion=motion)])
+
+
 APART: dict[str, Made] = {
     "fixed": lambda b: vv.Fixed(solid=b, nodes="y0"),
-    "moved": lambda b: vv.Prescribed(solid=b, nodes="y0", motion=lambda t, X: 0.1 * t * X),
+    "moved": lambda b: vv.Prescribed(solid=b, nodes="y0", motion=lambda t, X: 0.1 * t * X[:, [1, 1, 1]]),
     "mixed": lambda b: vv.Prescribed(solid=b, nodes="x0", motion=("t", None, None)),
 }
 

@@ -45,8 +45,8 @@ class PeriodicFaces(Component):
     What strains the cell does the work of "drive" in the ledger; where `times` is left out the strain is there from
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
     meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
-    they must stay as far apart as they are. Loads on paired faces are refused. Temperatures and concentrations of the
-    body are not paired.
+    they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. Temperatures
+    and concentrations of the body are not paired.
 
     Examples
     --------
@@ -86,6 +86,7 @@ class PeriodicFaces(Component):
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         first = np.unique(number, return_index=True)[1][number]
+        self.leaders = first  # of each node the one whose image it is
         self._followers = np.flatnonzero(first != np.arange(len(first)))
         self._leaders = first[self._followers]
         given = np.asarray(self.strain, dtype=float)
@@ -96,6 +97,9 @@ class PeriodicFaces(Component):
     def outside_axes(self) -> Axes:
         apart = self.solid.points[self._followers] - self.solid.points[self._leaders]
         return "", by_forces(axes_along([*apart, *apart @ self._gradient.T]))[1]  # pairs pull past each other
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.solid, self)
 
     def declare(self, model: Model) -> None:
         model.index(self.solid)
@@ -143,7 +147,7 @@ class PeriodicFaces(Component):
             inside = p.unknowns[(p.unknowns >= motion.start) & (p.unknowns < motion.start + motion.size)]
             movers[inside - motion.start] = p.component
         pairs = zip(movers[a].flat, movers[b].flat, strict=True)
-        alike = [m is n and not callable(getattr(m, "motion", None)) for m, n in pairs]
+        alike = [m is n for m, n in pairs]  # a motion that is not refuses itself
         still = np.abs(more[:, :d]) <= 1e-12 * np.abs(self.solid.points).max()
         lost = both & ~(np.reshape(alike, both.shape) & still)
         if lost.any():

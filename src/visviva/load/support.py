@@ -18,6 +18,8 @@ from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.point import unit, vector
 from visviva.component.values import Motion, Nodes, Vector3
 from visviva.load.force import guarded
+from visviva.load.periodic_faces import PeriodicFaces
+from visviva.mesh.periodic import refuse_apart
 from visviva.model.form import Vector
 
 if TYPE_CHECKING:
@@ -281,7 +283,10 @@ class Prescribed(Support):
         return u
 
     def _values(self, time: float) -> Array:
-        return (self._places + self._displacements(time))[:, self._moved].ravel()
+        u = self._displacements(time)
+        for leaders in self._leaders:
+            refuse_apart(self.label, "motion", leaders, u[:, self._moved], time, self._size)
+        return (self._places + u)[:, self._moved].ravel()
 
     def _rates(self, time: float, step: float) -> Array:
         if self._function is not None:
@@ -292,5 +297,10 @@ class Prescribed(Support):
 
     def contribute(self, model: Model) -> None:
         numbers = self._numbers(model, self._moved)
+        self._size = 1e-6 * float(np.ptp(self.solid.points, axis=0).max())
+        self._leaders = [sides.leaders[self._chosen] for sides in model.announced(self.solid, PeriodicFaces)]
         kinks = () if self._function else {t for f in self.motion if f is not None for t in f.kinks}
-        model.prescribe(self, self.solid.motion, numbers, self._values, self._rates, kinks)
+        try:
+            model.prescribe(self, self.solid.motion, numbers, self._values, self._rates, kinks)
+        except RunError as error:
+            raise InputError(str(error)) from error

@@ -45,8 +45,10 @@ def refuse_periodic(label: str, body: Meshed, pairs: Sequence[tuple[str, str]], 
             )
 
 
-def refuse_apart(label: str, what: str, number: Ints, values: Array, time: float) -> None:
+def refuse_apart(label: str, what: str, number: Ints, values: Array, time: float, size: float = 0.0) -> None:
     """Refuse values (k, ...) that are given to nodes of one `number` (k,) and differ, as images are one node.
+
+    By rounding, of the values or of this `size`, they may.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def refuse_apart(label: str, what: str, number: Ints, values: Array, time: float
     """
     _, once, inverse = np.unique(number, return_index=True, return_inverse=True)
     apart = np.abs(values - values[once][inverse])
-    if apart.max(initial=0.0) > 1e-9 * np.abs(values).max(initial=0.0):
+    if apart.max(initial=0.0) > 1e-9 * np.abs(values).max(initial=size):
         raise RunError(
             f"{label}: at t = {time:g} its {what} differs by {apart.max():.6g} between nodes of periodic faces that "
             "are one: give both the same"
