@@ -46,15 +46,7 @@ def test_a_size_tells_more_than_a_rank(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SLURM_STEP_NUM_TASKS", "1")
     assert processes.n_launched() == 1
     assert processes.is_first()
-    assert not processes.may_be_several()
     processes.refuse_unaware()
-
-
-def test_a_rank_alone_leaves_it_open_how_many_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not processes.may_be_several()
-    monkeypatch.setenv("PMIX_RANK", "0")
-    assert processes.may_be_several()
-    processes.refuse_unaware()  # one process of prterun is no reason to refuse anything
 
 
 def test_nothing_is_written(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

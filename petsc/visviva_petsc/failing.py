@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from visviva_petsc.world import World
 
 PATIENCE = 5.0
-"""Seconds until a process that fails believes that others go on."""
+"""Seconds until a process that fails believes that others go on; longer where all have met long ago."""
 
 
 def end_all_together(world: World) -> None:

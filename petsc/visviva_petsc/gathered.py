@@ -15,6 +15,24 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+PIECE = 2**30
+"""Numbers of a message: MPI before its fourth version counts them in 32 bits."""
+
+
+def gathered(comm: Any, values: Array) -> list[Array]:
+    """Arrays of all processes in the first one, in pieces of any number; nothing in the others."""
+    sizes = comm.gather(len(values))
+    if sizes is None:
+        for k in range(0, len(values), PIECE):
+            comm.Send(values[k : k + PIECE], 0)
+        return []
+    found = [values, *(np.empty(n) for n in sizes[1:])]
+    for rank, part in enumerate(found[1:], 1):
+        for k in range(0, len(part), PIECE):
+            comm.Recv(part[k : k + PIECE], rank)
+    return found
+
+
 class Gathered:
     """Solves ``K d = -r`` in the first process by the core's own solvers; others send what they have of K and r.
 
@@ -40,7 +58,6 @@ class Gathered:
         parts = self.comm.gather((rows, unknown[col]))
         if self.comm.rank:
             return
-        self.counts = [len(first) for first, _ in parts]
         i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
         n = len(self.known)
         key = np.searchsorted(self.known, i).astype(np.int64) * n + np.searchsorted(self.known, j)
@@ -53,12 +70,9 @@ class Gathered:
 
     def factor(self, values: Array) -> bool:
         """Add up the values of all processes, and factor."""
-        buffer = np.empty(sum(self.counts)) if self.comm.rank == 0 else None
-        counts = self.counts if self.comm.rank == 0 else None
-        self.comm.Gatherv(np.array(values), (buffer, counts) if self.comm.rank == 0 else None)
-        done = None
-        if buffer is not None:
-            regular = self.linear.factor(np.bincount(self.place, buffer))
+        parts, done = gathered(self.comm, np.array(values)), None
+        if parts:
+            regular = self.linear.factor(np.bincount(self.place, np.concatenate(parts)))
             done = regular, self.linear.name, self.linear.message
         regular, name, self.message = self.comm.bcast(done)
         self.name = f"{name} in the first process"

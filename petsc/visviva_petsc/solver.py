@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import weakref
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -41,7 +43,7 @@ class Solver:
         _made[0] += 1
         self.options = options
         self.rtol = float(options.get("ksp_rtol", 1e-6))
-        self.keep: list[Any] = []
+        self._closing: weakref.finalize[..., Solver] | None = None
 
     def analyze(
         self, row: Ints, col: Ints, unknown: Ints, node: Ints, modes: Array, multiplier: Ints
@@ -78,6 +80,7 @@ class Solver:
         database = PETSc.Options()
         for name, value in self.options.items():
             database.setValue(self.prefix + name, value or None)
+        self._closing = weakref.finalize(self, forget_options, [self.prefix + name for name in self.options])
         self.ksp.setFromOptions()
         self.is_direct = self.ksp.getPC().getType() in DIRECT
 
@@ -126,9 +129,19 @@ class Solver:
 
     def release(self) -> None:
         """Give back what PETSc holds of an earlier pattern."""
+        if self._closing is not None:
+            self._closing()
         for name in ("bring", "near", "r", "d", "ksp", "A"):
             if name in vars(self):
                 getattr(self, name).destroy()
+
+
+def forget_options(names: Sequence[str]) -> None:
+    """Take options out of PETSc's database, which outlives those who put them there."""
+    if not PETSc.Sys.isFinalized():
+        database = PETSc.Options()
+        for name in names:
+            database.delValue(name)
 
 
 def block_size(comm: Any, node: Ints) -> int:

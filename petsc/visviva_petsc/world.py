@@ -24,32 +24,43 @@ class World:
         self.comm = comm
         self.rank, self.size = comm.rank, comm.size
         self.failing = comm.Dup()  # where those that fail meet
+        self.met = time.monotonic()  # when all were together last
+
+    @property
+    def joint(self) -> Any:
+        """The communicator, for what all do together now."""
+        self.met = time.monotonic()
+        return self.comm
 
     def sum(self, values: Array) -> None:
         """Sum an array over the processes, in place."""
-        self.comm.Allreduce(MPI.IN_PLACE, values)
+        self.joint.Allreduce(MPI.IN_PLACE, values)
 
     def largest(self, value: float) -> float:
         """The largest of their numbers."""
-        return float(self.comm.allreduce(value, MPI.MAX))
+        return float(self.joint.allreduce(value, MPI.MAX))
 
     def first(self, value: Any) -> Any:
         """What the first of them has."""
-        return self.comm.bcast(value)
+        return self.joint.bcast(value)
 
     def together(self, values: Any) -> list[Any]:
         """What they have, in their order."""
-        return list(self.comm.allgather(values))
+        return list(self.joint.allgather(values))
 
     def parts(self, grid: Any) -> Ints:
         """Number of the process that each cell (n_cells,) of a mesh belongs to."""
-        return np.asarray(self.comm.bcast(parts_of(grid, self.size) if self.rank == 0 else None))
+        return np.asarray(self.first(parts_of(grid, self.size) if self.rank == 0 else None))
 
     def meets(self) -> bool:
-        """Whether all of them come here, to the same error, before patience ends."""
+        """Whether all of them come here, to the same error, before patience ends.
+
+        Who has worked for a minute since all were together waits for another: others may have had more to do.
+        """
         arrived, start = self.failing.Ibarrier(), time.monotonic()
+        patience = max(PATIENCE, start - self.met)
         while not arrived.Test():
-            if time.monotonic() - start > PATIENCE:
+            if time.monotonic() - start > patience:
                 return False
             time.sleep(0.01)
         return True
@@ -61,7 +72,7 @@ class World:
 
     def of_core(self) -> Owners:
         """What the core of a system is told of them."""
-        return Owners(self.comm)
+        return Owners(self)
 
     def solver(self) -> Any:
         """Choice of linear solvers."""
@@ -73,29 +84,22 @@ class World:
 class Owners:
     """Who owns which unknowns of one system: of those that have an equation for it the first process."""
 
-    def __init__(self, comm: Any) -> None:
-        self.comm = comm
+    def __init__(self, world: World) -> None:
+        self.world, self.sum, self.largest = world, world.sum, world.largest
 
     def own(self, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:
         """Mask (n,) of the unknowns of this process, from those that have equations here."""
-        owner = owners(self.comm, unknowns, n)
-        self.mine = np.flatnonzero(owner == self.comm.rank)
-        self.counts = np.bincount(owner, minlength=self.comm.size + 1)[:-1]
+        rank, size = self.world.rank, self.world.size
+        owner = owners(self.world.joint, unknowns, n)
+        self.mine = np.flatnonzero(owner == rank)
+        self.counts = np.bincount(owner, minlength=size + 1)[:-1]
         self.order = np.argsort(owner, kind="stable")[: self.counts.sum()]
         self.found = np.empty(len(self.order))
-        return (owner == self.comm.rank).astype(np.int32)
-
-    def sum(self, values: Array) -> None:
-        """Sum an array over the processes, in place."""
-        self.comm.Allreduce(MPI.IN_PLACE, values)
-
-    def largest(self, value: float) -> float:
-        """The largest of their numbers."""
-        return float(self.comm.allreduce(value, MPI.MAX))
+        return (owner == rank).astype(np.int32)
 
     def share(self, values: Array) -> None:
         """Give all processes the values (n,) that the owners have."""
-        self.comm.Allgatherv(values[self.mine], (self.found, self.counts))
+        self.world.joint.Allgatherv(values[self.mine], (self.found, self.counts))
         values[self.order] = self.found
 
 

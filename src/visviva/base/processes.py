@@ -24,12 +24,12 @@ def number_in(name: str) -> int:
 
 def n_launched() -> int:
     """Processes that were started at once with this one, as far as it can know."""
-    return max(map(number_in, SIZES)) or number_in("PMIX_RANK") + 1
+    return n_told() or number_in("PMIX_RANK") + 1
 
 
-def may_be_several() -> bool:
-    """Whether others may have been started with this one: PMIx alone tells a rank, and not how many there are."""
-    return n_launched() > 1 or ("PMIX_RANK" in os.environ and not any(map(number_in, SIZES)))
+def n_told() -> int:
+    """What the launcher says, 0 if it does not: PMIx alone tells a rank, and the first of one is that of many, too."""
+    return max(map(number_in, SIZES))
 
 
 def is_first() -> bool:
