@@ -60,8 +60,23 @@ void ContactScatter::clear_borders(double* values) {
     border_places_.clear();
 }
 
-// Where blocks of nodes begin in the tangent, for all pairs of a stencil's forms, and all entries of its
-// multipliers; found once per stencil.
+namespace {
+constexpr std::int64_t absent = -1, scattered = -2;
+
+// Where a block of rows and columns begins in the tangent, if it lies there as one of a mesh's nodes does:
+// what is no node of a mesh has rows of its own.
+std::int64_t block_at(const Pattern& pattern, int row, int col, int dim) {
+    const std::int64_t first = pattern.position(row, col), length = pattern.row_length(row);
+    for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j)
+            if (pattern.position(row + i, col + j) != (first < 0 ? absent : first + i * length + j))
+                return scattered;
+    return first;
+}
+}  // namespace
+
+// Where blocks begin in the tangent, for all pairs of a stencil's forms, and all entries of its multipliers;
+// found once per stencil.
 const ContactScatter::Places& ContactScatter::places(int A) {
     const Skin& skin = gaps_->skin();
     Places& p = places_[A];
@@ -77,8 +92,10 @@ const ContactScatter::Places& ContactScatter::places(int A) {
                 p.border.push_back(pattern_->position(skin.unknown[k] + i, j));
             }
         skin.each_form(p.stencil, [&](int, int l) {
-            const bool block = skin.mesh_node[k] && skin.mesh_node[l];
-            p.blocks.push_back(block ? pattern_->position(skin.unknown[k], skin.unknown[l]) : -1);
+            const bool of_nodes = skin.mesh_node[k] && skin.mesh_node[l];
+            const int row = skin.unknown[k], col = skin.unknown[l];
+            p.blocks.push_back(of_nodes ? pattern_->position(row, col)
+                                        : block_at(*pattern_, row, col, skin.dim));
         });
     });
     return p;
@@ -108,7 +125,7 @@ void ContactScatter::subtract_stiffness(int A, const double* K, double* values) 
             if (first >= 0 && skin.dim == 3)
                 return add_block<3>(block, apart, factor, values + first, length);
             if (first >= 0) return add_block<2>(block, apart, factor, values + first, length);
-            if (skin.mesh_node[k] && skin.mesh_node[l]) return;
+            if (first == absent) return;
             for (int i = 0; i < skin.dim; ++i)
                 for (int j = 0; j < skin.dim; ++j) {
                     const std::int64_t at = pattern_->position(row + i, skin.unknown[l] + j);
