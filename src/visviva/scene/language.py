@@ -79,22 +79,26 @@ def public(base: type[T]) -> dict[str, type[T]]:
     return {name: cls for name, cls in classes() if issubclass(cls, base) and cls not in (base, *BASES)}
 
 
+@cache
 def components() -> dict[str, type[Component]]:
     """Constructors of components of a system."""
     return public(Component)
 
 
+@cache
 def values() -> dict[str, type[Any]]:
     """Constructors of arguments: shapes, meshes, materials, sections, options of solvers, measures, probes."""
     choices = {name: cls for base in CHOICES.values() for name, cls in public(base).items()}
     return {**choices, **public(Reading)}
 
 
+@cache
 def probes() -> dict[str, type[Any]]:
     """Constructors of probes."""
     return public(Reading)
 
 
+@cache
 def schemes() -> dict[str, type[Scheme]]:
     """Time integration schemes."""
     return public(Scheme)
