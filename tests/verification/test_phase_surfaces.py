@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.body.space import MeshSpace
 from visviva.examples import coarsening, drop_on_wall, solder, sphere_pattern, spinodal
-from visviva.phase.space import MeshSpace
 
 PFHUB = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
 

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
+from visviva.body.spline_space import SplineSpace
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.mesh.generate import MeshSource
@@ -21,7 +22,6 @@ from visviva.model.points import PhysicsKind, add_points
 from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
 from visviva.phase.mobility import Mobility, mobility_of
 from visviva.phase.phase_body import PhaseBody
-from visviva.phase.spline_space import SplineSpace
 
 if TYPE_CHECKING:
     from visviva.model.model import Model

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.body.space import Table
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
-from visviva.phase.space import Table
 
 if TYPE_CHECKING:
     from visviva.model.model import Model

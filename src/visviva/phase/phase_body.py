@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError, nearest
+from visviva.body.space import MeshSpace, ScalarSpace, Table
+from visviva.body.spline_space import SplineSpace
 from visviva.component.meshed import Meshed
 from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
@@ -21,8 +23,6 @@ from visviva.model.field import Field
 from visviva.model.points import Group
 from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy, interface
 from visviva.phase.mobility import Mobility
-from visviva.phase.space import MeshSpace, ScalarSpace, Table
-from visviva.phase.spline_space import SplineSpace
 
 if TYPE_CHECKING:
     from visviva._core import PointTerm

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
+from visviva.body.space import Table
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
@@ -22,7 +23,6 @@ from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
 from visviva.phase.mixture_solid import MixtureSolid
-from visviva.phase.space import Table
 from visviva.thermal.boundaries import Values
 
 if TYPE_CHECKING:

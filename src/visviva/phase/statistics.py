@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
-from visviva.phase.space import Table
+from visviva.body.space import Table
 
 Array = NDArray[np.float64]
 

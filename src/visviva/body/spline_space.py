@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.body.mesh_points import face_points
+from visviva.body.space import Table
 from visviva.mesh import convert
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, corner_rows
@@ -21,7 +22,6 @@ from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
 from visviva.mesh.spline import SplinePatch, SplineSource
 from visviva.mesh.spline_joined import CLOSE
-from visviva.phase.space import Table
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
