@@ -33,7 +33,7 @@ def forces(solid: vv.Solid, *loads: Any, x: Array | None = None, time: float = 0
         system.x[: x.size] = x.ravel()
         system.invalidate()
     residual = system.residual(vv.Static().step(time, 0.0))
-    return -solid.by_node(residual) - solid.nodal_forces(system.x)
+    return -solid.carriers.vectors(residual) - solid.nodal_forces(system.x)
 
 
 def bent(solid: vv.Solid, size: float = 0.05) -> Array:
@@ -301,7 +301,7 @@ def test_work_of_prescribed_motion_is_force_times_way(scheme: vv.Scheme) -> None
     def watch(system: vv.System) -> None:
         nonlocal work, last
         now = np.array([0.2 * np.sin(4 * system.time), 0.0, 0.1 * system.time**2])
-        held = block.by_node(system.holding_forces())[block.nodes("x0")].sum(axis=0)
+        held = block.carriers.vectors(system.holding_forces())[block.nodes("x0")].sum(axis=0)
         work, last = work + held @ (now - last), now
 
     result = vv.simulate(system, until=0.6, step=0.02, scheme=scheme, observe=watch)

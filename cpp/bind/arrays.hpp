@@ -30,7 +30,7 @@ inline std::vector<char> flags_of(const Ints& a) { return {a.data(), a.data() + 
 
 /// The numbers of an array, or nothing for None.
 inline const double* optional(const nb::object& a) {
-    return a.is_none() ? nullptr : nb::cast<Doubles>(a).data();
+    return a.is_none() ? nullptr : nb::cast<Doubles>(a, false).data();  // a copy would not last
 }
 
 // --- what the core owns, as arrays of Python -----

@@ -25,6 +25,7 @@ from .body.shell import Shell
 from .body.shell_section import HomogeneousSection, Laminate, Ply
 from .body.solid import Solid
 from .body.solid_section import SolidLaminate, SolidLayer, SolidSection
+from .body.spline_solid import SplineSolid
 from .body.viscoelastic_solid import ViscoelasticSolid
 from .contact.contact import Contact
 from .contact.obstacle import Obstacle, Plane
@@ -347,6 +348,7 @@ __all__ = [
     "SplineBox",
     "SplinePatch",
     "SplinePatches",
+    "SplineSolid",
     "Spring",
     "SquaredDistance",
     "Static",

@@ -167,6 +167,10 @@ class RigidCoupling(Coupling):
 
     is_rigid = True
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.solid.carriers.refuse_each_node(self.label, "take vv.DistributedCoupling")
+
     def announce(self, model: Model) -> None:
         model.announce(self.solid, Holding(self, self._nodes, None))
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
 from visviva.base.html import table
+from visviva.body.carriers import Carriers
 from visviva.body.element import volumes
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
 from visviva.body.touching import Skin
@@ -161,21 +162,22 @@ class MeshBody(Attachable, Meshed):
         return self.mass
 
     def mass_moment(self, x: Array) -> Array:
-        moment: Array = self.nodal_mass @ self.positions(x)
+        moment: Array = self.carriers.mass @ self.carriers.vectors(x)
         return (
             moment * (0, 1, 0) if self.axisymmetric else moment
         )  # the revolution's centre is on its axis, y
 
     def weigh(self, model: Model, acceleration: Array) -> None:
-        m = self.nodal_mass
+        m = self.carriers.mass
         if np.any(m > 0):
             force = m[:, None] * np.asarray(acceleration)[None, : self.dimension]
-            model.dead_forces(self, "gravity", self.node_unknowns(np.arange(len(m))), force)
+            model.dead_forces(self, "gravity", self.carriers.unknowns(np.arange(len(m))), force)
 
     def _centre(self) -> Array:
         """Centre of mass (3,) in the reference; without mass the mean of the nodes."""
-        w = self.nodal_mass if self.density > 0 else np.ones(self.grid.n_nodes)
-        centre: Array = w @ self.points / w.sum()
+        X = self.carriers.points
+        w = self.carriers.mass if self.density > 0 else np.ones(len(X))
+        centre: Array = w @ X / w.sum()
         return centre
 
     def initial_velocities(self) -> Array:
@@ -225,6 +227,11 @@ class MeshBody(Attachable, Meshed):
             "vv.RigidCoupling or vv.DistributedCoupling"
         )
 
+    @property
+    def carriers(self) -> Carriers:
+        """What its places are made of, by default its nodes."""
+        return Carriers(self)
+
     def combination(self, nodes: Any, weights: Any) -> Vector:
         """Weighted sum of nodal positions as a vector form."""
         kept = [
@@ -242,14 +249,9 @@ class MeshBody(Attachable, Meshed):
         return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
 
     # --- what it shows -------------------------------------------------------------------------------------
-    def by_node(self, values: Array) -> Array:
-        """Values of all unknowns of the system as vectors (n, 3) of the nodes."""
-        first = self.node_unknowns(np.arange(self.grid.n_nodes))
-        return np.pad(values[first[:, None] + np.arange(self.dimension)], ((0, 0), (0, 3 - self.dimension)))
-
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
-        return self.by_node(x)
+        return self.carriers.at_nodes(x)
 
     def displacements(self, x: Array) -> Array:
         """Displacements (n, 3) of the nodes from the reference configuration at the unknowns `x`."""
@@ -257,7 +259,7 @@ class MeshBody(Attachable, Meshed):
 
     def velocities(self, x: Array, v: Array) -> Array:
         """Velocities (n, 3) of the nodes at the unknowns `x` and rates `v` of the system."""
-        return self.by_node(v)
+        return self.carriers.at_nodes(v)
 
     def volume(self, x: Array) -> float:
         """Present volume, that of the revolution if axisymmetric, else area if plane, at the unknowns `x`."""

@@ -332,17 +332,20 @@ class Solid(MeshBody):
         xi = rule.points
         if self.formulation == "F-bar":
             xi = np.broadcast_to(CELLS[cell].nodes.mean(axis=0), xi.shape)
-        N = CELLS[cell].N(xi)
+        return self._free_strains_at(CELLS[cell].N(xi) @ self.points[nodes])
+
+    def _free_strains_at(self, places: Array) -> Array:
+        """Thermal strains (m, q) at places (m, q, 3)."""
         if not callable(self.thermal_strain):
-            return np.full((len(nodes), len(N)), float(self.thermal_strain))
-        X = (N @ self.points[nodes]).reshape(-1, 3)
+            return np.full(places.shape[:2], float(self.thermal_strain))
+        X = places.reshape(-1, 3)
         strain = np.array(self.thermal_strain(X), dtype=float)
         if strain.shape != (len(X),) or not np.all(strain > -1):
             raise InputError(
                 f"{self.label}: the function thermal_strain gave shape {strain.shape} or values that do not all exceed "
                 f"-1 for positions {X.shape}; give strains, shape ({len(X)},)"
             )
-        return strain.reshape(len(nodes), len(N))
+        return strain.reshape(places.shape[:2])
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
@@ -394,7 +397,7 @@ class Solid(MeshBody):
             least = part.J.min(axis=1)
             e = int(np.argmin(least))
             if least[e] < J:
-                J, place = float(least[e]), self.positions(x)[nodes[e]].mean(axis=0)
+                J, place = float(least[e]), self.carriers.vectors(x)[nodes[e]].mean(axis=0)
                 at = ", ".join(f"{c:.4g}" for c in place)
                 state = "inverted" if J <= 0 else "nearly flat"
                 worst = f"element {cells[e]} of {self.label} near ({at}) is {state} (det F = {J:.3g})"

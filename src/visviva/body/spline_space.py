@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.body.mesh_points import face_points
 from visviva.body.space import Table
 from visviva.mesh import convert
 from visviva.mesh.cells import CELLS
@@ -25,6 +24,34 @@ from visviva.mesh.spline_joined import CLOSE
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sides:
+    """Quadrature points of faces on the sides of patches.
+
+    Attributes
+    ----------
+    numbers : array of int (m, k)
+        Coefficients of the functions at each of m faces.
+    N : array (m, q, k)
+    slopes : array (m, q, k, d - 1)
+        Derivatives of the functions by the coordinates of the face.
+    X, normal : array (m, q, 3)
+        Places, and outward unit normals.
+    size : array (m, q)
+        Area; in the plane with the thickness.
+    weights : array (q,)
+        Of the quadrature.
+    """
+
+    numbers: Ints
+    N: Array
+    slopes: Array
+    X: Array
+    normal: Array
+    size: Array
+    weights: Array
 
 
 class SplineSpace:
@@ -115,37 +142,62 @@ class SplineSpace:
         )
 
     def walls(self, faces: Faces) -> Iterator[Table]:
-        """Tables of faces of the mesh that is drawn, whose plain shape their size is taken from."""
-        ends = np.cumsum([0, *(self._samples_of_span**p.dimension * np.prod(p.counts) for p in self.patches)])
-        for k in range(len(self.patches)):
-            own = {kind: (rows >= ends[k]) & (rows < ends[k + 1]) for kind, rows in faces.owners.items()}
-            part = Faces(
-                *({kind: rows[own[kind]] for kind, rows in of.items()} for of in (faces.cells, faces.owners))
-            )
-            yield from self._walls(k, part)
+        """Tables of faces of the mesh that is drawn, on the sides of the patches."""
+        for side in self.sides(faces):
+            flat = np.zeros((*side.N.shape, 3))
+            yield Table(numbers=side.numbers, N=side.N, gradients=flat, size=side.size, X=side.X)
 
-    def _walls(self, k: int, faces: Faces) -> Iterator[Table]:
-        patch, local = self.patches[k], np.zeros(self.grid.n_nodes, dtype=np.int64)
-        local[self._nodes[k]] = np.arange(len(self._nodes[k]))
-        for p in face_points(self.grid, faces, thickness=self.thickness):
-            if not len(p.nodes):
-                continue
-            kind = next(name for name, nodes in faces.cells.items() if nodes is p.nodes)
-            xi = np.einsum("mkc,qk->mqc", self._xi[k][local[p.nodes]], CELLS[kind].N(mass_rule(kind).points))
-            q = xi.shape[1]
-            # all points of a face see the functions of its first point, whose span is that of the face's middle
-            numbers, N, _, _ = patch.functions(xi.reshape(-1, patch.dimension))
-            values = N.reshape(-1, q, N.shape[1])
-            yield Table(
-                numbers=self.numbers[k][numbers.reshape(-1, q, numbers.shape[1])[:, 0]],
-                N=values,
-                gradients=np.zeros((*values.shape, 3)),
-                size=p.size,
-                X=p.X,
-            )
+    def sides(self, faces: Faces) -> Iterator[Sides]:
+        """Quadrature points of faces of the mesh that is drawn, on the sides of the patches, patch by patch."""
+        ends = np.cumsum([0, *(self._samples_of_span**p.dimension * np.prod(p.counts) for p in self.patches)])
+        for k, patch in enumerate(self.patches):
+            local = np.zeros(self.grid.n_nodes, dtype=np.int64)
+            local[self._nodes[k]] = np.arange(len(self._nodes[k]))
+            for kind, nodes in faces.cells.items():
+                own = nodes[(faces.owners[kind] >= ends[k]) & (faces.owners[kind] < ends[k + 1])]
+                if len(own):
+                    yield self._sides(patch, self.numbers[k], kind, self._xi[k][local[own]])
+
+    def _sides(self, patch: SplinePatch, number: Ints, kind: str, corners: Array) -> Sides:
+        """Points of faces with the parameters (m, a, d) of their nodes."""
+        d, (eta, w) = patch.dimension, mass_rule(kind)
+        xi = np.einsum("mac,qa->mqc", corners, CELLS[kind].N(eta))
+        along = np.einsum("mac,qat->mqct", corners, CELLS[kind].dN(eta))
+        # all points of a face see the functions of its first point, whose span is that of the face's middle
+        numbers, N, dN, _ = patch.functions(xi.reshape(-1, d))
+        shape = (*xi.shape[:2], N.shape[1])
+        slopes = np.einsum("mqkc,mqct->mqkt", dN.reshape(*shape, d), along)
+        P = patch.control.reshape(-1, d)[numbers].reshape(*shape, d)
+        X = in_three(np.einsum("mqk,mqkc->mqc", N.reshape(shape), P))
+        tangents = in_three(np.einsum("mqkt,mqkc->mqtc", slopes, P))
+        across = np.array([0.0, 0.0, 1.0]) if d == 2 else tangents[:, :, 1]
+        outward = np.cross(tangents[:, :, 0], across)
+        size = np.linalg.norm(outward, axis=2)
+        return Sides(
+            numbers=number[numbers.reshape(shape)[:, 0]],
+            N=N.reshape(shape),
+            slopes=slopes,
+            X=X,
+            size=size * w * (self.thickness if d == 2 else 1.0),
+            normal=outward / size[..., None],
+            weights=w,
+        )
 
     @cached_property
-    def _samples(self) -> Any:
+    def control(self) -> Array:
+        """Control points (size, d)."""
+        found = np.empty((self.size, self.patches[0].dimension))
+        for patch, number in zip(self.patches, self.numbers, strict=True):
+            found[number] = patch.control.reshape(-1, patch.dimension)
+        return found
+
+    @cached_property
+    def anchors(self) -> Ints:
+        """Node (size,) of the grid where each function is largest: of those of a side, one of the side."""
+        return np.asarray(self.samples.tocsc().argmax(axis=0)).ravel()
+
+    @cached_property
+    def samples(self) -> Any:
         """From coefficients to the nodes of the grid, as a sparse matrix."""
         import scipy.sparse as sp
 
@@ -160,23 +212,28 @@ class SplineSpace:
         return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(self.grid.n_nodes, self.size)))
 
     def at_nodes(self, coefficients: Array) -> Array:
-        return np.asarray(self._samples @ coefficients)
+        return np.asarray(self.samples @ coefficients)
 
     def fitted(self, values: Array) -> Array:
         """By least squares."""
         from scipy.sparse.linalg import spsolve
 
-        S = self._samples
+        S = self.samples
         return np.asarray(spsolve((S.T @ S).tocsc(), S.T @ values))
 
     def held(self, nodes: Ints) -> Ints:
-        part = self._samples[nodes].tocoo()
+        part = self.samples[nodes].tocoo()
         return np.unique(part.col[np.abs(part.data) > 1e-12])
 
     def fitted_on(self, nodes: Ints, values: Array) -> Array:
         held = self.held(nodes)
-        S = self._samples[nodes][:, held].toarray()
+        S = self.samples[nodes][:, held].toarray()
         return np.asarray(np.linalg.lstsq(S, values, rcond=None)[0])
+
+
+def in_three(vectors: Array) -> Array:
+    """Vectors (..., 3) of some (..., d)."""
+    return np.pad(vectors, [(0, 0)] * (vectors.ndim - 1) + [(0, 3 - vectors.shape[-1])])
 
 
 def numbering(patch: SplinePatch, periodic: Sequence[int], level: bool) -> Ints:

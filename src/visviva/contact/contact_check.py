@@ -45,6 +45,10 @@ def check_numbers(contact: Contact) -> None:
 def check_multipliers(contact: Contact) -> None:
     """Refuse dual and condensed multipliers where there are none."""
     label, dual, condensed = contact.label, contact.multipliers == "dual", contact.condensed
+    rubs = contact.friction > 0 and contact.tangential == "multipliers"
+    if isinstance(contact.first, MeshBody) and (contact.enforcement == "multipliers" or rubs):
+        cure = "take enforcement='penalty', with tangential='penalty' where it rubs, or it as second"
+        contact.first.carriers.refuse_each_node(label, cure)
     if not (dual or condensed):
         return
     what = f"multipliers={contact.multipliers!r}" if dual else "condensed=True"

@@ -97,6 +97,7 @@ class Tie(Component):
                 raise InputError(
                     f"{self.label}: {body.label} is a line; join it by vv.Rigid to the frame of a coupling on the other"
                 )
+        self.first.carriers.refuse_each_node(self.label, "take the other one as first, or vv.SplinePatches")
         if self.first is self.second:
             raise InputError(
                 f"{self.label}: first and second are the same {self.first.label}; give two bodies"

@@ -55,8 +55,14 @@ class Support(Component):
     def _numbers(self, model: Model, directions: Any) -> Ints:
         """Numbers in the solid's field of these components of the nodes, node by node."""
         model.index(self.solid)
-        first = self.solid.node_unknowns(self._chosen) - self.solid.motion.start
+        first = self._carriers - self.solid.motion.start
         return (first[:, None] + np.flatnonzero(directions[: self.solid.dimension])).ravel()
+
+    @property
+    def _carriers(self) -> NDArray[np.int32]:
+        """First unknowns (k,) of what the nodes are held by."""
+        carriers = self.solid.carriers
+        return carriers.unknowns(carriers.held(self._chosen))
 
     def _holds(self) -> NDArray[np.bool_] | None:
         """See `Holding.directions`."""
@@ -182,6 +188,8 @@ class SymmetryPlane(Support):
         if self.solid.dimension == 2 and n[2] != 0:
             raise InputError(f"{self.label}: a plane solid cannot be held along {self.normal.tolist()}")
         self._along = np.array(n)
+        if self._holds() is None:
+            self.solid.carriers.refuse_each_node(self.label, "take a plane across an axis")
 
     def _holds(self) -> NDArray[np.bool_] | None:
         axis = np.abs(self._along) > 1e-12
@@ -286,14 +294,15 @@ class Prescribed(Support):
         u = self._displacements(time)
         for leaders in self._leaders:
             refuse_apart(self.label, "motion", leaders, u[:, self._moved], time, self._size)
-        return (self._places + u)[:, self._moved].ravel()
+        places = self.solid.carriers.places(self._chosen, self._places + u)
+        return places[:, self._moved].ravel()
 
     def _rates(self, time: float, step: float) -> Array:
         if self._function is not None:
             rates: Array = forward_rate(self._values, time, step)
             return rates
         components = [0.0 if f is None else f.rate_after(time, step) for f in self.motion]
-        return np.tile(np.array(components)[self._moved], len(self._chosen))
+        return np.tile(np.array(components)[self._moved], len(self._carriers))
 
     def contribute(self, model: Model) -> None:
         numbers = self._numbers(model, self._moved)

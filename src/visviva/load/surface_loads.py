@@ -152,17 +152,17 @@ class Pressure(OnSides):
     def _normals(self, p: FacePoints) -> tuple[Layout, Array]:
         """Places and forces per pressure at the quadrature points as strains (6) of the nodes of each face."""
         if self.solid.dimension == 3:
-            N, first, second = p.of_vectors(p.N), *(p.of_vectors(p.dN[:, :, c]) for c in range(2))
+            N, first, second = p.of_vectors(p.N), *(p.of_vectors(p.dN[..., c]) for c in range(2))
             first = -p.weights[:, None] * first
             point = np.concatenate([N, N, N, first, first, first, second, second, second], axis=2)
             return space_normals(N.shape[2]), point.reshape(-1, point.shape[2])
-        m, k = p.nodes.shape
-        slope, across = p.dN[:, :, 0], p.weights[:, None] * p.N
+        N, slope = p.of_vectors(p.N), p.of_vectors(p.dN[..., 0])
+        k = N.shape[2]
         if self.solid.axisymmetric:
-            point = np.hstack([p.N, p.N, slope, slope, -2 * np.pi * across])
-            return ring_normals(k), np.tile(point, (m, 1))
+            parts = [N, N, slope, slope, -2 * np.pi * p.weights[:, None] * N]
+            return ring_normals(k), np.concatenate(parts, axis=2).reshape(-1, 5 * k)
         flat = -self.solid.thickness * p.weights[:, None] * slope
-        return edge_normals(k), np.tile(np.hstack([p.N, p.N, flat, -flat]), (m, 1))
+        return edge_normals(k), np.concatenate([N, N, flat, -flat], axis=2).reshape(-1, 4 * k)
 
 
 def element_unknowns(solid: MeshBody, p: FacePoints) -> NDArray[np.int32]:
@@ -245,7 +245,7 @@ class ElasticFoundation(OnFaces):
         if not np.any(factor):
             return
         d, n = self.solid.dimension, factor.size
-        weights = np.einsum("qk,mqc->mqkc", p.N, direction).reshape(n, -1)
+        weights = np.einsum("mqk,mqc->mqkc", p.of_vectors(p.N), direction).reshape(n, -1)
         free = np.einsum("mqc,mqc->mq", direction, p.X[:, :, :d]).ravel()
         term = strain_batch(
             along(weights.shape[1]),

@@ -237,9 +237,9 @@ class SupportForce(Reading):
         return system.holding_forces()
 
     def by_node(self, system: System) -> Array:
-        """Forces (n, 3) on all nodes, zero on those that are free or not chosen."""
+        """Forces (n, 3) on all nodes, or control points of splines, zero on those that are free or not chosen."""
         solid = self.solid
-        force = solid.by_node(self._held(system))
+        force = solid.carriers.vectors(self._held(system))
         for plane in system.model.announced(solid, SymmetryPlane):
             np.add.at(force, *plane.reactions(system))
         return self._chosen * force
@@ -253,11 +253,12 @@ class SupportForce(Reading):
 
     @property
     def _chosen(self) -> Array:
-        """1 for the chosen nodes (n, 1), else 0."""
+        """1 for the chosen nodes (n, 1), or control points of splines, else 0."""
+        carriers = self.solid.carriers
         if self.nodes is None:
-            return np.ones((self.solid.grid.n_nodes, 1))
-        chosen = np.zeros((self.solid.grid.n_nodes, 1))
-        chosen[self.solid.nodes(self.nodes)] = 1.0
+            return np.ones((len(carriers.points), 1))
+        chosen = np.zeros((len(carriers.points), 1))
+        chosen[carriers.held(self.solid.nodes(self.nodes))] = 1.0
         return chosen
 
 
@@ -283,7 +284,7 @@ class SupportTorque(SupportForce):
         return "moment"
 
     def __call__(self, system: System) -> Array:
-        arms = self.solid.positions(system.x) - self.about
+        arms = self.solid.carriers.vectors(system.x) - self.about
         torque: Array = np.cross(arms, self.by_node(system)).sum(axis=0)
         if isinstance(self.solid, DirectorBody):
             torque += (self._chosen * self.solid.turning(self._held(system), system.x)).sum(axis=0)
