@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.component.announcements import Wetting
+from visviva.system.floating import displaced_mass, impulse_at_start
 from visviva.system.instant import COMPLIANCE, Instant, instant
 from visviva.system.memory import returning
 
 if TYPE_CHECKING:
-    import scipy.sparse as sp
-
     from visviva.scheme.schemes import Scheme, Table
     from visviva.system.system import System
 
@@ -327,11 +325,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     at = Instant(system)
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
-        with returning(system):
-            system.x[:], system.core.dx[:] = x0, trial - x0
-            with_them = system.residual(step)
-            system.core.dx[at.multipliers] = -x0[at.multipliers]
-            impulse = 0.5 * step.h * (with_them - system.residual(step))[at.coordinates]
+        impulse = impulse_at_start(system, at, step, table, x0, trial)
     at.M = at.M + displaced_mass(system)[at.coordinates][:, at.coordinates]
     at.factor()
     before = system.v[at.coordinates].copy()
@@ -350,24 +344,6 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     rows = driven_rows(system, at)  # work is booked with the mean of the forces at both ends of the step
     work: Array = -0.5 * change_of_multipliers[rows] * (at.G[rows] @ (trial - x0)[at.coordinates])
     return work
-
-
-def displaced_mass(system: System) -> sp.csr_array:
-    """Mass (n, n) of fluid in the places of bodies: it moves along, so that these are projected by masses of their own.
-
-    Without it what floats in a fluid of its own density has no mass, but rounding.
-    """
-    import scipy.sparse as sp
-
-    n = len(system.x)
-    total = sp.csr_array((n, n))
-    for wet in (c for c in system.components if isinstance(c, Wetting)):
-        for unknowns, mass in wet.displaced_fluid:
-            for along in np.moveaxis(unknowns, 2, 0):
-                rows = np.broadcast_to(along[:, :, None], mass.shape)
-                places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-                total = total + sp.coo_array((-mass.ravel(), places), shape=(n, n)).tocsr()
-    return total
 
 
 def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:
