@@ -167,6 +167,31 @@ def test_abaqus_file(tmp_path: Path) -> None:
     assert enclosed(mesh, mesh.faces("free")) == pytest.approx(1.5)
 
 
+def test_sets_whose_names_differ_in_capitals_are_one(tmp_path: Path) -> None:
+    """Under the name as it was first written; names in quotes are kept apart."""
+    more = """*Nset, nset=TOP
+ 50, 60
+*Nset, nset=top
+ 70, 80
+*Nset, nset="Top"
+ 90,
+*Elset, elset=CUBE
+ 8,
+*Surface, name=Free
+ cube, S1
+*Surface, name=FREE
+ 7, S2
+"""
+    file = write_input(tmp_path, sets=SETS.replace("*Surface, name=free\n every,\n", "") + more)
+    mesh = vv.MeshFile(file).build()
+    assert mesh.nodes("TOP").tolist() == [4, 5, 6, 7]
+    assert mesh.nodes("Top").tolist() == [8]
+    assert "top" not in mesh.node_sets
+    assert mesh.cell_sets["Cube"].tolist() == [0, 1]
+    assert set(mesh.face_sets) == {"sides", "Free"}
+    assert len(mesh.faces("Free").cells["quad4"]) == 2
+
+
 def test_an_instance_stands_where_its_part_was_moved_and_turned(tmp_path: Path) -> None:
     """A translation first, then a turn about the axis through (1, 0, 0) and (1, 2, 0)."""
     instance = "*Instance, name=i, part=P\n 1., 0., 3.\n 1., 0., 0., 1., 2., 0., 90.\n*End instance\n"
@@ -315,6 +340,7 @@ BAD_INPUTS = {
         ("*Material", "*Part, name=a\n*Instance, name=i, part=a\n*Instance, name=i, part=a\n*Material"),
         "an instance of this name already",
     ),
+    "part twice": (("*Material", "*Part, name=a\n*Part, name=A\n*Material"), "a part of this name already"),
     "unknown instance": (("*Nset, nset=bottom", "*Nset, instance=i, nset=bottom"), "no instance 'i'"),
     "missing file": (("sets.inp", "nothing.inp"), "does not exist"),
     "no name": (("nset=bottom, ", ""), "NSET"),

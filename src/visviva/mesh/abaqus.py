@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -35,6 +35,14 @@ class Section:
     keyword: str
     parameters: dict[str, str]
     lines: list[list[str]] = field(default_factory=list)
+    quoted: set[str] = field(default_factory=set)
+
+    def among(self, key: str, known: Iterable[str]) -> str:
+        """The name that a parameter gives, as it was first written: capitals do not matter but within quotes."""
+        name = self.parameters[key]
+        if key in self.quoted:
+            return name
+        return next((written for written in known if written.upper() == name.upper()), name)
 
     @property
     def words(self) -> list[list[str]]:
@@ -62,6 +70,9 @@ def sections(path: Path, within: Path | None = None, depth: int = 0) -> Iterator
                 assert now is not None
                 pairs = [word.partition("=") for word in words if word]
                 now.parameters |= {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+                now.quoted |= {
+                    key.strip().upper() for key, _, value in pairs if value.strip().startswith('"')
+                }
                 continued = line.endswith(",")
             elif now is not None:
                 now.lines.append([word.strip() for word in line.split(",")])
@@ -138,7 +149,7 @@ class Reader:
             self.now.points.append(reals(row[1 : len(row) - (row[-1] == "")][:3]))
         if "NSET" in section.parameters:
             added = np.arange(start, len(self.now.points))
-            self.now.node_sets.setdefault(section.parameters["NSET"], []).append(added)
+            self.now.node_sets.setdefault(section.among("NSET", self.now.node_sets), []).append(added)
 
     def element(self, section: Section) -> None:
         """Cells of one type."""
@@ -156,7 +167,7 @@ class Reader:
         self.now.types.append(name)
         self.now.blocks.append(nodes[:, PLACES[name]] if name in PLACES else nodes)
         if "ELSET" in section.parameters:
-            self.now.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
+            self.now.cell_sets.setdefault(section.among("ELSET", self.now.cell_sets), []).append(entries)
 
     def nset(self, section: Section) -> None:
         """A set of nodes, by numbers, by other sets, or by a set of elements."""
@@ -166,21 +177,21 @@ class Reader:
             entries = self.now.entries(section.parameters["ELSET"], among)
             every = [nodes for block in self.now.blocks for nodes in block]
             rows = np.unique(np.concatenate([every[k] for k in entries]))
-        self.now.node_sets.setdefault(section.parameters["NSET"], []).append(rows)
+        self.now.node_sets.setdefault(section.among("NSET", self.now.node_sets), []).append(rows)
 
     def elset(self, section: Section) -> None:
         """A set of elements."""
         among = section.parameters.get("INSTANCE")
         numbers = self.now.instance(among).entry_of
         entries = members(section, numbers, "element", lambda w: self.now.entries(w, among))
-        self.now.cell_sets.setdefault(section.parameters["ELSET"], []).append(entries)
+        self.now.cell_sets.setdefault(section.among("ELSET", self.now.cell_sets), []).append(entries)
 
     def surface(self, section: Section) -> None:
         """A set of faces by elements and labels S1, S2, ..., or a set of nodes."""
-        name = section.parameters["NAME"]
+        name = section.among("NAME", self.now.sides)
         if section.parameters.get("TYPE", "ELEMENT").upper() == "NODE":
             parts = [self.now.nodes(row[0]) for row in section.words]
-            self.now.node_sets.setdefault(name, []).extend(parts)
+            self.now.node_sets.setdefault(section.among("NAME", self.now.node_sets), []).extend(parts)
             return
         for row in section.words:
             entries = self.now.entries(row[0])
@@ -194,13 +205,15 @@ class Reader:
     def part(self, section: Section) -> None:
         """What follows belongs to a part, whose numbers and names are its own."""
         self.end()
+        if section.among("NAME", self.parts) in self.parts:
+            raise InputError("there is a part of this name already")
         self.now = self.parts[section.parameters["NAME"]] = AbaqusPart()
 
     def instance(self, section: Section) -> None:
         """A copy of a part; nodes and elements may follow that only the instance has."""
         self.end()
         part = self.parts[matching(section.parameters["PART"], self.parts, "part")]
-        if section.parameters["NAME"] in self.assembly.instances:
+        if section.among("NAME", self.assembly.instances) in self.assembly.instances:
             raise InputError("there is an instance of this name already")
         self.due, self.now = section, part.behind(0, 0)
 

@@ -81,7 +81,8 @@ class AbaqusPart:
         alone = len(self.instances) == 1
         for name, part in self.instances.items():
             for sets, own in ((node_sets, part.node_sets), (cell_sets, part.cell_sets), (sides, part.sides)):
-                sets |= {f"{name}.{k}" if not alone or k in sets else k: v for k, v in own.items()}  # type: ignore
+                taken = {k.upper() for k in sets}
+                sets |= {f"{name}.{k}" if not alone or k.upper() in taken else k: v for k, v in own.items()}  # type: ignore
             if not alone:
                 cell_sets.setdefault(name, []).append(np.array([*part.entry_of.values()], dtype=np.int64))
         return Collection(
