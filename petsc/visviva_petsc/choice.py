@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.base.world import world
-from visviva.linear.choice import Choice, Direct, LinearOptions, Problem
+from visviva.linear.choice import Choice, Direct, LinearOptions, Problem, Temperatures
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
 
@@ -38,8 +38,8 @@ class Petsc(LinearOptions):
     """Solve by PETSc: in one process, or in all that share the system.
 
     Solids by conjugate gradients with aggregation multigrid (GAMG) on their rigid motions, in short time steps with
-    blocks of nodes first; where that fails by GMRES with the same. Everything else by factors: of MUMPS or
-    SuperLU_DIST, if PETSc was built with them, else of the whole matrix in the first process.
+    blocks of nodes first; where that fails by GMRES with the same. Heat alone by multigrid as well. Everything else by
+    factors: of MUMPS or SuperLU_DIST, if PETSc was built with them, else of the whole matrix in the first process.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Petsc(LinearOptions):
         if solid and problem.has_inertia:
             few = {"ksp_type": "cg", "pc_type": "pbjacobi", "ksp_rtol": LOOSE, "ksp_max_it": FEW}
             methods.append(("conjugate gradients with blocks of nodes", few))
-        if solid:
+        if solid or (problem.temperatures is Temperatures.ALONE and not problem.n_multipliers):
             to = {"ksp_rtol": "1e-6", "ksp_max_it": "200"}
             if not problem.nearly:
                 methods.append(("conjugate gradients with multigrid", {"ksp_type": "cg", **MULTIGRID, **to}))

@@ -23,6 +23,7 @@ void System::agree(const std::exception_ptr& failure, bool any) {
 // Anew with every pattern.
 void System::meet() {
     if (processes_) own_ = processes_->own(csr_.unknown, n_);
+    needs_rates_ = any(needs_rates_);  // sums of all read them everywhere
     searches_ = any(std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.can.search; }));
 }
 

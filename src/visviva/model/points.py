@@ -118,11 +118,16 @@ def add_points(
         term.set_callback(callback, list(start))
     has_mass = any(g.mass is not None for g in groups)
     kinetic = model.account(component, "kinetic", "kinetic") if has_mass else -1
-    stored = model.account(component, "stored", "potential")
-    lost = model.account(component, "dissipated", "dissipation")
+    stored, lost = open_accounts(model, component)
     term.book_point(stored, kinetic, lost, model.index(component))
     model.batch(term)
     return term
+
+
+def open_accounts(model: Model, component: Owner) -> tuple[int, int]:
+    """Numbers of the accounts of what is stored and of what is dissipated."""
+    stored = model.account(component, "stored", "potential")
+    return stored, model.account(component, "dissipated", "dissipation")
 
 
 def refuse_misfits(

@@ -18,7 +18,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Rows = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
 
-SERVED = (Role.MOTION, Role.STATE, Role.MULTIPLIER, Role.SOLID_PRESSURE)
+SERVED = (
+    Role.MOTION,
+    Role.STATE,
+    Role.MULTIPLIER,
+    Role.SOLID_PRESSURE,
+    Role.CONTENT,
+    Role.TEMPERATURE,
+)
 """Roles of the fields of systems that processes can share."""
 
 
@@ -34,7 +41,9 @@ def refuse_unshared(system: System) -> None:
     asked = {id(c): "touches others" for c in system.components if c.touches or c.collides}
     asked |= {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
     asked |= {id(f.component): "has unknowns that only grow" for f, _ in model.growing}
-    asked |= {id(model.components[k]): "has terms written in Python" for _, k in model.terms}
+    asked |= {
+        id(model.components[k]): "has terms written in Python" for t, k in model.terms if not t.is_alone
+    }
     for component in system.components:
         if id(component) in asked:
             raise InputError(

@@ -36,6 +36,7 @@ class HeldTemperature(Term):
 
     kind = "supply"
     brings = "heat"
+    is_alone = True
 
     def __init__(
         self,

@@ -13,6 +13,8 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError, nearest
 from visviva.body.element import Geometry, geometry
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
+from visviva.body.solid_term import shared_out
+from visviva.component.announcements import SharedOut
 from visviva.component.component import Component, settings
 from visviva.component.meshed import Meshed
 from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
@@ -22,7 +24,7 @@ from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role
-from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.model.points import Group, PhysicsKind, add_points, open_accounts
 from visviva.model.term import Stencils, Term
 from visviva.thermal.capacity import capacity_of
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
@@ -187,13 +189,20 @@ class ThermalBody(Meshed, HeatCarrier):
     def contribute(self, model: Model) -> None:
         stores = self._stores.times(self.density)
         constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
+        own, first = shared_out(self.grid), 0
+        open_accounts(model, self)  # where a process has no cells, too
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
+            some, first = own[first : first + len(nodes)], first + len(nodes)
+            if not some.any():
+                continue
             N = CELLS[cell].N(mass_rule(cell).points)
-            m, q, k, d = g.gradients.shape
+            gradients, volume = g.gradients[some], g.volume[some]
+            m, q, k, d = gradients.shape
             weights = np.zeros((m, q, k, 4))
-            weights[..., 0], weights[..., 1 : 1 + d] = N, g.gradients
-            group = Group(self.temperature_unknowns(nodes), weights)
-            add_points(model, self, PhysicsKind.CONDUCTION, [group], g.volume, constants)
+            weights[..., 0], weights[..., 1 : 1 + d] = N, gradients
+            group = Group(self.temperature_unknowns(nodes[some]), weights)
+            term = add_points(model, self, PhysicsKind.CONDUCTION, [group], volume, constants)
+            model.announce(self, SharedOut(term))
 
         if self.conductivity_slope or self.capacity_slope:
             unknowns = self.temperature_unknowns(np.arange(self.grid.n_nodes))
@@ -242,6 +251,7 @@ class Bounds(Term):
     """Ends a run whose temperatures leave the range where conductivity and capacity are positive."""
 
     kind = "bounds"
+    is_alone = True
 
     def __init__(self, unknowns: NDArray[np.int32], trouble: Callable[[Array], str]) -> None:
         super().__init__()

@@ -1,0 +1,66 @@
+"""All entries of the catalogue stepped by one process, and again by several; the first prints what they differ in.
+
+python tests/processes/catalogued.py reference FILE
+mpiexec -n 3 python tests/processes/catalogued.py FILE
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from catalogue import CATALOGUE, Entry
+
+import visviva as vv
+from visviva.base.world import world
+
+STEPS = 3
+
+
+def run(entry: Entry) -> dict[str, Any]:
+    """States and books of a few steps."""
+    system = entry.system()
+    result = vv.simulate(system, until=STEPS * entry.h, step=entry.h, scheme=vv.EnergyMomentum())
+    return {"x": np.array(result.states), "ledger": np.array(result.ledger.rows), "moving": system.order > 0}
+
+
+def differences(known: dict[str, dict[str, Any]]) -> Iterator[tuple[str, list[float]]]:
+    """Of the states, relative to the way of the run, and of the ledger, relative to its largest, in any process."""
+    for entry in CATALOGUE:
+        one = known[entry.name]
+        try:
+            found = run(entry)
+        except vv.InputError as error:
+            if "several processes cannot compute" not in str(error):
+                raise
+            continue
+        x, rows, moving = one["x"], one["ledger"], one["moving"]
+        way = float(np.abs(x[-1] - x[0])[moving].max()) or 1.0
+        apart = float(np.abs(found["x"] - x)[:, moving].max()) / way
+        booked = float(np.abs(found["ledger"] - rows).max() / np.abs(rows).max())
+        yield entry.name, [world().largest(apart), world().largest(booked)]
+
+
+def main() -> None:
+    """Write the reference, or compare with it."""
+    warnings.simplefilter("ignore")
+    if sys.argv[1] == "reference":
+        with open(sys.argv[2], "wb") as file:
+            pickle.dump({entry.name: run(entry) for entry in CATALOGUE}, file)
+        return
+    with open(sys.argv[1], "rb") as file:
+        found = dict(differences(pickle.load(file)))
+    if world().rank == 0:
+        print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main()
