@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass as plain_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +13,9 @@ from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
+from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
+from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction
 from visviva.mesh.cells import CELLS
@@ -35,53 +35,6 @@ HEATED = {
     PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HEATED_FRACTURE_OF_REVOLUTION,
 }
 """The same with free strains."""
-
-
-@plain_dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Interface of a type of cells: fields at points and forces on nodes, in Python."""
-
-    solid: FracturingSolid
-    nodes: Ints
-    gradients: Array
-    volume: Array
-    N: Array
-    hoop: Array | None
-
-    def deformation(self, x: Array, start: int, stop: int) -> Array:
-        """Deformation gradients (m, q, 3, 3)."""
-        nodes, dimension = self.nodes[start:stop], self.gradients.shape[3]
-        F = np.zeros((*self.volume[start:stop].shape, 3, 3))
-        place = self.solid.positions(x)[nodes]
-        F[..., :dimension] = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], place)
-        if dimension == 2:
-            F[..., 2, 2] = 1.0 if self.hoop is None else self.hoop[start:stop] @ place[:, :, :1] @ [1.0]
-        return F
-
-    def damages(self, x: Array) -> tuple[Array, Array]:
-        """At the points (m, q), and their gradients (m, q, d)."""
-        d = self.solid.damages(x)[self.nodes]
-        return d @ self.N.T, np.einsum("mqkj,mk->mqj", self.gradients, d)
-
-    def fields(self, x: Array, start: int, stop: int) -> Array:
-        """Rows (m, q, 16) as the core's terms of solids give them."""
-        F, nodes = self.deformation(x, start, stop), self.nodes[start:stop]
-        d = self.solid.damages(x)[nodes] @ self.N.T
-        stretch = 1 + self.solid.free_strains(x)[nodes] @ self.N.T
-        C = components(np.swapaxes(F, -1, -2) @ F) / stretch[..., None] ** 2
-        W, S = self.solid.law.respond(C.reshape(-1, 6), d.ravel())
-        S, W = stretch[..., None] * S.reshape(C.shape), stretch**3 * W.reshape(d.shape)
-        return np.concatenate([F.reshape(*d.shape, 9), S, W[..., None]], axis=-1)
-
-    def forces(self, x: Array) -> Array:
-        """Residuals (m, k, 3) by nodes of the strained cells."""
-        n, dimension = len(self.nodes), self.gradients.shape[3]
-        rows = self.fields(x, 0, n)
-        P = rows[..., :9].reshape(*rows.shape[:2], 3, 3) @ rows[..., 9:15][..., FULL]
-        found = np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :dimension], self.gradients)
-        if self.hoop is not None:
-            found[..., 0] += np.einsum("mq,mq,mqk->mk", self.volume, P[..., 2, 2], self.hoop)
-        return np.asarray(found)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -249,14 +202,14 @@ class FracturingSolid(Solid):
             every = np.arange(self.grid.n_nodes)
             model.prescribe(self, self._stretched, every, self._free_strains, self._free_rates)
         self._elements, self._energy, self._starts_stress = [], None, False
-        self._evaluations: list[Evaluation] = []
+        self._evaluations: list[StressedCells] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
             self._elements.append(self._made(model, cell, nodes, first))
             first += len(nodes)
         self.volumes = [elements.volume for elements in self._elements]
 
-    def _evaluation(self, cell: str, nodes: Ints, rule: Any) -> Evaluation:
+    def _evaluation(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
         g = geometry(
             self.grid.points,
             nodes,
@@ -265,7 +218,18 @@ class FracturingSolid(Solid):
             thickness=self.thickness,
             axisymmetric=self.axisymmetric,
         )
-        return Evaluation(self, nodes, g.gradients, g.volume, CELLS[cell].N(rule.points), g.hoop)
+        N = CELLS[cell].N(rule.points)
+
+        def vectors(x: Array, some: slice) -> Array:
+            return np.asarray(self.positions(x)[nodes[some]])
+
+        def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
+            stretch = 1 + self.free_strains(x)[of] @ N.T
+            d, inner = self.damages(x)[of] @ N.T, C / stretch[..., None] ** 2
+            W, S = self.law.respond(inner.reshape(-1, 6), d.ravel())
+            return stretch[..., None] * S.reshape(C.shape), stretch**3 * W.reshape(d.shape)
+
+        return StressedCells(nodes, g.gradients, g.volume, N, vectors, respond, g.hoop)
 
     def _made(self, model: Equations, cell: str, nodes: Ints, first: int) -> Elements:
         at = self._evaluation(
@@ -289,15 +253,8 @@ class FracturingSolid(Solid):
             groups.append(Group(self._stretched.start + nodes, value))
         add_points(model, self, kind, groups, at.volume, self.law.parameters())
         self._evaluations.append(at)
-        looks: Any = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
-        return Elements(
-            cell=cell,
-            nodes=nodes,
-            numbers=first + np.arange(len(nodes)),
-            thermal=None,
-            term=looks,
-            volume=looks.volume,
-        )
+        looks = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
+        return looks.elements(cell, first)
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)
@@ -314,7 +271,9 @@ class FracturingSolid(Solid):
         """Energy of its cracks; divided by the toughness their area, in the plane times the thickness."""
         total = 0.0
         for part in self._evaluations:
-            total += float((part.volume * self.law.crack_energy(*part.damages(x))).sum())
+            d = self.damages(x)[part.nodes]
+            slope = np.einsum("mqkj,mk->mqj", part.gradients, d)
+            total += float((part.volume * self.law.crack_energy(d @ part.N.T, slope)).sum())
         return total
 
     def widths(self) -> Mapping[str, int]:

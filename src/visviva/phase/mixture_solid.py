@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass as plain_dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -15,8 +14,9 @@ from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
+from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
+from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.mesh.cells import CELLS
@@ -33,35 +33,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 A, B = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
-
-
-@plain_dataclass(frozen=True, eq=False)
-class StressedCells:
-    """Interface of a type of cells: fields at points and forces on nodes, in Python."""
-
-    solid: MixtureSolid
-    nodes: Ints
-    gradients: Array
-    volume: Array
-    N: Array
-
-    def fields(self, x: Array, start: int, stop: int) -> Array:
-        """Rows (m, q, 16) as the core's terms of solids give them."""
-        nodes, d = self.nodes[start:stop], self.gradients.shape[3]
-        F = np.zeros((*self.volume[start:stop].shape, 3, 3))
-        F[..., 2, 2] = 1.0
-        place = self.solid.positions(x)[nodes][..., :d]
-        F[..., :d, :d] = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], place)
-        c = self.solid.values(x)[nodes] @ self.N.T
-        C = components(np.swapaxes(F, -1, -2) @ F)
-        W, S = self.solid.respond(C.reshape(-1, 6), c.ravel())
-        return np.concatenate([F.reshape(*c.shape, 9), S.reshape(C.shape), W.reshape(*c.shape, 1)], axis=-1)
-
-    def forces(self, x: Array) -> Array:
-        """Residuals (m, k, d) by nodes of the strained cells."""
-        rows, d = self.fields(x, 0, len(self.nodes)), self.gradients.shape[3]
-        P = rows[..., :9].reshape(*rows.shape[:2], 3, 3) @ rows[..., 9:15][..., FULL]
-        return np.asarray(np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :d, :d], self.gradients))
 
 
 class Chemistry(CahnHilliard):
@@ -202,7 +173,17 @@ class MixtureSolid(Solid):
 
     def _cells(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
         g = geometry(self.grid.points, nodes, cell, rule=rule, thickness=self.thickness)
-        return StressedCells(self, nodes, g.gradients, g.volume, CELLS[cell].N(rule.points))
+        N = CELLS[cell].N(rule.points)
+
+        def vectors(x: Array, some: slice) -> Array:
+            return np.asarray(self.positions(x)[nodes[some]])
+
+        def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
+            c = self.values(x)[of] @ N.T
+            W, S = self.respond(C.reshape(-1, 6), c.ravel())
+            return S.reshape(C.shape), W.reshape(c.shape)
+
+        return StressedCells(nodes, g.gradients, g.volume, N, vectors, respond)
 
     def _mixed(self, model: Model, k: int, cell: str, nodes: Ints, first: int) -> Elements:
         at, table = self._cells(cell, nodes, mass_rule(cell)), self.space.cells()[k]
@@ -214,15 +195,8 @@ class MixtureSolid(Solid):
         term.limit(1, 0.5 * self.chemistry.scale)
         self.chemistry.drive(model, self, term)
         self._stressed.append(at)
-        looks: Any = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
-        return Elements(
-            cell=cell,
-            nodes=nodes,
-            numbers=first + np.arange(len(nodes)),
-            thermal=None,
-            term=looks,
-            volume=looks.volume,
-        )
+        looks = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
+        return looks.elements(cell, first)
 
     def constants(self) -> list[float]:
         """Of the core, see ``visviva/point/mixture.hpp``."""

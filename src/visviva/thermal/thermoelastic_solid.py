@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass as plain_dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +12,12 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, solid_rule
+from visviva.body.element import Geometry, geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
-from visviva.body.solid_fields import FULL, Evaluated, components, of_each, summed
+from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
+from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
@@ -41,38 +41,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@plain_dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Interface of the term of a solid's cells: fields at points and forces on nodes, in Python."""
-
-    solid: ThermoelasticSolid
-    nodes: Ints
-    vectors: Ints
-    gradients: Array
-    volume: Array
-    N: Array
-
-    def points(self, x: Array, start: int, stop: int) -> tuple[Array, Array, Array, Array]:
-        """Deformation gradient (m, q, 3, 3), temperature (m, q), stress (m, q, 6), energy (m, q)."""
-        nodes, vectors = self.nodes[start:stop], x[self.vectors[start:stop, :, None] + np.arange(3)]
-        F = np.einsum("mqkj,mki->mqij", self.gradients[start:stop], vectors)
-        C = components(np.swapaxes(F, -1, -2) @ F)
-        s = x[self.solid.entropy.start + nodes] @ self.N.T
-        T, S, e = self.solid.heat.respond(self.solid.body_material, C.reshape(-1, 6), s.ravel())
-        return F, T.reshape(s.shape), S.reshape(C.shape), e.reshape(s.shape)
-
-    def fields(self, x: Array, start: int, stop: int) -> Array:
-        """Rows (m, q, 16) as the core's terms of solids give them."""
-        F, _, S, e = self.points(x, start, stop)
-        return np.concatenate([F.reshape(*e.shape, 9), S, e[..., None]], axis=-1)
-
-    def forces(self, x: Array, start: int, stop: int) -> Array:
-        """Residuals (m, k, 3) by nodes of the strained cells."""
-        F, _, S, _ = self.points(x, start, stop)
-        P, g = F @ S[..., FULL], self.gradients[start:stop, :, : self.nodes.shape[1]]
-        return np.asarray(np.einsum("mq,mqij,mqkj->mki", self.volume[start:stop], P, g))
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -205,6 +173,21 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             Group(self.algorithmic.start + nodes, scalar),
         ]
 
+    def _stressed(self, nodes: Ints, vectors: Ints, g: Geometry, N: Array) -> StressedCells:
+        def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
+            _, S, e = self._state(x[self.entropy.start + of] @ N.T, C)
+            return S, e
+
+        def deforming(x: Array, some: slice) -> Array:
+            return np.asarray(x[vectors[some, :, None] + np.arange(3)])
+
+        return StressedCells(nodes, g.gradients, g.volume, N, deforming, respond)
+
+    def _state(self, s: Array, C: Array) -> tuple[Array, Array, Array]:
+        """Temperatures (m, q), stresses (m, q, 6) and energies (m, q) of entropies (m, q) and C (m, q, 6)."""
+        T, S, e = self.heat.respond(self.body_material, C.reshape(-1, 6), s.ravel())
+        return T.reshape(s.shape), S.reshape(C.shape), e.reshape(s.shape)
+
     def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
         rule = mass_rule(cell)  # the entropies' own rule would leave some of them without a temperature
         g, N, vectors = (
@@ -215,22 +198,16 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         groups, constants = self._groups(cell, nodes, first, g, N), self.heat.parameters(self.body_material)
         kind, energy = PhysicsKind.THERMOELASTIC, self.heat.energy()
         self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
-        self._evaluations.append(Evaluation(self, nodes, vectors, g.gradients, g.volume, N))
+        self._evaluations.append(self._stressed(nodes, vectors, g, N))
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
-        g, N = self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
-        looks: Any = Evaluation(self, nodes, vectors, g.gradients, g.volume, N)
-        return Elements(
-            cell=cell,
-            nodes=nodes,
-            numbers=first + np.arange(len(nodes)),
-            thermal=None,
-            term=looks,
-            volume=g.volume,
+        looks = self._stressed(
+            nodes, vectors, self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
         )
+        return looks.elements(cell, first)
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False
-        self._evaluations: list[Evaluation] = []
+        self._evaluations: list[StressedCells] = []
         self._conducts: list[Any] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
@@ -292,9 +269,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), points, law))
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        return summed(
-            self.grid, ((part.nodes, part.forces(x, 0, len(part.nodes))) for part in self._evaluations), cells
-        )
+        return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
@@ -322,7 +297,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         """
         total = np.zeros(self.grid.n_nodes)
         for part in self._evaluations:
-            T = part.points(x, 0, len(part.nodes))[1]
+            T, _, _ = self._state(x[self.entropy.start + part.nodes] @ part.N.T, part.strains(x)[1])
             np.add.at(total, part.nodes, np.einsum("mq,mq,qk->mk", part.volume, T, part.N))
         found = np.asarray(self._projection(total))
         for nodes, _ in self._held:
