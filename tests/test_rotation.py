@@ -267,3 +267,20 @@ def test_clocks_of_any_unit_turn_the_same() -> None:
         system = drawn(unit)
         np.testing.assert_allclose(system.x[:3], seconds.x[:3], atol=1e-9)
         np.testing.assert_allclose(system.v[:3] * unit, seconds.v[:3], atol=1e-8)
+
+
+def test_a_wheel_beside_a_fluid_of_taylor_and_hood_keeps_turning() -> None:
+    """Constraints of the fluid are no reason to leave out those of the wheel: it lost all of its energy in 20 turns."""
+
+    def left(*beside: Any) -> float:
+        wheel = vv.RigidBody(
+            shape=vv.Cylinder(radius=0.2, length=0.1), mass=1.0, angular_velocity=(0, 0, 1.0)
+        )
+        result = vv.simulate(
+            vv.System([wheel, *beside]), until=20.0, step=0.1, scheme=vv.GeneralizedAlpha(rho=0.9), every=1000
+        )
+        return float(result.ledger["total"][-1] / result.ledger["total"][0])
+
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad9", origin=(5, 5))
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1)
+    assert left(water, vv.NoSlip(fluid=water, faces="all")) == pytest.approx(left(), abs=1e-9)

@@ -322,7 +322,9 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     array
         Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.drives``.
     """
-    at = Instant(system)
+    at, rates_alone = Instant(system), table[1][2] == 0.0
+    if not rates_alone:  # flows keep what the scheme remembers of them
+        at.keep(at.of_motion)
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
         impulse = impulse_at_start(system, at, step, table, x0, trial)
@@ -332,7 +334,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     # the change alone: rates that have no mass stay as they are
     change, mu = at.solve_consistent(impulse, -at.drift() - at.G @ before)
     after = before + change
-    if table[1][2] == 0.0:  # nothing but rates is remembered
+    if rates_alone:
         system.v[at.coordinates] = after
         return drive_works(system, at, step, x0, trial, mu, 0.5 * (before + after))
     moves = system.order[at.coordinates] == 2

@@ -98,6 +98,24 @@ class Instant:
         self.reach = abs(self.G) @ np.maximum(self.scale, np.abs(system.x[self.coordinates]))
         self.reach[self.reach == 0] = 1.0
 
+    @property
+    def of_motion(self) -> NDArray[np.bool_]:
+        """Which constraints (m,) have, with all that they share coordinates with, to do with motion alone."""
+        import scipy.sparse as sp
+        from scipy.sparse.csgraph import connected_components
+
+        flows = self.system.order[self.coordinates] != 2
+        _, part = connected_components(
+            sp.block_array([[None, self.G], [self.G.T, None]], format="csr"), directed=False
+        )
+        m = self.G.shape[0]
+        return np.asarray(~np.isin(part[:m], part[m:][flows]))
+
+    def keep(self, rows: NDArray[np.bool_]) -> None:
+        """Leave out all other constraints."""
+        self._m, self.multipliers, self.reach = self._m[rows], self.multipliers[rows], self.reach[rows]
+        self.G, self.columns = self.G[rows], self.columns[:, rows]
+
     def _tangent(self, **step: Any) -> sp.csr_array:
         return self.system.tangent(instant(self.system.time, **step))[1]
 

@@ -414,8 +414,7 @@ class System(metaclass=Named):
             return False
         with undisturbed(self):
             at = Instant(self)
-        touched = abs(at.G).sum(axis=0) > 0
-        return bool(touched.any() and (self.order[at.coordinates[touched]] == 2).all())
+        return bool(abs(at.G[at.of_motion]).sum() > 0)
 
     def evaluate_ledger(self) -> None:
         """Fill the core's sums with the present state."""
