@@ -129,6 +129,7 @@ from .phase.free_energy import DoubleWell, FloryHuggins, PolynomialEnergy, Regul
 from .phase.mixture_solid import MixtureSolid
 from .phase.mobility import ArrheniusMobility, DegenerateMobility, UserMobility
 from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
+from .phase.spline_mixture import SplineMixtureSolid
 from .results.result import Result
 from .scheme.schemes import (
     BDF2,
@@ -346,6 +347,7 @@ __all__ = [
     "SphereMesh",
     "Spherical",
     "SplineBox",
+    "SplineMixtureSolid",
     "SplinePatch",
     "SplinePatches",
     "SplineSolid",

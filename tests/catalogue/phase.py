@@ -111,6 +111,25 @@ def alloy(mesh: Any, **options: Any) -> vv.MixtureSolid:
     return vv.MixtureSolid(mesh=mesh, **given)
 
 
+def spline_alloy() -> Components:
+    """Without functions of Python."""
+    return [
+        vv.SplineMixtureSolid(
+            mesh=vv.SplineBox(size=(1, 0.8), counts=(3, 2), degree=2),
+            material=vv.NeoHooke(young=20.0, poisson=0.3),
+            density=1.0,
+            free_energy=WELL,
+            gradient_energy=2.0,
+            mobility=0.3,
+            concentration=0.6,
+            eigenstrain=(0.2, 0.1, -0.1),
+            reference=0.4,
+            velocity=(0.1, 0.0, 0.0),
+            angular_velocity=(0.0, 0.0, 2.0),
+        )
+    ]
+
+
 def plain_alloy() -> Components:
     """Without functions of Python."""
     mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2))
@@ -147,6 +166,7 @@ PHASE = [
         MOMENTA,
         steps=40,
     ),
+    Entry("mixture on splines in a plate", spline_alloy, PLANE_MOMENTA, steps=20),
     Entry("mixture in a plate, plain", plain_alloy, NOTHING, steps=20),
     Entry("order parameter", lambda: [order()], NOTHING, steps=40),
     Entry("order parameter, conserved, with a wall", walled_order, NOTHING, steps=40),

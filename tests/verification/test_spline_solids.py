@@ -308,3 +308,78 @@ def other(solid: vv.SplineSolid) -> vv.Solid:
 def test_refusals(make: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_growth_of_phases_with_misfit(degree: int) -> None:
+    """``R = -M k^2 (f'' + 2 eta^2 E / (1 - nu) + kappa k^2)`` (Cahn 1961), of waves that strain along themselves."""
+    k, eta, E, nu = 0.35, 0.06, 20.0, 0.3
+    length = np.pi / k
+    body = vv.SplineMixtureSolid(
+        mesh=vv.SplineBox(size=(length, length / 8), counts=(10, 2), degree=degree),
+        material=vv.SaintVenantKirchhoff(young=E, poisson=nu),
+        free_energy=vv.DoubleWell(barrier=5.0, low=0.3, high=0.7),
+        gradient_energy=2.0,
+        mobility=5.0,
+        concentration=lambda X: 0.5 + 1e-5 * np.cos(k * X[:, 0]),
+        reference=0.5,
+        eigenstrain=eta,
+    )
+    across = vv.Prescribed(solid=body, nodes="all", motion=(None, 0.0, None))
+    ends = [vv.Prescribed(solid=body, nodes=side, motion=(0.0, None, None)) for side in ("x0", "x1")]
+    system = vv.System([body, across, *ends])
+    vv.simulate(system, until=1.0, step=0.02)
+    rate = -5 * k**2 * (-0.8 + 2 * eta**2 * E / (1 - nu) + 2 * k**2)
+    assert np.log((body.values(system.x)[0] - 0.5) / 1e-5) == pytest.approx(rate, rel=1e-3)
+
+
+PHASES: dict[str, Any] = {
+    "material": RUBBER,
+    "free_energy": vv.DoubleWell(barrier=5.0, low=0.3, high=0.7),
+    "gradient_energy": 0.4,
+    "mobility": 5.0,
+    "reference": 0.5,
+    "moduli": (0.8, 0.5),
+    "concentration": lambda X: 0.5 + 0.1 * np.cos(2 * X[:, 0]) * np.cos(3 * X[:, 1]),
+}
+
+
+def joined_halves() -> vv.SplinePatches:
+    return vv.SplinePatches(patches=(half(6, 2, 0.0), turned(half(6, 2, 1.0))))
+
+
+def test_phases_in_motion_close_one_balance() -> None:
+    """In finite strain, on two patches, with moduli that depend on the composition."""
+    moving = {"density": 0.2, "eigenstrain": 0.3, "velocity": lambda X: 0.2 * X}
+    body = vv.SplineMixtureSolid(mesh=joined_halves(), **PHASES, **moving)
+    system = vv.System([body])
+    mass = body.integral(system.x)
+    result = vv.simulate(system, until=0.2, step=0.01)
+    kept = result.conservation()
+    assert max(kept[name] for name in ("energy", "momentum_x", "momentum_y", "angular_z")) < 1e-10
+    assert body.integral(system.x) == pytest.approx(mass, rel=1e-12)
+    assert np.all(np.diff(result.ledger["total"]) < 0)
+    with pytest.raises(vv.InputError, match="no periodic sides"):
+        vv.SplineMixtureSolid(
+            mesh=vv.SplineBox(size=(2, 1), counts=(9, 6)), periodic=[("x0", "x1")], **PHASES
+        )
+
+
+def test_phases_at_rest_are_those_of_a_plain_mesh() -> None:
+    """Quadratic elements of half the size: compositions, places and energies."""
+    given = PHASES | {"eigenstrain": 0.1, "mobility": 0.1, "gradient_energy": 0.02}
+    splines = vv.SplineMixtureSolid(mesh=joined_halves(), **given)
+    mesh = vv.RectangleMesh(size=(2, 1), counts=(24, 12), cell="quad9")
+    plain, found = vv.MixtureSolid(mesh=mesh, **given), []
+    for body in (splines, plain):
+        sides = [
+            vv.SymmetryPlane(solid=body, nodes=np.flatnonzero(body.points[:, k] < 1e-9), normal=np.eye(3)[k])
+            for k in range(2)
+        ]
+        system = vv.System([body, *sides])
+        vv.simulate(system, until=0.1, step=0.01, scheme=vv.BackwardEuler())
+        at = [int(np.argmin(np.abs(body.points - p).sum(axis=1))) for p in ((0, 0, 0), (1, 0, 0), (2, 1, 0))]
+        found.append((body.values(system.x)[at], body.positions(system.x)[at], body.elastic_energy(system.x)))
+    for one, other_one in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other_one, rtol=1e-3, atol=1e-5)
+    assert found[0][2] > 1e-4

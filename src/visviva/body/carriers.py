@@ -11,7 +11,7 @@ from visviva.base.errors import InputError
 
 if TYPE_CHECKING:
     from visviva.body.mesh_body import MeshBody
-    from visviva.body.spline_solid import SplineSolid
+    from visviva.body.on_splines import OnSplines
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -72,9 +72,9 @@ class Carriers:
 class ControlPoints(Carriers):
     """The control points of a solid on splines."""
 
-    def __init__(self, body: SplineSolid) -> None:
+    def __init__(self, body: OnSplines) -> None:
         super().__init__(body)
-        self._body, self._space = body, body.space
+        self._body, self._space = body, body.splines
 
     @property
     def points(self) -> Array:

@@ -199,11 +199,13 @@ class Solid(MeshBody):
             yield self.node_unknowns(nodes).astype(np.int64), mass
 
     # --- what it contributes -------------------------------------------------------------------------------
+    def _start(self) -> tuple[Array, Array]:
+        """Positions and rates (n, d) of what its places are made of."""
+        return self.grid.points, self.initial_velocities()
+
     def declare(self, model: Model) -> None:
         d = self.dimension
-        self.motion = model.field(
-            self, "position", self.grid.points, self.initial_velocities(), scale=model.length_of(self), node=d
-        )
+        self.motion = model.field(self, "position", *self._start(), scale=model.length_of(self), node=d)
         if self.formulation == "enhanced":  # d modes per element, without inertia; damping needs their rates
             role = Role.MOTION if self.stiffness_damping > 0 else Role.STATE
             zero = np.zeros((self.grid.n_cells, d, d))
@@ -360,7 +362,10 @@ class Solid(MeshBody):
         return np.concatenate(values) if alone else whole(values, numbers)
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return smoothed(self.grid, tuple(names), self._evaluated(x), add_up=self._is_shared_out)
+        return self._smoothed(tuple(names), x)
+
+    def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:
+        return smoothed(self.grid, names, self._evaluated(x), add_up=self._is_shared_out)
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from visviva.body.element import geometry, solid_rule
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
+from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
@@ -105,7 +106,7 @@ class MixtureSolid(Solid):
         self._refuse_others()
         self.chemistry = Chemistry(
             name=self.label,
-            mesh=self.grid,
+            mesh=self._given_mesh(),
             free_energy=self.free_energy,
             gradient_energy=self.gradient_energy,
             concentration=self.concentration,
@@ -166,36 +167,59 @@ class MixtureSolid(Solid):
         self._elements, self._energy, self._starts_stress = [], None, False
         self._stressed: list[StressedCells] = []
         first = 0
-        for k, (cell, nodes) in enumerate(self.grid.cells.items()):
-            self._elements.append(self._mixed(model, k, cell, nodes, first))
-            first += len(nodes)
+        for table, parts in zip(self.space.cells(), self._parts(), strict=True):
+            self._elements.append(self._mixed(model, table, *parts, first))
+            first += len(table.numbers)
         self.volumes = [elements.volume for elements in self._elements]
+
+    def _given_mesh(self) -> Any:
+        """Of the mixture."""
+        return self.grid
+
+    def _parts(self) -> Iterator[tuple[str, StressedCells, StressedCells, Array | None]]:
+        """Cells of each type where mixture and strains are integrated, where stresses are shown, and their masses."""
+        for cell, nodes in self.grid.cells.items():
+            rules = mass_rule(cell), solid_rule(self.grid.points, nodes, cell)
+            at, looks = (self._cells(cell, nodes, rule) for rule in rules)
+            yield cell, at, looks, self._cell_masses(cell, nodes) if self.density > 0 else None
 
     def _cells(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
         g = geometry(self.grid.points, nodes, cell, rule=rule, thickness=self.thickness)
         N = CELLS[cell].N(rule.points)
+        return self._stressed_cells(nodes, g.gradients, g.volume, N, lambda x, of: self.values(x)[of] @ N.T)
+
+    def _stressed_cells(
+        self, nodes: Ints, gradients: Array, volume: Array, N: Array, mixed: Callable[[Array, Ints], Array]
+    ) -> StressedCells:
+        """Cells that are `mixed` so at their points (m, q), by the unknowns and their nodes or control points."""
 
         def vectors(x: Array, some: slice) -> Array:
-            return np.asarray(self.positions(x)[nodes[some]])
+            return self.carriers.vectors(x)[nodes[some]]
 
         def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
-            c = self.values(x)[of] @ N.T
+            c = mixed(x, of)
             W, S = self.respond(C.reshape(-1, 6), c.ravel())
             return S.reshape(C.shape), W.reshape(c.shape)
 
-        return StressedCells(nodes, g.gradients, g.volume, N, vectors, respond)
+        return StressedCells(nodes, gradients, volume, N, vectors, respond)
 
-    def _mixed(self, model: Model, k: int, cell: str, nodes: Ints, first: int) -> Elements:
-        at, table = self._cells(cell, nodes, mass_rule(cell)), self.space.cells()[k]
+    def _mixed(
+        self,
+        model: Model,
+        table: Table,
+        cell: str,
+        at: StressedCells,
+        looks: StressedCells,
+        mass: Array | None,
+        first: int,
+    ) -> Elements:
         kind = PhysicsKind.MIXTURE_IN_PLANE if self.dimension == 2 else PhysicsKind.MIXTURE_SOLID
-        mass = self._cell_masses(cell, nodes) if self.density > 0 else None
-        groups = [Group(self.node_unknowns(nodes), at.gradients, mass, True)]
+        groups = [Group(self.carriers.unknowns(at.nodes), at.gradients, mass, True)]
         groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
         term = add_points(model, self, kind, groups, at.volume, self.constants())
         term.limit(1, 0.5 * self.chemistry.scale)
         self.chemistry.drive(model, self, term)
         self._stressed.append(at)
-        looks = self._cells(cell, nodes, solid_rule(self.grid.points, nodes, cell))
         return looks.elements(cell, first)
 
     def constants(self) -> list[float]:
@@ -222,7 +246,11 @@ class MixtureSolid(Solid):
 
     def values(self, x: Array) -> Array:
         """Concentrations (n,) at the nodes at the unknowns `x` of the system."""
-        return self.space.at_nodes(x[self.phase.start : self.phase.start + self.phase.size])
+        return self.space.at_nodes(self.coefficients(x))
+
+    def coefficients(self, x: Array) -> Array:
+        """Of the concentration among the unknowns `x` of the system."""
+        return np.asarray(x[self.phase.start : self.phase.start + self.phase.size])
 
     def potentials(self, x: Array) -> Array:
         """Chemical potentials (n,) at the nodes, of the last step, with the part of stress."""
@@ -231,7 +259,7 @@ class MixtureSolid(Solid):
 
     def integral(self, x: Array) -> float:
         """Of the concentration over the reference volume, at the unknowns `x`."""
-        c = x[self.phase.start : self.phase.start + self.phase.size]
+        c = self.coefficients(x)
         return float(sum((t.size * t.at(c)).sum() for t in self.space.cells()))
 
     def elastic_energy(self, x: Array) -> float:
