@@ -57,8 +57,8 @@ VISVIVA_INLINE void elastic_strain(const T* c, const T* a, T* e) {
 /// share W(Ce) of an isotropic material, Ce the isochoric elastic strain. A, the inverse of the viscous
 /// Cauchy-Green tensor, counts up to its size, so that det Fv is 1. A' = fluidity A Y A with Y = -dW/dA
 /// relaxes the deviator of Kirchhoff's stress, and Y : A' >= 0.
-struct BranchEnergy : TensorEnergy {
-    static constexpr int n = 12, max_par = branch::n_par, n_internal = 6;
+struct BranchEnergy : ViscousEnergy {
+    static constexpr int max_par = branch::n_par;
     const V* p;
     explicit BranchEnergy(const V* par) : p(par) {}
 
@@ -80,18 +80,6 @@ struct BranchEnergy : TensorEnergy {
             to.s[a] = share * sum / weight(a);
         }
         if constexpr (second) add_second(share, w, strain, to);
-    }
-    /// Where A is positive definite; elsewhere its equation has solutions that mean nothing.
-    VI admits(const V* internal) const {
-        const V x = internal[0] + 1.0, y = internal[1] + 1.0, z = internal[2] + 1.0;
-        const V q = internal[3], r = internal[4], s = internal[5], plane = x * y - q * q;
-        return (x > 0.0) & (plane > 0.0) & (z * plane - x * r * r + 2.0 * q * r * s - y * s * s > 0.0);
-    }
-    /// By which changes of A are judged: its largest entry.
-    V size(const V* internal) const {
-        V largest{};
-        for (int k = 0; k < 6; ++k) largest = vmax(largest, vabs(internal[k] + (k < 3 ? 1.0 : 0.0)));
-        return largest;
     }
     /// The rate of A; the six derivatives by components count an entry off the diagonal twice.
     template <class T>

@@ -57,8 +57,8 @@ struct ConductionPairing {
 /// W(C) + mu_v / 2 (A : C - 3 - ln det A - ln det C), A the inverse of the viscous Cauchy-Green tensor; both
 /// less I. Parameters: lambda, mu, mu_v, viscosity eta. A' = A Y A / eta with Y = -dW/dA, so that Y : A' >=
 /// 0.
-struct ViscoelasticEnergy : TensorEnergy {
-    static constexpr int n = 12, max_par = 4, n_internal = 6;
+struct ViscoelasticEnergy : ViscousEnergy {
+    static constexpr int max_par = 4;
     const V* p;
     explicit ViscoelasticEnergy(const V* par) : p(par) {}
     template <bool second>
@@ -76,18 +76,6 @@ struct ViscoelasticEnergy : TensorEnergy {
                 return w + (0.5 * p[2]) * (inner - log1p(determinant_less_one(a)) - 2.0 * log_j);
             },
             to);
-    }
-    /// Where A is positive definite; elsewhere its equation has solutions that mean nothing.
-    VI admits(const V* internal) const {
-        const V x = internal[0] + 1.0, y = internal[1] + 1.0, z = internal[2] + 1.0;
-        const V p = internal[3], q = internal[4], r = internal[5], plane = x * y - p * p;
-        return (x > 0.0) & (plane > 0.0) & (z * plane - x * q * q + 2.0 * p * q * r - y * r * r > 0.0);
-    }
-    /// By which changes of A are judged: its largest entry.
-    V size(const V* internal) const {
-        V largest{};
-        for (int k = 0; k < 6; ++k) largest = vmax(largest, vabs(internal[k] + (k < 3 ? 1.0 : 0.0)));
-        return largest;
     }
     /// The rate of A; the six derivatives by components count an entry off the diagonal twice.
     template <class T>

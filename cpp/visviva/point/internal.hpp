@@ -4,6 +4,23 @@
 
 namespace visviva::VISVIVA_ISA {
 
+/// Part of energies of C and A, the inverse of the viscous Cauchy-Green tensor, both less I: A is internal.
+struct ViscousEnergy : TensorEnergy {
+    static constexpr int n = 12, n_internal = 6;
+    /// Where A is positive definite; elsewhere its equation has solutions that mean nothing.
+    VI admits(const V* internal) const {
+        const V x = internal[0] + 1.0, y = internal[1] + 1.0, z = internal[2] + 1.0;
+        const V q = internal[3], r = internal[4], s = internal[5], plane = x * y - q * q;
+        return (x > 0.0) & (plane > 0.0) & (z * plane - x * r * r + 2.0 * q * r * s - y * s * s > 0.0);
+    }
+    /// By which changes of A are judged: its largest entry.
+    V size(const V* internal) const {
+        V largest{};
+        for (int k = 0; k < 6; ++k) largest = vmax(largest, vabs(internal[k] + (k < 3 ? 1.0 : 0.0)));
+        return largest;
+    }
+};
+
 /// Stresses and moduli conjugate to strains as they stand, s_k = dW/de_k: no metric.
 template <bool tangent, class Energy, int n = Energy::n>
 void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et, V* s,
