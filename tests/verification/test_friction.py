@@ -181,3 +181,32 @@ def test_bad_coefficient_is_refused(tangential: Any) -> None:
 def test_gravity_is_that_of_the_slope() -> None:
     angle = np.radians(30)
     assert GRAVITY * (np.sin(angle) - 0.3 * np.cos(angle)) == pytest.approx(2.356287, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "order"),
+    [
+        (vv.EnergyMomentum(), 1),
+        (vv.Midpoint(), 1),
+        (vv.GeneralizedAlpha(), 2),
+        (vv.BDF2(), 2),
+        (vv.BackwardEuler(), 1),
+    ],
+    ids=str,
+)
+def test_orders_of_a_point_that_swings_by_its_elastic_slip(scheme: vv.Scheme, order: int) -> None:
+    """It sticks: ``x = v / w sin(w t)`` with ``w^2 = c / m``. Midpoint rules take the traction of a step's end."""
+
+    def error(n: int) -> float:
+        point, plane = vv.PointMass(mass=1.0, velocity=(0.1, 0, 0)), vv.Plane(normal=(0, 0, 1), at=(0, 0, 0))
+        contact = vv.Contact(
+            first=point, second=plane, enforcement="penalty", stiffness=1e3, friction=10.0,
+            tangential="penalty", tangential_stiffness=9.0, initial="press",
+        )  # fmt: skip
+        point.position = np.array([0, 0, -0.01])  # where the plane carries its weight of 10
+        system = vv.System([point, plane, contact, vv.Gravity(acceleration=(0, 0, -10))])
+        vv.simulate(system, until=1.0, step=1 / n, scheme=scheme)
+        return abs(float(point.point().position.value(system.x)[0]) - 0.1 / 3 * np.sin(3.0))
+
+    errors = np.array([error(n) for n in (100, 200, 400)])
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(order, abs=0.15)

@@ -126,3 +126,30 @@ def test_harmonic_moduli_are_those_of_a_zener_solid(omega: float, storage: float
     real, imaginary = 2 * np.mean(sigma * np.sin(phase)), 2 * np.mean(sigma * np.cos(phase))
     assert real == pytest.approx(storage, rel=1e-3)
     assert imaginary == pytest.approx(loss, rel=5e-3)
+
+
+def test_creep_in_load_steps_is_of_first_order() -> None:
+    """A bar under a load that grows, Zener's model with a branch as stiff as the material: errors halve with steps."""
+    K, mu, relaxation, load = 1 / 3, 0.5, 0.3, 1e-5
+    retardation = relaxation * (mu + mu) / mu
+    delay = (retardation - relaxation) * (1 - np.exp(-1 / retardation))
+    exact = load * (1 / (9 * K) + (1 - delay) / (3 * mu))
+
+    def end(n: int) -> float:
+        block = vv.ViscoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+            material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+            branches=vv.prony((0.5,), (relaxation,)),
+        )
+        planes = [
+            vv.SymmetryPlane(solid=block, nodes=f"{c}0", normal=n)
+            for c, n in zip("xyz", np.eye(3), strict=True)
+        ]
+        pull = vv.Traction(solid=block, faces="z1", traction=(0, 0, load), times="t")
+        system = vv.System([block, *planes, pull])
+        vv.quasi_static(system, until=1.0, step=1 / n)
+        return float(block.displacements(system.x)[:, 2].max())
+
+    errors = np.array([end(n) - exact for n in (16, 32, 64)])
+    assert errors[:-1] / errors[1:] == pytest.approx(2.0, rel=0.1)
+    assert abs(errors[-1]) < 0.005 * exact

@@ -101,7 +101,8 @@ class Contact(Component):
         Coulomb's coefficient: tractions are at most this times the pressure. Balls roll on what they rub.
     tangential : {'multipliers', 'penalty'}
         Below Coulomb's limit, 'multipliers': nothing slips, tractions are unknowns; 'penalty': tractions are
-        `tangential_stiffness` times an elastic slip, which is kept from step to step.
+        `tangential_stiffness` times an elastic slip, which is kept from step to step; its vibrations are damped, and
+        what sticks is of first order in the step, but for `GeneralizedAlpha` and `BDF2`.
     tangential_stiffness : float
         Traction per slip; of the penalty, or of the augmentation of multipliers, where it changes no result. By
         default that of a layer of elements, ten times that for a penalty.
