@@ -68,6 +68,7 @@ class World:
     def abort(self, code: int) -> None:
         """End all of them, whatever they wait for."""
         sys.stderr.flush()
+        time.sleep(0.5)  # launchers may drop what they have not passed on yet
         self.comm.Abort(code)
 
     def of_core(self) -> Owners:

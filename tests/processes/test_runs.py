@@ -69,6 +69,40 @@ def test_what_several_processes_cannot_compute_is_refused_by_name(tmp_path: Path
     assert not (tmp_path / "run").exists()
 
 
+KEPT = """
+import sys
+import visviva as vv
+from visviva.base.world import world
+from visviva.study.follower import Follower
+
+held = []
+
+def watched(self, *given):
+    write_all(self, *given)
+    held.append((len(self.result.kept.states), len(self.books.ledger.rows)))
+
+write_all, Follower.write_all = Follower.write_all, watched
+block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                 density=1.0, angular_velocity=(0, 0, 1), name="block")
+resume = sys.argv[2:] == ["resume"]
+study = vv.Study(vv.System([block, vv.Gravity()]), until=0.6 if resume else 0.3, step=0.05, title="block")
+result = vv.run(study, sys.argv[1], pictures=False, every=1, resume=resume)
+known = result.times.tolist(), [x.tolist() for x in result.states], result.ledger.table.tolist()
+those, held = world().together(known), world().together(held)
+if world().rank == 0:
+    print(those[0] == those[1], len(known[0]), len(known[2]), max(held[1]))
+"""
+
+
+def test_other_processes_keep_no_states_and_have_the_same_result(tmp_path: Path) -> None:
+    """They had all of them in memory, and after a resumption those since then alone."""
+    (tmp_path / "kept.py").write_text(KEPT)
+    for more, n in (((), 7), (("resume",), 13)):
+        done = launched(2, str(tmp_path / "kept.py"), str(tmp_path / "run"), *more)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[-1] == f"True {n} {n} (1, 0)"
+
+
 FAILS = """
 import visviva as vv
 from visviva.base.world import world

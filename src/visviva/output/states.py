@@ -19,6 +19,7 @@ from visviva.output.safe_files import replacing, reporting, write_at
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
+Extent = tuple[int, int]
 HEAD = 128
 MAGIC = b"\x93NUMPY\x01\x00"
 
@@ -96,6 +97,21 @@ class StateFile:
             os.ftruncate(kept._descriptor, HEAD + count * kept.n_bytes)
             write_at(kept._descriptor, kept._head(count), 0)
         return kept
+
+    @classmethod
+    def written(cls, path: str | Path, n: int, shapes: Sequence[tuple[int, ...]], extent: Extent) -> Self:
+        """What another process has written, to be read."""
+        kept = cls.__new__(cls)
+        kept._describe(path, n, shapes)
+        (kept.count, kept.checksum), kept._known = extent, ()
+        kept._closing = weakref.finalize(kept, int)
+        kept._closing.detach()
+        return kept
+
+    @property
+    def extent(self) -> Extent:
+        """Number of the rows, and their checksum."""
+        return self.count, self.checksum
 
     def append(self, time: float, x: Array, v: Array, records: Sequence[Array]) -> None:
         """Keep a state.

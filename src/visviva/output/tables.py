@@ -94,6 +94,19 @@ class Table:
         table._open(len(kept), last, checksum)
         return table
 
+    @classmethod
+    def written(cls, path: str | Path, columns: Sequence[str], extent: tuple[int, int]) -> Self:
+        """What another process has written, to be read."""
+        table = cls.__new__(cls)
+        table.path, table.columns = Path(path).absolute(), _clocked(columns)
+        (table._end, table.checksum), table._last_time, table._descriptor = extent, None, -1
+        return table
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """Number of bytes, and their checksum."""
+        return self._end, self.checksum
+
     def append(self, row: Sequence[float] | NDArray[np.float64]) -> None:
         """Write one row, values in the order of the columns.
 

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.analysis.march import begin
+from visviva.base.world import world
 from visviva.output.directory import RunDirectory
+from visviva.output.states import StateFile
+from visviva.output.tables import Table
 from visviva.study import restart
 from visviva.study.forecast import Forecast
 from visviva.study.origin import Origin
@@ -41,8 +44,12 @@ class Follower(Recorder):
         follower.cadence, follower.saved_time = Cadence(**kept["cadence"]), study.system.time
         return follower
 
+    def keep(self) -> None:
+        """States are in the files."""
+
     def write_row(self, row: Array) -> None:
         """Evaluate the probes."""
+        self.books.ledger.rows.clear()  # which are in the files, too
         for probe in self.study.probes.values():
             measure(self.study.system, probe)
 
@@ -68,4 +75,11 @@ class Follower(Recorder):
         return Forecast(frames=0, states=0, rows=0, frame=0, state=0, row=0, seconds=0.0, free=1)
 
     def finish(self) -> None:
-        """The first process writes the summary."""
+        """The first process writes the summary; what it has kept is read from its files from now on."""
+        of_states, of_ledger = world().first(None)
+        files, result, ledger = self.files, self.result, self.books.ledger
+        shapes = [r.shape for r in result.records[0]]
+        result.kept = StateFile.written(files.states, len(self.study.system.x), shapes, of_states)
+        result.directory = files
+        ledger.rows.clear()
+        ledger.file = Table.written(files.ledger, ledger.names, of_ledger)

@@ -159,9 +159,8 @@ class Recorder:
         """Open the files of an earlier run at its last saved state."""
         kept = restart.notes_of(files.state)
         origin, changed = Origin.read(files).resumed(files, study, force)
-        result, books = begin(
-            study.system, study.scheme, project=True, step=study.step
-        )  # as in the run, which settles the solver
+        # as in the run, which settles the solver
+        result, books = begin(study.system, study.scheme, project=True, step=study.step)
         restart.load(files.state, result, books, bool(changed))
         now = study.system.time
         if study.scheme.has_growing_time and study.until < now - 1e-6 * study.step:
@@ -383,7 +382,10 @@ class Recorder:
 
     # --- the end --------------------------------------------------------------------------------------------
     def finish(self) -> None:
-        """Write the summary of a complete run."""
+        """Write the summary of a complete run, and tell other processes what has been written."""
+        assert self.states is not None
+        assert self.ledger is not None
+        world().first((self.states.extent, self.ledger.extent))
         files, study = self.files, self.study
         origin: dict[str, Any] = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
         if self.profile is not None:
