@@ -87,6 +87,9 @@ class NodeToSegment : public PointGaps {
     struct Touched;
     std::vector<Touched> touched(const double* X, int A) const;
     std::vector<Touched> bottoms(const std::vector<Touched>&) const;
+    std::vector<char> below(const std::vector<Touched>&) const;
+    static bool goes_on(const Touched& other, const Touched& t);
+    void spread(std::vector<Touched>&) const;
     void share_out(const double* X, int A);
     Reach locate_nearest(const double* X, int A, Found& found) const;
     Found plane_of(const double* X, int A, int side) const;

@@ -14,8 +14,8 @@ struct NodeToSegment::Touched {
     Foot foot;
     Vector3 place, normal;  // of the closest point; of the simplex
     double above = 0;
-    bool leans_to(const Touched& o) const {
-        return lean_together(facet, foot.simplex, o.facet, o.foot.simplex, apart);
+    bool leans_to(const Touched& o, double part) const {
+        return lean_together(facet, foot.simplex, o.facet, o.foot.simplex, part);
     }
 };
 
@@ -40,28 +40,64 @@ std::vector<NodeToSegment::Touched> NodeToSegment::touched(const double* X, int 
     return all;
 }
 
+// Of these, whether a point has come below them: what is nearest, what it lies straight below, and what goes
+// on from there without an edge that is convex. Planes of others go on through the whole body.
+std::vector<char> NodeToSegment::below(const std::vector<Touched>& all) const {
+    std::vector<char> found(all.size(), 0);
+    std::vector<std::size_t> next;
+    const auto nearest = std::min_element(all.begin(), all.end(),
+                                          [](auto& a, auto& b) { return a.foot.distance < b.foot.distance; });
+    if (nearest != all.end()) next.push_back(nearest - all.begin());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const double beside = all[i].foot.distance * all[i].foot.distance - all[i].above * all[i].above;
+        if (beside <= std::pow(apart * all[i].facet.size(), 2)) next.push_back(i);
+    }
+    for (std::size_t k : next) found[k] = 1;
+    while (!next.empty()) {
+        const Touched& from = all[next.back()];
+        next.pop_back();
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (!found[i] && from.leans_to(all[i], -apart) && goes_on(from, all[i]))
+                found[i] = 1, next.push_back(i);
+    }
+    return found;
+}
+
+// Whether a simplex reaches the closest point of another one.
+bool NodeToSegment::goes_on(const Touched& other, const Touched& t) {
+    return closest(other.facet, other.foot.simplex, t.place).distance <= apart * t.facet.size();
+}
+
 // Of these, from the nearest on, those that each are a bottom of the distance, or that lean together.
 std::vector<NodeToSegment::Touched> NodeToSegment::bottoms(const std::vector<Touched>& all) const {
     std::vector<Touched> kept;
-    auto goes_on = [&](const Touched& other, const Touched& t) {
-        return closest(other.facet, other.foot.simplex, t.place).distance <= apart * t.facet.size();
-    };
-    // a point beside a simplex is still below it if it has gone on below what leans to it there
-    auto is_below = [&](const Touched& t) {
-        const double beside = t.foot.distance * t.foot.distance - t.above * t.above;
-        return beside <= std::pow(apart * t.facet.size(), 2) ||
-               std::any_of(all.begin(), all.end(),
-                           [&](const Touched& o) { return o.leans_to(t) && goes_on(o, t); });
-    };
+    const bool is_ball = options_.radius > 0;
+    const std::vector<char> is_below = is_ball ? std::vector<char>() : below(all);
     for (auto t = all.begin(); t != all.end(); ++t) {
         const bool new_one =
-            options_.radius > 0
-                ? std::none_of(all.begin(), t, [&](const Touched& near) { return goes_on(near, *t); })
-                : std::all_of(kept.begin(), kept.end(), [&](const Touched& k) { return k.leans_to(*t); }) &&
-                      (t == all.begin() || is_below(*t));
-        if (new_one && static_cast<int>(kept.size()) < options_.copies) kept.push_back(*t);
+            is_ball ? std::none_of(all.begin(), t, [&](const Touched& near) { return goes_on(near, *t); })
+                    : std::all_of(kept.begin(), kept.end(), [&](auto& k) { return k.leans_to(*t, apart); }) &&
+                          (t == all.begin() || is_below[t - all.begin()]);
+        if (new_one) kept.push_back(*t);
     }
+    if (static_cast<int>(kept.size()) > options_.copies) spread(kept);
     return kept;
+}
+
+// Of more than there are copies the nearest and those that are turned farthest from each other: from all
+// around they leave no way down.
+void NodeToSegment::spread(std::vector<Touched>& kept) const {
+    for (int n = 1; n < options_.copies; ++n) {
+        auto agreement = [&](const Touched& t) {
+            double most = -1;
+            for (int k = 0; k < n; ++k) most = std::max(most, kept[k].normal.dot(t.normal));
+            return most;
+        };
+        const auto next = std::min_element(kept.begin() + n, kept.end(),
+                                           [&](auto& a, auto& b) { return agreement(a) < agreement(b); });
+        std::rotate(kept.begin() + n, next, next + 1);
+    }
+    kept.erase(kept.begin() + options_.copies, kept.end());
 }
 
 // What the copies of a vertex hold in the step that begins. What touches a single facet may slide over its
@@ -69,8 +105,10 @@ std::vector<NodeToSegment::Touched> NodeToSegment::bottoms(const std::vector<Tou
 void NodeToSegment::share_out(const double* X, int A) {
     Found nearest, own;
     if (locate_nearest(X, A, nearest) != Reach::near) return;
-    const bool inside = nearest.value < same_place * nearest.facet.size(), is_ball = options_.radius > 0;
-    if (inside == is_ball) return;
+    // what hovers above the nearest one, however little, is not behind what lies beyond the body
+    const bool is_ball = options_.radius > 0;
+    const double least = is_ball ? same_place * nearest.facet.size() : closed * options_.reach;
+    if ((nearest.value <= least) == is_ball) return;
     std::vector<Touched> all = touched(X, A);
     const bool is_near = locate(X, A, own) == Reach::near;
     auto is_own = [&](const Touched& t) {
