@@ -61,7 +61,7 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
     }
     if (!kept.candidate) return found;
     const double jump = std::abs(std::abs(above(kept, At(X + 3 * A))) - least);
-    const bool is_near = !exact_ || jump <= same_place * kept.facet.size();
+    const bool is_near = !exact_ || deforms(A) || jump <= same_place * kept.facet.size();
     kept.stays = (kept_aside <= same_place && is_near) ||
                  (static_ && kept_aside <= near_place && jump <= near_gap * kept.facet.size());
     kept.goes_on = !kept.stays && before.touches && meets_wall(X, A, kept, found);
