@@ -434,3 +434,30 @@ def test_adaptive_steps_bound_what_impacts_overlap(kind: str, tolerance: float) 
     there = ground + 0.5 * fast * left - 0.5 * G * left**2
     assert system.x[2] == pytest.approx(there, abs=30 * tolerance * length)
     assert result.statistics.steps < 60
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_the_stiffness_of_multipliers_between_rigid_bodies_changes_nothing(friction: float) -> None:
+    """The way of Newton's method followed it: for 1e10 a pile of boxes that rub found no solution."""
+
+    def fallen(stiffness: float) -> Any:
+        floor = vv.RigidBody(shape=vv.Box(size=(2, 2, 0.4)), density=1e3, position=(0, 0, -0.2))
+        boxes = [
+            vv.RigidBody(
+                shape=vv.Box(size=(0.2,) * 3), density=1e3, position=(0.03 * i, 0.02 * i, 0.12 + 0.25 * i)
+            )
+            for i in range(2)
+        ]
+        ground = vv.Ground()
+        contacts = [
+            vv.Contact(
+                first=a, second=b, stiffness=stiffness, friction=friction, formulation="node-to-segment"
+            )
+            for a, b in ((boxes[0], floor), (boxes[1], boxes[0]))
+        ]
+        weld = vv.Rigid(a=ground, b=floor, at=(0, 0, 0))
+        system = vv.System([ground, floor, weld, *boxes, *contacts, vv.Gravity()])
+        vv.simulate(system, until=0.4, step=0.01)
+        return system.x.copy()
+
+    np.testing.assert_array_equal(fallen(1e10), fallen(1.0))

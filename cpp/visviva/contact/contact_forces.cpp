@@ -93,7 +93,7 @@ ContactScatter::Border ContactTerm::border(int A, const Context& c, const Eigen:
     const int m = scatter_.n_multipliers(), normal = has_multipliers() ? 1 : 0;
     Border b;
     b.square.setZero(m, m);
-    if (normal && !active_[A]) b.square(0, 0) = -1 / options_.stiffness[A];
+    if (normal && !active_[A]) b.square(0, 0) = -1 / exchange(A, c);
     for (int i = normal; i < m; ++i) b.square(i, i) = -1 / tangential(A, c);
     if (!active_[A]) return b;
     for (int i = 0; i < m; ++i) b.square(i, i) -= compliance(A, c);

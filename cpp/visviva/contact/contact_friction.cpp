@@ -41,11 +41,12 @@ double ContactTerm::tangential(int A, const Context& c) const {
     return capped ? std::min(stiffness, std::abs(c.step.motion[1][0]) * o.most[A]) : stiffness;
 }
 
-bool ContactTerm::is_inertial(const Context& c) const {
+bool ContactTerm::is_inertial(const Context& c) const { return has_tangential() && answers_by_inertia(c); }
+
+bool ContactTerm::answers_by_inertia(const Context& c) const {
     const std::vector<char>& deforms = gaps_->skin().mesh_node;
     const bool is_rigid = std::none_of(deforms.begin(), deforms.end(), [](char d) { return d != 0; });
-    return is_rigid && has_tangential() && rebounds() && holds(c) && c.step.has_length() &&
-           options_.friction.inertia[0] > 0;
+    return is_rigid && rebounds() && holds(c) && c.step.has_length() && options_.friction.inertia[0] > 0;
 }
 
 // Several vertices, or facets that lean together over the only one.

@@ -109,10 +109,17 @@ double ContactTerm::slack(int A, const Context& c) const {
     return c.step.is_static() ? touching * area1_[A] * options_.size : 0;
 }
 
+// Pressure per gap by which one is weighed against the other: it decides how the active set is found and
+// nothing else. Rigid bodies have a natural one in a step, whatever stiffness was given.
+double ContactTerm::exchange(int A, const Context& c) const {
+    if (!answers_by_inertia(c)) return options_.stiffness[A];
+    return std::abs(c.step.motion[1][0]) * options_.friction.inertia[A];
+}
+
 bool ContactTerm::wants_pressure(int A, const Context& c) const {
     if (area1_[A] == 0 || !covered_[A] || (holds(c) && !closed(A))) return false;
     const double lambda = c.vectors.x1[options_.multiplier[A]];
-    const double k = options_.stiffness[A], pressure = lambda - k * (gap1_[A] - least_gap(A, c));
+    const double k = exchange(A, c), pressure = lambda - k * (gap1_[A] - least_gap(A, c));
     // rounding shall not change what was chosen in this step
     const double rounding = !active_.is_chosen() ? 0 : 1e-12 * k * area1_[A] * options_.size;
     return pressure + k * slack(A, c) > (active_[A] ? -rounding : rounding);
@@ -160,7 +167,7 @@ void ContactTerm::press(int A, const Context& c, double gap_theta) {
         if (active_[A])
             S_[A] = lambda - c_A * closing, dS_gap_[A] = -c_A, R_[A] = -closing;
         else
-            R_[A] = -lambda / k;
+            R_[A] = -lambda / exchange(A, c);
         return;
     }
     active_.set(A, dS_gap_[A] != 0);

@@ -172,8 +172,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void force(int A, const Context&, Eigen::VectorXd& f) const;
     Eigen::Map<Matrix> stiffness(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f);
     Border border(int A, const Context&, const Eigen::VectorXd& g1, const Eigen::VectorXd& f) const;
-    // Whether rigid bodies press and rub by multipliers, which their inertia alone answers to.
+    // Whether rigid bodies press, or press and rub, by multipliers, which their inertia alone answers to.
+    bool answers_by_inertia(const Context&) const;
     bool is_inertial(const Context&) const;
+    double exchange(int A, const Context&) const;
     double tangential(int A, const Context&) const;
     void add_friction(int A, const Context&, const Eigen::VectorXd& g1, Eigen::Ref<Matrix> K, Border&) const;
     void narrow();

@@ -81,7 +81,8 @@ class Contact(Component):
         Pressure per penetration; of the penalty, or of the augmentation of multipliers, where it changes no result.
         By default that of a layer of elements, ten times that for a penalty. Force instead of pressure at the points
         of rigid bodies, by default that of a facet of the layer. Between rigid bodies alone there is no such layer, and
-        it has to be given, with multipliers too: about the weight over the penetration that one would call none.
+        it has to be given, with multipliers too, where it serves statics alone: about the weight over the penetration
+        that one would call none.
         Areas of plane solids are lengths of their edges, whatever their thickness: pressures, also those of
         `pressures` and probes, are forces per length.
     damping : float
