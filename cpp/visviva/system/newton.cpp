@@ -148,7 +148,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     // step.
     const double tolerance = options.tolerance * std::min(1.0, extent());
     const double resolution = finest_search();
-    for (int k = 0; k < options.max_iterations; ++k) {
+    int most = options.max_iterations;
+    for (int k = 0; k < most; ++k) {
         const bool fused = refresh;
         if (monotone_.project(dx.data())) update_vectors(step);
         evaluate_residual(context, !rigid_, fused);
@@ -194,6 +195,9 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         const bool balanced = forces.stalls() || forces.is_there(NewtonOptions::of_forces * options.tolerance,
                                                                  noise_ * force.stiffest, resolution);
         if (arrived && balanced) return succeeded(std::move(report), context, convergence.has_tangent());
+        // What has found its branches late is on its way: a shorter step would search for them as long.
+        const bool is_near = !outdated && size < NewtonOptions::near;
+        if (k + 1 == options.max_iterations && is_near) most += options.max_iterations / 2;
         // Multipliers far off put their curvature into a tangent made with them.
         const bool astray = refresh && force.change > 10;
         refresh = full || k + 1 < options.n_tangents || (convergence.is_slow() && !arrived) ||

@@ -35,6 +35,8 @@ struct NewtonOptions {
     /// Forces of multipliers relative to those that balance each other in the step may be wrong by so many
     /// tolerances: as much as coordinates that are there leave to those which determine nothing.
     static constexpr double of_forces = 10;
+    // Increments from which on a solution is so near that half as many iterations more are granted.
+    static constexpr double near = 1e-6;
 };
 
 struct Report {

@@ -28,7 +28,7 @@ class Newton(metaclass=Validated):
         times that part of the largest force in the step: of constraints, or of inertia and stiffness by the diagonal of
         the tangent.
     max_iterations : int
-        After this many the step has failed.
+        After this many the step has failed; after half as many more where the last increments are below 1e-6.
     keep_factor : float
         A factorisation is kept while it contracts the error at least by this factor per iteration; 0 means a
         new tangent in every iteration.
