@@ -135,6 +135,23 @@ def warm() -> list[Any]:
     ]
 
 
+def cracking() -> list[Any]:
+    """Damage that grows, rests where it is pressed and never heals, beside a block."""
+    mesh = vv.BoxMesh(size=(1, 0.8, 0.6), counts=(3, 2, 2))
+    solid = vv.FracturingSolid(
+        mesh=mesh,
+        material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.2),
+        density=1.0,
+        toughness=0.5,
+        length=0.5,
+        model="AT1",
+        split="spectral",
+        name="cracking",
+    )
+    pull = vv.Prescribed(solid=solid, nodes="x1", motion=("0.2*sin(5*t)", None, None))
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), pull, *hanging()]
+
+
 DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
 CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "flying": (flying, DYNAMICS),
@@ -157,6 +174,7 @@ CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "with a shell": (with_shell, DYNAMICS),
     "conducting": (conducting, DYNAMICS),
     "warm": (warm, DYNAMICS),
+    "cracking": (cracking, DYNAMICS),
 }
 STEP, STEPS = 0.05, 4
 

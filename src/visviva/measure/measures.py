@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.base.world import world
 from visviva.component.announcements import Asking
 from visviva.component.component import COMPOSITION, Component, mentioned, settings, system_of
 from visviva.component.values import Vector3
@@ -26,8 +27,10 @@ Director = Literal[1, 2, 3]
 
 
 def remembers(system: System) -> bool:
-    """Whether materials or terms have histories, which kept states do not hold."""
-    return bool(system.core.histories().size) or any(term.history for term, _ in system.model.terms)
+    """Whether materials or terms have histories, which kept states do not hold; the same for all processes."""
+    return bool(world().largest(system.core.histories().size)) or any(
+        term.history for term, _ in system.model.terms
+    )
 
 
 def touches(system: System) -> bool:

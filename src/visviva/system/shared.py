@@ -25,6 +25,7 @@ SERVED = (
     Role.SOLID_PRESSURE,
     Role.CONTENT,
     Role.TEMPERATURE,
+    Role.POTENTIAL,
 )
 """Roles of the fields of systems that processes can share."""
 
@@ -40,7 +41,6 @@ def refuse_unshared(system: System) -> None:
     model = system.model
     asked = {id(c): "touches others" for c in system.components if c.touches or c.collides}
     asked |= {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
-    asked |= {id(f.component): "has unknowns that only grow" for f, _ in model.growing}
     asked |= {
         id(model.components[k]): "has terms written in Python" for t, k in model.terms if not t.is_alone
     }

@@ -80,6 +80,7 @@ class HeatExchange(Term):
 
     kind = "exchange"
     brings = "heat"
+    is_alone = True
 
     def __init__(
         self,
@@ -148,6 +149,7 @@ class HeatBond(Term):
 
     kind = "exchange"
     brings = "heat"
+    is_alone = True
 
     def __init__(
         self,
