@@ -89,3 +89,26 @@ def test_random_start_of_gomez(form: Any) -> None:
         assert c.max() > 0.9
         assert c.min() < 0.15
     assert body.integral(system.x) == pytest.approx(mass, rel=1e-12)
+
+
+def test_pfhub_1a_on_splines() -> None:
+    """Pseudo-spectral energies, of ETD-RK4 with a tolerance of 1e-5 on 256 x 256 waves."""
+    body = vv.CahnHilliard(
+        mesh=vv.SplineBox(size=(200, 200), counts=(110, 110), degree=2),
+        free_energy=PFHUB,
+        gradient_energy=2.0,
+        mobility=5.0,
+        concentration=spinodal.start,
+        periodic=[("x0", "x1"), ("y0", "y1")],
+    )
+    system = vv.System([body])
+    rule = vv.Adaptive(tolerance=3e-2, max_step=1e4)
+    for time, spectral in (
+        (1, 318.8603859),
+        (2, 318.5465585),
+        (3, 318.0954309),
+        (5, 316.4181572),
+        (10, 297.9668415),
+    ):
+        vv.simulate(system, until=float(time), step=0.5, adaptive=rule)
+        assert sum(body.energies(system.x)) == pytest.approx(spectral, rel=1.5e-3)
