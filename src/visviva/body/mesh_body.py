@@ -66,6 +66,11 @@ class MeshBody(Attachable, Meshed):
     has_directions = False
     moves_rigidly = False
 
+    def __new__(cls, *args: Any, **kwargs: Any) -> MeshBody:
+        if cls is MeshBody:  # which validation makes of a mapping
+            raise InputError("a body on a mesh is asked for, such as vv.Solid")
+        return super().__new__(cls)
+
     # --- what derives from it says -------------------------------------------------------------------------
     @property
     def outside_axes(self) -> Axes:
