@@ -86,6 +86,10 @@ class PrescribedTemperature(Component):
     Notes
     -----
     The ledger books the heat that flows in there as "supply".
+
+    At the edges of clamped faces of a thermoelastic body the temperature that conducts differs from the one that is
+    held and shown: by 2 percent of a rise where alpha^2 E T / c is 0.02 or less, as of metals and rubber, by a fifth
+    where it is 1, whatever the mesh (theory of heat).
     """
 
     outside_axes = NOWHERE
