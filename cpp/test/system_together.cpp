@@ -110,8 +110,8 @@ class Frame : public Term {
             for (int b : {0, 1, 3}) p.couple(a, b);
     }
     void connect(const Pattern& p) override {
-        for (int a = 0; a < 4; ++a)
-            for (int b = 0; b < 4; ++b) at_[a][b] = p.position(a, b);
+        for (int a : {0, 1, 3})
+            for (int b : {0, 1, 3}) at_[a][b] = p.position(a, b);
     }
     void residual(const Context& c, double* r) override {
         const double *x = c.vectors.x1, apart = x[0] - x[1];
@@ -138,7 +138,8 @@ class Stop : public Term, public NeighbourSearch {
     }
     void connect(const Pattern& p) override {
         for (int a : {1, 2})
-            for (int b : {1, 2}) at_[a - 1][b - 1] = p.position(a, b);
+            for (int b : {1, 2})
+                if (a == b || near_) at_[a - 1][b - 1] = p.position(a, b);
     }
     void residual(const Context& c, double* r) override {
         const double* x = c.vectors.x1;

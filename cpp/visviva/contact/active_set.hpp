@@ -47,6 +47,7 @@ class ActiveSet {
     void write(std::vector<double>& m) const { m.insert(m.end(), at_tangent_.begin(), at_tangent_.end()); }
     void read(const double*& m) {
         for (char& active : active_) active = *m++ != 0;
+        at_tangent_ = active_;  // a tangent that was updated is not made again, but branches count from it
     }
 
   private:

@@ -77,6 +77,7 @@ bool ContactTerm::read_memory(const double*& m) {
     active_.read(m);
     pushed_out_ = *m++ != 0;
     forget_gradients(), known_.clear();
+    gaps_->set_static(false);  // the balance before a run that is resumed is over
     const bool changed = search_.read(m, *gaps_);
     gaps_->read_memory(m);
     if (rebounds()) landings_.read(m);
@@ -137,7 +138,11 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     if (!stays) narrow();
     const bool exact = !has_multipliers() && is_discrete(c.step) && !c.step.is_static();
     const bool starts = gaps_->set_static(c.step.is_static());
-    if (gaps_->set_exact(exact) || starts) known_.clear(), forget_gradients();
+    if (gaps_->set_exact(exact) || starts) {
+        known_.clear(), forget_gradients();
+        // a balance holds nothing in valleys
+        segments([&] { gaps_->values(X0_.data(), gap0_.data(), area0_.data()); });
+    }
     find_gaps();
     // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
     // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole
