@@ -125,6 +125,10 @@ class Contact(Component):
     as its own work. Schemes that remember accelerations (`GeneralizedAlpha`, `BDF2`) would gain energy in impacts by
     multipliers, and are refused. See :doc:`/theory/contact`.
 
+    Mortar gaps are means over facets. Those of a rigid box are large: where it lands on an edge or a corner, tilted, on
+    another rigid body, the corner goes in by centimetres of a box of 0.2 m, and the impact turns it the wrong way, at
+    every step size. Take ``formulation="node-to-segment"`` for rigid bodies that do not lie flat.
+
     A cylinder or cone that is `first` touches by its vertices: 32 on each rim and one in the middle of each flat face.
     So it rolls as a polygon, by a small impact at each vertex, after which it may hop. On its flat face it presses and
     rubs, by ``formulation="node-to-segment"`` and on a `Plane`, along the rim: spinning there friction has the torque
