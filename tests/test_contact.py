@@ -348,7 +348,8 @@ def test_amended_tangents_lead_where_new_ones_do() -> None:
 def test_run_draws_moments_and_movie_of_a_study(tmp_path: Path) -> None:
     system = vv.System(bricks(gap=0.01))
     study = vv.Study(system, until=0.04, step=0.01, moments=(0.02, 9.0), movie=True)
-    run(study, tmp_path / "bricks", progress=False)
+    with pytest.warns(UserWarning, match=r"no picture at 9: the motion ends at 0\.04"):
+        run(study, tmp_path / "bricks", progress=False)
     files = {file.name for file in (tmp_path / "bricks").iterdir()}
     assert "picture-0.02.png" in files
     assert "picture-9.png" not in files

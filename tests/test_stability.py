@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import visviva as vv
 from visviva.analysis.load_steps import Equilibrium, Unstable
@@ -187,3 +188,9 @@ def test_asymmetry_is_that_of_the_assembled_tangent() -> None:
     exact, _ = asymmetry(system.tangent(load_step(system.time, 0.0))[1])
     assert exact > 1e-5
     assert system.core.asymmetry() == pytest.approx(exact, rel=1e-12)
+
+
+def test_asymmetry_leaves_the_matrix_as_it_is() -> None:
+    K = sp.csr_array((np.array([1.0, 2.0, 3.0]), np.array([1, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
+    assert asymmetry(K)[0] > 0
+    assert K.indices.tolist() == [1, 0, 1]

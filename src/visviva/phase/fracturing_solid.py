@@ -158,7 +158,7 @@ class FracturingSolid(Solid):
         if finest > 0.5 * self.length * (1 + 1e-9):
             return [
                 f"{self.label}: its finest cells of {finest:.3g} are larger than half the length {self.length:g} of a "
-                f"crack, which costs {100 * finest / (2 * self.length):.0f} % more there"
+                f"crack, which costs {100 * finest / (2 * self.length):.0f} % more there; damages of AT1 may exceed 1"
             ]
         return []
 

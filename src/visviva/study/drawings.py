@@ -69,8 +69,12 @@ def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, m
             "trails": [s.name for s in motion.surfaces if s.name in study.trails],
             **study.pictures.options,
         }
-        reached = float(motion.times[-1]) + 1e-6 * study.step  # times add up with rounding
-    due = [(files.picture, None), *((files.picture_at(m), m) for m in study.moments if m <= reached)]
+        reached = float(motion.times[-1])
+    early = [m for m in study.moments if m <= reached + 1e-6 * study.step]  # times add up with rounding
+    complaints += [
+        f"no picture at {m:g}: the motion ends at {reached:g}" for m in study.moments if m not in early
+    ]
+    due = [(files.picture, None), *((files.picture_at(m), m) for m in early)]
     with counting_bar("pictures") as show:
         for k, (png, moment) in enumerate(due):
             show(k, len(due))

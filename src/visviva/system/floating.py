@@ -29,14 +29,16 @@ def displaced_mass(system: System) -> sp.csr_array:
     import scipy.sparse as sp
 
     n = len(system.x)
-    total = sp.csr_array((n, n))
+    rows, columns, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
     for wet in (c for c in system.components if isinstance(c, Wetting)):
         for unknowns, mass in wet.displaced_fluid:
             for along in np.moveaxis(unknowns, 2, 0):
-                rows = np.broadcast_to(along[:, :, None], mass.shape)
-                places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-                total = total + sp.coo_array((-mass.ravel(), places), shape=(n, n)).tocsr()
-    return total
+                row = np.broadcast_to(along[:, :, None], mass.shape)
+                rows.append(row.ravel())
+                columns.append(row.swapaxes(1, 2).ravel())
+                values.append(-mass.ravel())
+    places = np.concatenate(rows), np.concatenate(columns)
+    return sp.csr_array(sp.coo_array((np.concatenate(values), places), shape=(n, n)))
 
 
 def impulse_at_start(system: System, at: Instant, step: Any, table: Table, x0: Array, trial: Array) -> Array:

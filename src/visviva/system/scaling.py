@@ -112,6 +112,6 @@ def asymmetry(K: sp.csr_array) -> tuple[float, int]:
     >>> round(size, 9), row
     (0.1, 0)
     """
-    A = K.tocsr()
-    A.sum_duplicates()  # which also brings columns into order
+    A = K.tocsr(copy=True)  # the next line brings columns into order
+    A.sum_duplicates()
     return _core.asymmetry(A.indptr.astype(np.int64), A.indices.astype(np.int32), A.data)
