@@ -14,12 +14,13 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.mesh import cad
+from visviva.mesh import cad, exodus, ls_dyna
 from visviva.mesh.abaqus import Reader
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
 from visviva.mesh.generate import CONFIG, Length, MeshSource
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.node_orders import read_order
 from visviva.mesh.source_files import existing, refuse_outside
 from visviva.mesh.write_mesh import load_meshio
 
@@ -41,9 +42,10 @@ class MeshFile(MeshSource):
     path : path
         ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
         ``.vtk``, where whole-numbered arrays of zeros and ones are sets; ``.med`` with its groups, ``.bdf`` of
-        Nastran with its properties, ``.e`` of Exodus with its sets of nodes, whatever else meshio reads; ``.geo``
-        of Gmsh, a script which is run and meshed, if it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and
-        ``.brep``, shapes which Gmsh meshes by tetrahedra, and shapes without volume by triangles.
+        Nastran with its properties, ``.e`` of Exodus with its blocks and sets, whatever else meshio reads; ``.k``,
+        ``.key`` and ``.dyn`` of LS-DYNA with parts and sets; ``.geo`` of Gmsh, a script which is run and meshed, if
+        it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and ``.brep``, shapes which Gmsh meshes by tetrahedra,
+        and shapes without volume by triangles.
     drop_orphans : bool
         Whether nodes that belong to no cell are left out, such as centres of circles.
     trust : bool
@@ -77,8 +79,12 @@ class MeshFile(MeshSource):
     Instances of Abaqus' parts stand where the assembly has them. If there are several, their sets are called
     ``INSTANCE.SET`` and the cells of each ``INSTANCE``; ``part="INSTANCE"`` is one of them as a mesh of its own.
 
-    Needs the package meshio, but for Abaqus files: ``pip install "visviva[mesh]"``; for ``.geo`` and CAD also gmsh:
-    ``pip install "visviva[gmsh]"``.
+    Parts of LS-DYNA are sets of cells by their titles, else ``part1``; sets without a title are ``nodes1``,
+    ``segments1`` (of faces), ``parts1`` and ``elements1``, by their numbers; those of Exodus ``block1``, ``nodes1`` and
+    ``sides1``.
+
+    Needs the package meshio, but for Abaqus and LS-DYNA files: ``pip install "visviva[mesh]"``; for ``.geo`` and CAD
+    also gmsh: ``pip install "visviva[gmsh]"``.
 
     Examples
     --------
@@ -116,6 +122,8 @@ class MeshFile(MeshSource):
         self._refuse_sizes()
         if suffix == ".inp":
             return Reader(self.within).read(self.path)
+        if suffix in ls_dyna.ENDINGS:
+            return ls_dyna.Reader(self.within).read(self.path)
         if suffix == ".geo":
             self._refuse_untrusted()
             with tempfile.TemporaryDirectory() as folder:
@@ -129,7 +137,12 @@ class MeshFile(MeshSource):
         if suffix == ".vtk":  # its names are written without blanks
             read.point_data = {unquote(name): data for name, data in read.point_data.items()}
             read.cell_data = {unquote(name): data for name, data in read.cell_data.items()}
-        return _of_meshio(read)
+        made = _of_meshio(read)
+        made.blocks = [
+            read_order(suffix, kind, rows, made.points)
+            for kind, rows in zip(made.types, made.blocks, strict=True)
+        ]
+        return exodus.with_names(made, self.path) if suffix in exodus.ENDINGS else made
 
     def _cad(self) -> Collection:
         with tempfile.TemporaryDirectory() as folder:

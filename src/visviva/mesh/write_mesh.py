@@ -12,6 +12,7 @@ import numpy as np
 from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.convert import cell_numbers
+from visviva.mesh.node_orders import written_order
 from visviva.mesh.write_abaqus import write_abaqus
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ def write(mesh: Mesh, path: Path) -> None:
     gmsh = path.suffix.lower() == ".msh"
     legacy = path.suffix.lower() == ".vtk"  # where names are written without blanks
     made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh, quote if legacy else str)
+    for block, kind in zip(made.cells, mesh.cells, strict=False):  # those of lower dimension are the same
+        block.data = written_order(path.suffix.lower(), kind, block.data)
     try:
         meshio.write(path, made, file_format="gmsh22" if gmsh else None)
     except ModuleNotFoundError as error:

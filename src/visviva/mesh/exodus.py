@@ -1,0 +1,81 @@
+"""Names in files of Exodus II that meshio does not read: blocks of cells, sets of sides, nameless sets of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from visviva.base.errors import InputError
+from visviva.mesh.cells import Ints
+from visviva.mesh.collect import Collection
+
+ENDINGS = (".e", ".ex2", ".exo")
+FACES = {
+    "hex": (2, 3, 4, 5, 0, 1),
+    "tet": (1, 2, 3, 0),
+    "wedge": (2, 3, 4, 0, 1),
+    "quad": (0, 1, 2, 3),
+    "tri": (0, 1, 2),
+}
+"""Which face of a cell is the first, second ... side of Exodus, by the names of cells without their numbers."""
+
+
+def with_names(read: Collection, path: Path) -> Collection:
+    """What meshio has read, with groups of the blocks and of the sides that the file names."""
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        _add_blocks(read, file)
+        for k, name in _sets(file, "node_ns", "ns_names", "nodes"):
+            read.node_sets[name] = np.unique(np.asarray(file.variables[f"node_ns{k}"][:], np.int64) - 1)
+        for k, name in _sets(file, "elem_ss", "ss_names", "sides"):
+            cells, sides = (
+                np.asarray(file.variables[f"{what}_ss{k}"][:], np.int64) - 1 for what in ("elem", "side")
+            )
+            read.sides[name] = list(_sides_of(read, name, cells, sides, file))
+    return read
+
+
+def _sets(file: Any, key: str, names: str, what: str) -> Iterator[tuple[int, str]]:
+    """Numbers and names of what has a variable of its own, such as elem_ss1."""
+    given = _words(file, names)
+    numbers = sorted(
+        int(v.removeprefix(key)) for v in file.variables if v.removeprefix(key).isdigit() and key in v
+    )
+    for k in numbers:
+        name = given[k - 1] if k <= len(given) else ""
+        yield k, name or f"{what}{k}"
+
+
+def _words(file: Any, key: str) -> list[str]:
+    if key not in file.variables:
+        return []
+    return [b"".join(row).split(b"\0")[0].decode(errors="replace").strip() for row in file.variables[key][:]]
+
+
+def _add_blocks(read: Collection, file: Any) -> None:
+    start = 0
+    named = _words(file, "eb_names")
+    for k, rows in enumerate(read.blocks):
+        name = named[k] if k < len(named) else ""
+        read.groups[name or f"block{k + 1}"] = np.arange(start, start + len(rows))
+        start += len(rows)
+
+
+def _sides_of(read: Collection, name: str, cells: Ints, sides: Ints, file: Any) -> Iterator[tuple[Ints, int]]:
+    """Cells with the number of their face; of shells the first two sides are themselves, which are left out."""
+    starts = np.cumsum([0, *map(len, read.blocks)])
+    for k, (kind, start, end) in enumerate(zip(read.types, starts, starts[1:], strict=False), 1):
+        is_shell = str(file.variables[f"connect{k}"].elem_type).upper().startswith("SHELL")
+        faces = (None, None) * is_shell + FACES.get(kind.rstrip("0123456789"), ())
+        inside = (cells >= start) & (cells < end)
+        for side in np.unique(sides[inside]).tolist():
+            if side >= len(faces):
+                raise InputError(f"its set of sides {name!r} has side {side + 1} of a {kind}")
+            face = faces[side]
+            if face is not None:
+                yield cells[inside & (sides == side)], face

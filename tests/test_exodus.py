@@ -1,0 +1,91 @@
+"""Names of Exodus II, against what VTK reads in the same files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+netCDF4 = pytest.importorskip("netCDF4")
+SIDES = {"hex8": 6, "hex20": 6, "hex27": 6, "tet4": 4, "tet10": 4, "wedge6": 5}
+
+
+def add_sides(file: Path, sets: dict[str, tuple[list[int], list[int]]]) -> None:
+    """Sets of sides by cells and numbers of their sides, from 1 on."""
+    with netCDF4.Dataset(file, "a") as f:
+        f.createDimension("num_side_sets", len(sets))
+        numbers = f.createVariable("ss_prop1", "i4", ("num_side_sets",))
+        numbers[:] = np.arange(1, len(sets) + 1)
+        numbers.setncattr("name", "ID")
+        f.createVariable("ss_status", "i4", ("num_side_sets",))[:] = 1
+        names = f.createVariable("ss_names", "S1", ("num_side_sets", "len_string"))
+        for k, (name, parts) in enumerate(sets.items(), 1):
+            names[k - 1, :] = np.array(list(name.ljust(33, "\0")), "S1")
+            f.createDimension(f"num_side_ss{k}", len(parts[0]))
+            for what, values in zip(("elem", "side"), parts, strict=True):
+                f.createVariable(f"{what}_ss{k}", "i4", (f"num_side_ss{k}",))[:] = values
+
+
+def sides_of_vtk(file: Path, n: int) -> list[Any]:
+    exodus = pytest.importorskip("vtkmodules.vtkIOExodus")
+    pyvista = pytest.importorskip("pyvista")
+    reader = exodus.vtkExodusIIReader()
+    reader.SetFileName(str(file))
+    reader.UpdateInformation()
+    for k in range(n):
+        reader.SetObjectStatus(reader.SIDE_SET, k, 1)
+    reader.Update()
+    sides = pyvista.wrap(reader.GetOutput())["Side Sets"]
+    return [sides[k].points for k in range(n)]
+
+
+@pytest.mark.parametrize("cell", SIDES)
+def test_sides_are_those_of_vtk(cell: str, tmp_path: Path) -> None:
+    file, n = tmp_path / f"{cell}.e", SIDES[cell]
+    vv.BoxMesh(size=(1, 2, 3), counts=(1, 1, 2), cell=cell).build().write(file)
+    add_sides(file, {f"side {k}": ([1], [k]) for k in range(1, n + 1)})
+    ours = vv.MeshFile(file).build()
+    for k, theirs in enumerate(sides_of_vtk(file, n), 1):
+        faces = ours.face_sets[f"side {k}"]
+        nodes = np.unique(np.concatenate([rows.ravel() for rows in faces.cells.values()]))
+        corners = {tuple(point) for point in np.round(theirs, 6).tolist()}
+        assert faces.n_faces == 1
+        assert corners <= {tuple(point) for point in np.round(ours.points[nodes], 6).tolist()}
+
+
+@pytest.mark.parametrize("cell", ["hex20", "hex27"])
+def test_nodes_have_the_order_of_vtk(cell: str, tmp_path: Path) -> None:
+    """What VTK reads has the middles of its own order."""
+    file = tmp_path / f"{cell}.e"
+    box = vv.BoxMesh(size=(1, 2, 3), counts=(1, 1, 1), cell=cell).build()
+    box.write(file)
+    reader = pytest.importorskip("vtkmodules.vtkIOExodus").vtkExodusIIReader()
+    reader.SetFileName(str(file))
+    reader.Update()
+    theirs = pytest.importorskip("pyvista").wrap(reader.GetOutput())["Element Blocks"][0].get_cell(0).points
+    assert np.allclose(theirs, box.points[box.cells[cell][0]])
+    assert np.array_equal(vv.MeshFile(file).build().cells[cell], box.cells[cell])
+
+
+def test_blocks_and_sets_without_names(tmp_path: Path) -> None:
+    meshio = pytest.importorskip("meshio")
+    box = vv.BoxMesh(size=(1, 1, 2), counts=(1, 1, 2)).build()
+    cells = [("hexahedron", rows[None]) for rows in box.cells["hex8"]]
+    meshio.write_points_cells(
+        tmp_path / "two.e", box.points, cells, point_sets={"low": np.array([0, 1, 2, 3])}
+    )
+    mesh = vv.MeshFile(tmp_path / "two.e").build()
+    assert {name: rows.tolist() for name, rows in mesh.cell_sets.items()} == {"block1": [0], "block2": [1]}
+    assert {name: rows.tolist() for name, rows in mesh.node_sets.items()} == {"low": [0, 1, 2, 3]}
+
+
+def test_sides_that_no_cell_has_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "tet.e"
+    vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="tet4").build().write(file)
+    add_sides(file, {"fifth": ([2], [5])})
+    with pytest.raises(vv.InputError, match="'fifth' has side 5 of a tet4"):
+        vv.MeshFile(file).build()
