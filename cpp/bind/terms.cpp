@@ -105,5 +105,12 @@ void bind_terms(nb::module_& m) {
                                       term_callback(residual, n, nl), term_callback(tangent, n, nl),
                                       term_callback(ledger, n, nl), term_callback(accept, n, nl));
              })
+        .def("ask_to_look",
+             [](CallbackTerm& t, nb::object function, std::size_t n) {
+                 t.look = [f = nb::weakref(function), n](const double* x) {
+                     nb::gil_scoped_acquire gil;
+                     alive(f)(view(const_cast<double*>(x), n, nb::none()));
+                 };
+             })
         .def_rw("work_account", &CallbackTerm::work_account);
 }

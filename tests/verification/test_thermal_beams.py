@@ -171,6 +171,32 @@ def test_power_and_held_ends_of_a_beam() -> None:
     assert result.ledger.imbalance() < 1e-10
 
 
+@pytest.mark.parametrize("kind", ["line2", "line3", "shell"])
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
+def test_held_temperatures_conduct_however_strains_couple(kind: str, scheme: Any) -> None:
+    """A clamped bar of ``T0 (E alpha)^2 / (E c) = 5`` whose ends go to 310 and 290: linear between, steady."""
+    young = 1e5
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, expansion=np.sqrt(5 / (300 * young)), reference=300.0)
+    body: Any
+    if kind == "shell":
+        section = vv.SolidSection(material=vv.SaintVenantKirchhoff(young=young, poisson=0.0), thickness=0.1)
+        mesh = vv.RectangleMesh(size=(1, 0.1), counts=(8, 1))
+        body, ends = vv.ThermalShell(mesh=mesh, section=section, heat=heat), ("x0", "x1")
+    else:
+        section = vv.RectangleSection(width=0.1, height=0.1, young=young, poisson=0.0)
+        body, ends = vv.ThermalBeam(mesh=line(8, kind), section=section, heat=heat), ("start", "end")
+    parts: list[Any] = [vv.Clamped(solid=body, nodes=end) for end in ends]
+    parts += [
+        vv.PrescribedTemperature(body=body, nodes=end, value=f"300 + {rise} * min(t / 1.2, 1)")
+        for end, rise in zip(ends, (10, -10), strict=True)
+    ]
+    system = vv.System([body, *parts])
+    vv.simulate(system, until=6.0, step=0.06, scheme=scheme)
+    conducts = [system.x[body.temperature_unknowns(body.nodes(end))[0]] for end in ends]
+    assert conducts == pytest.approx([310.0, 290.0], abs=1e-3)
+    np.testing.assert_allclose(body.temperatures(system.x), 310 - 20 * body.points[:, 0], atol=2e-2)
+
+
 def plate(**options: Any) -> vv.ThermalShell:
     section = vv.SolidSection(
         material=vv.SaintVenantKirchhoff(young=210e9, poisson=0.3), thickness=0.02, density=0.0

@@ -215,6 +215,87 @@ def test_prescribed_temperatures_are_shown_where_they_are_held() -> None:
     assert body.temperatures(system.x)[body.nodes("x0")] == pytest.approx(320.0, abs=1e-6)
 
 
+def clamped_bar(coupling: float, n: int, cell: str = "hex8") -> tuple[vv.ThermoelasticSolid, list[Any]]:
+    """A bar between walls that moves along alone; `coupling` is ``T0 beta^2 / (M c)``, M the modulus of its strain."""
+    lam, mu, T0, c = 3e4, 2e4, 300.0, 1.0
+    beta = np.sqrt(coupling * (lam + 2 * mu) * c / T0)
+    heat = vv.Heat(
+        conductivity=1.0, capacity=c, expansion=beta / (3 * lam + 2 * mu), reference=T0, in_space=False
+    )
+    mesh = vv.BoxMesh(size=(1, 0.1, 0.1), counts=(n, 1, 1), cell=cell)
+    bar = vv.ThermoelasticSolid(
+        mesh=mesh, material=vv.SaintVenantKirchhoff(lame_lambda=lam, shear=mu), heat=heat
+    )
+    walls = [vv.Fixed(solid=bar, nodes=end) for end in ("x0", "x1")]
+    return bar, [*walls, vv.Fixed(solid=bar, nodes="all", directions=(False, True, True))]
+
+
+COUPLINGS = [0.0, 0.02, 1.0, 5.0, 50.0]
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS)
+@pytest.mark.parametrize("cell", ["hex8", "hex20"])
+def test_a_clamped_bar_warms_by_its_effective_capacity(coupling: float, cell: str) -> None:
+    """Ends of opposite temperatures about the mean: diffusion with ``c (1 + T0 beta^2 / (M c))``, by its series."""
+    rise, late = 1e-3, 0.05
+    bar, parts = clamped_bar(coupling, 40 if cell == "hex8" else 10, cell)
+    held = [
+        vv.PrescribedTemperature(body=bar, nodes=n, value=300 + side * rise)
+        for n, side in (("x0", 1), ("x1", -1))
+    ]
+    system = vv.System([bar, *parts, *held])
+    until = late * (1 + coupling)
+    vv.simulate(system, until=until, step=until / 100, scheme=vv.BDF2())
+    x = bar.points[:, 0]
+    k = np.arange(1, 60)
+    decay = np.exp(-((2 * np.pi * k) ** 2) * late) / k
+    exact = 1 - 2 * x - 2 / np.pi * (np.sin(2 * np.pi * np.outer(x, k)) @ decay)
+    np.testing.assert_allclose((bar.temperatures(system.x) - 300) / rise, exact, atol=1e-2)
+    conducts = system.x[bar.algorithmic.start + np.arange(bar.grid.n_nodes)]
+    np.testing.assert_allclose((conducts - 300) / rise, exact, atol=1e-2)
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS[:-1])
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler()])
+def test_the_temperature_that_conducts_is_the_held_one_however_strains_couple(
+    coupling: float, scheme: Any
+) -> None:
+    """Steady, it is linear between what is held, whatever the coupling."""
+    bar, parts = clamped_bar(coupling, 20)
+    slow = 1 + coupling
+    held = [
+        vv.PrescribedTemperature(body=bar, nodes=n, value=f"300 + {rise} * min(t / {0.2 * slow}, 1)")
+        for n, rise in (("x0", 10), ("x1", -10))
+    ]
+    system = vv.System([bar, *parts, *held])
+    vv.simulate(system, until=0.8 * slow, step=0.01 * slow, scheme=scheme)
+    conducts = system.x[bar.algorithmic.start + np.arange(bar.grid.n_nodes)]
+    exact = 310 - 20 * bar.points[:, 0]
+    np.testing.assert_allclose(conducts, exact, atol=1e-4)
+    np.testing.assert_allclose(bar.temperatures(system.x), exact, atol=1e-2)
+    ends = np.concatenate([bar.nodes("x0"), bar.nodes("x1")])
+    np.testing.assert_allclose(bar.temperatures(system.x)[ends], exact[ends], atol=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
+def test_temperatures_held_where_strains_are_singular_are_those_that_conduct(scheme: Any) -> None:
+    """At the edges of the clamped faces of a cube of strong coupling, where those of 320 conducted as ones of 314."""
+    for n in (2, 4):
+        body = vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(n, n, n)),
+            material=vv.NeoHooke(young=210e9, poisson=0.3),
+            heat=vv.Heat(conductivity=50.0, capacity=3.6e6, expansion=5.3e-4, reference=300.0),
+        )
+        walls = [vv.Fixed(solid=body, nodes=side) for side in ("x0", "x1")]
+        held = vv.PrescribedTemperature(body=body, nodes="x0", value="300 + 20 * min(t / 400, 1)")
+        system = vv.System([body, *walls, held])
+        result = vv.simulate(system, until=1200.0, step=100.0, scheme=scheme)
+        nodes = body.nodes("x0")
+        assert system.x[body.algorithmic.start + nodes] == pytest.approx(320.0, abs=1e-3)
+        assert body.temperatures(system.x)[nodes] == pytest.approx(320.0, abs=1e-3)
+        assert result.ledger.imbalance() < 1e-9 or isinstance(scheme, vv.BackwardEuler)
+
+
 def test_conduction_turns_with_the_body() -> None:
     """A bar that spins conducts like one that rests."""
     ends = []

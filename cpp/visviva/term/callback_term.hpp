@@ -21,12 +21,18 @@ class CallbackTerm : public EntryTerm {
     using Function = std::function<void(const TermArguments&)>;
     CallbackTerm(int n, int n_local, const int* index, Function residual, Function tangent, Function ledger,
                  Function accept);
+    /// Called with all unknowns where a step begins, and where it has ended; null: nobody asks.
+    std::function<void(const double*)> look;
     int work_account = -1;  // where work is booked that is done beside what is stored; -1: none
 
     void residual(const Context&, double* r) override;
     void tangent(const Context&, double* values) override;
     void ledger(const Context&, const double* v1, LedgerSums&) override;
     void accept(const Context&) override;
+    void begin(const double* x0) override {
+        if (look) look(x0);
+    }
+    void finish_step(const Step&, double* x) override { begin(x); }
 
   private:
     void list_entries(std::vector<std::pair<int, int>>& entries) const override;

@@ -138,6 +138,9 @@ class Term:
     def accept(self, s: Stencils) -> None:
         """The step is accepted: update `history`."""
 
+    look: Callable[[Array], None] | None = None
+    """Called with all unknowns of the system where a step begins; the array is valid during the call alone."""
+
     # --- hand-over to the core -----------------------------------------------------------------------------
     def rate_factors(self, step: Any) -> tuple[Array, Array]:
         """Derivatives of rate and second rate with respect to `x1`, by local unknown."""
@@ -162,6 +165,9 @@ class Term:
         term = _core.CallbackTerm(index, *self._calls)
         if self._works:
             term.work_account = model.account(owner, self.kind, self.brings)
+        if self.look is not None:
+            self._looks = self.look
+            term.ask_to_look(self._looks, model.n_unknowns)
         term.name = owner.label
         if model.entropies.touches(index):
             term.entropy_account = model.account(owner, self.kind, PRODUCED if self.produces else SUPPLIED)

@@ -76,10 +76,6 @@ class HeatLaw(Unchanging):
             Entropy per reference volume.
         """
 
-    @abstractmethod
-    def temperature_slopes(self, material: Material, C: Array, s: Array) -> tuple[Array, Array, Array]:
-        """Temperature (n,), its derivatives by the entropy (n,) and by C (n, 3, 3)."""
-
 
 @dataclass(config=settings, kw_only=True)
 class Heat(HeatLaw):
@@ -180,14 +176,6 @@ class Heat(HeatLaw):
         log_j = 0.5 * np.log(determinant(C[:, FULL]))
         return np.asarray(self.coupling(material) * log_j - self.moduli_slope * W)
 
-    def temperature_slopes(self, material: Material, C: Array, s: Array) -> tuple[Array, Array, Array]:
-        W, S, _ = material.respond(C)
-        T = self.stores.temperature(s - self._strain_entropy(material, C, W))
-        inverse = np.linalg.inv(C[:, FULL])
-        M_C = 0.5 * (self.coupling(material) * inverse - self.moduli_slope * S[:, FULL])
-        by_entropy = T / self.stores.at(T)
-        return T, by_entropy, np.asarray(-by_entropy[:, None, None] * M_C)
-
 
 @dataclass(config=settings, kw_only=True)
 class UserHeat(HeatLaw):
@@ -260,9 +248,3 @@ class UserHeat(HeatLaw):
         e = np.vstack([C.T - REST, s])
         g = W.gradient(e)[0]
         return g[6], 2 * (HALVES[:, None] * g[:6]).T, W.value(e)[0]
-
-    def temperature_slopes(self, material: Material, C: Array, s: Array) -> tuple[Array, Array, Array]:
-        e = np.vstack([C.T - REST, s])
-        W = self.energy()
-        H = W.hessian(e)[0]
-        return W.gradient(e)[0, 6], H[6, 6], (HALVES[:, None] * H[6, :6]).T[:, FULL]

@@ -23,6 +23,7 @@ from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
+from visviva.thermal.projection import Projected, Projection
 
 if TYPE_CHECKING:
     from visviva.mesh.faces import Faces
@@ -177,15 +178,25 @@ class ThermalBeam(Beam, HeatCarrier):
         account = model.account(self, "conduction", PRODUCED)
         model.entropies.store(self._means, self._content, self._means, account, self._conducts)
 
+    @cached_property
+    def _heat_places(self) -> tuple[Array, Array]:
+        """Coordinates (q,) of the points, and lengths (m, q) that they stand for.
+
+        Cells of two nodes have one point for strains, which would leave one temperature undone, and two for heat.
+        """
+        xi, length = self._strains.places, self._strains.length
+        if len(xi) > 1:
+            return xi, length
+        return np.polynomial.legendre.leggauss(2)[0], np.repeat(0.5 * length, 2, axis=1)
+
     def _add_strained(self, model: Model, cells: Ints) -> None:
         nodes = self.line.cells[cells]
         groups = self._strains.groups(cells, self.node_unknowns(nodes), self.director_unknowns(nodes))
-        length, reference = self._strains.length[cells], self._strains.reference[cells]
-        xi = self._strains.places
-        if len(xi) == 1:  # two nodes with one point for strains, which would leave one temperature undone
-            xi = np.polynomial.legendre.leggauss(2)[0]
+        reference = self._strains.reference[cells]
+        xi, length = self._heat_places[0], self._heat_places[1][cells]
+        if len(xi) > reference.shape[1]:
             groups = [Group(g.unknowns, np.repeat(g.weights, 2, axis=1), None, g.is_position) for g in groups]
-            length, reference = np.repeat(0.5 * length, 2, axis=1), np.repeat(reference, 2, axis=1)
+            reference = np.repeat(reference, 2, axis=1)
         _, _, speed = self.line.slopes(xi[:, None])
         scalar = np.empty((len(cells), len(xi), 2, 2))
         scalar[..., 0] = 0.5 * (1 + xi[:, None] * ENDS)
@@ -236,7 +247,9 @@ class ThermalBeam(Beam, HeatCarrier):
         supply = model.multipliers(owner, "supply", len(nodes), instantaneous=False)
         unknowns = [self.entropy.start + at, self.algorithmic.start + at, np.asarray(supply.unknowns)]
         table = np.asarray(np.stack(unknowns, axis=1), dtype=np.int32)
-        model.term(owner, HeldStep(table, lambda t: given.values(t)[held]))
+        model.term(
+            owner, HeldStep(table, lambda t: given.values(t)[held], lambda x: self.temperatures(x)[nodes])
+        )
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         ends = points.nodes[:, :2]
@@ -266,22 +279,22 @@ class ThermalBeam(Beam, HeatCarrier):
         )
 
     # --- what it shows -------------------------------------------------------------------------------------
+    @cached_property
+    def _projection(self) -> Projection:
+        xi, length = self._heat_places
+        numbers, N = self._place[self.line.cells[:, :2]], 0.5 * (1 + xi[:, None] * ENDS)
+        return Projection(len(self._corners), [Projected(numbers, N, length)])
+
     def section_temperatures(self, x: Array) -> Array:
         """Mean temperature and its slopes (n, 3) along d1 and d2 at the nodes, of strains and entropies."""
-        heat, c = self.heat, self.heat.stores.c
+        heat, c, part = self.heat, self.heat.stores.c, self._projection.parts[0]
         s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)
-        e = self.strains(x).mean(axis=1)
-        M, count = np.zeros((len(s), 3)), np.zeros(len(s))
+        e = np.broadcast_to(self.strains(x), (*part.sizes.shape, 6))
         thermal = np.stack([self.stiffness[:, 2], -self.stiffness[:, 4], self.stiffness[:, 3]], axis=1)
-        of_cell = heat.expansion * np.einsum("mik,mk->mi", thermal, e)
-        for end in range(2):
-            np.add.at(M, self._place[self.line.cells[:, end]], of_cell)
-            np.add.at(count, self._place[self.line.cells[:, end]], 1.0)
-        M /= count[:, None]
-        T = np.empty_like(s)
-        T[:, 0] = heat.reference * np.exp((s[:, 0] - M[:, 0]) / (c * self._areas[0]))
-        T[:, 1:] = (s[:, 1:] - M[:, 1:]) * heat.reference / (c * self._second_moments[0])
-        return self._spread(T)
+        beside = part.N @ s[part.numbers] - heat.expansion * np.einsum("mik,mqk->mqi", thermal, e)
+        mean = heat.reference * np.exp(beside[..., :1] / (c * self._areas[0]))
+        slopes = beside[..., 1:] * heat.reference / (c * self._second_moments[0])
+        return self._spread(self._projection([np.concatenate([mean, slopes], axis=2)]))
 
     def _spread(self, values: Array) -> Array:
         """Values (n, j) of all nodes by those of the corners."""

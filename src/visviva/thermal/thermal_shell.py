@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
+from visviva.thermal.projection import Projected, Projection
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -246,7 +248,11 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             for f in (self.entropy, self.algorithmic)
         ]
         table = np.asarray(np.stack([*of_modes, np.asarray(supply.unknowns)], axis=1), dtype=np.int32)
-        model.term(owner, HeldStep(table, lambda t: np.concatenate([given.values(t), zero.T.ravel()])))
+        values, found = (
+            (lambda t: np.concatenate([given.values(t), zero.T.ravel()])),
+            (lambda x: self._profiles(x)[nodes].T.ravel()),
+        )
+        model.term(owner, HeldStep(table, values, found))
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         side = np.zeros(len(points.nodes))
@@ -298,23 +304,18 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def stresses(self, x: Array) -> list[Array]:
         return [self._responses(x)[1]]
 
+    @cached_property
+    def _projection(self) -> Projection:
+        stack = self._stacks[0]
+        nodes = self._surface.cells[stack.cells]
+        shapes, sizes = self._scalar_weights(stack)[..., 0], stack.layers.volume.reshape(len(nodes), -1)
+        parts = [Projected(self._modes(nodes, 0), shapes, sizes)]
+        return Projection(self._n_modes * self.grid.n_nodes, parts)
+
     def _profiles(self, x: Array) -> Array:
         """Modes (n, modes) of the temperatures of strains and entropies."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.linalg import spsolve
-
-        stack = self._stacks[0]
-        T, _, volume = self._responses(x)
-        nodes = self._surface.cells[stack.cells]
-        N, w = self._scalar_weights(stack)[..., 0], volume.reshape(len(nodes), -1)
-        numbers = self._modes(nodes, 0)
-        block = np.einsum("mq,mqa,mqb->mab", w, N, N)
-        row, column = np.broadcast_arrays(numbers[:, :, None], numbers[:, None, :])
-        n = self._n_modes * self.grid.n_nodes
-        matrix = coo_array((block.ravel(), (row.ravel(), column.ravel())), shape=(n, n)).tocsc()
-        right = np.zeros(n)
-        np.add.at(right, numbers, np.einsum("mq,mq,mqa->ma", w, T.reshape(len(nodes), -1), N))
-        return np.asarray(spsolve(matrix, right).reshape(-1, self._n_modes))
+        T, _, _ = self._responses(x)
+        return self._projection([T.reshape(len(T), -1)]).reshape(-1, self._n_modes)
 
     def face_temperatures(self, x: Array) -> Array:
         """Temperatures (n, 2) of the lower and the upper face at the nodes, of strains and entropies."""

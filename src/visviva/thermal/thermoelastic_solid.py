@@ -28,13 +28,13 @@ from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import (
     EntropyInput,
-    EntropySupply,
     GivenTemperatures,
     HeatCarrier,
     Law,
 )
 from visviva.thermal.heat import Heat, HeatLaw
-from visviva.thermal.held_temperature import HeldTemperature
+from visviva.thermal.held_step import HeldStep
+from visviva.thermal.projection import Projected, Projection
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -62,7 +62,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     temperature, a field of the same shape functions, is the algorithmic one of the step, ``D_s e``, weakly. With the
     energy-momentum scheme the total energy of an isolated body is kept to round-off, however temperatures differ from
     place to place, and its entropy never falls (partitioned discrete gradients: Romero 2010, Gross & Betsch 2011).
-    The ledger books the internal energy as "stored".
+    The ledger books the internal energy as "stored". Where heat and strain couple strongly, ``alpha^2 E T / c`` beyond
+    0.1, linear cells of displacements lock as those of nearly incompressible materials do: take enhanced or quadratic
+    ones.
 
     Examples
     --------
@@ -144,7 +146,6 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
         self.entropy.beside = self.algorithmic.beside = self.motion
-        self._held: list[tuple[Ints, HeldTemperature]] = []
 
     def _vectors(self, nodes: Ints, first: int) -> Ints:
         """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
@@ -243,26 +244,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         model.refresh(self.entropy)
         model.refresh(self.algorithmic)
         supply = model.multipliers(owner, "supply", len(nodes), instantaneous=False)
-        numbers = np.asarray(supply.unknowns)
-        of_nodes = np.stack([self.entropy.start + nodes, self.algorithmic.start + nodes, numbers], axis=1)
-        model.term(owner, EntropySupply(np.asarray(of_nodes, dtype=np.int32)))
-        place, cells_of = np.full(self.grid.n_nodes, -1), np.zeros(self.grid.n_nodes)
-        place[nodes] = np.arange(len(nodes))
-        for of_cell in self.grid.cells.values():
-            cells_of += np.bincount(of_cell.ravel(), minlength=len(cells_of))
-        for cell, of_cell in self.grid.cells.items():
-            e, a = np.nonzero(place[of_cell] >= 0)
-            some, held = of_cell[e], of_cell[e, a]
-            at_nodes = Rule(CELLS[cell].nodes, np.ones(len(CELLS[cell].nodes)))
-            gradients = geometry(self.grid.points, some, cell, rule=at_nodes).gradients[np.arange(len(e)), a]
-            positions = (self.node_unknowns(some)[:, :, None] + np.arange(3)).reshape(len(e), -1)
-            own = np.stack([self.entropy.start + held, numbers[place[held]]], axis=1)
-            unknowns = np.asarray(np.hstack([positions, own]), dtype=np.int32)
-            term = HeldTemperature(
-                self.heat, self.body_material, unknowns, gradients, 1 / cells_of[held], place[held], values
-            )
-            model.term(owner, term)
-            self._held.append((held, term))
+        of_nodes = [self.entropy.start + nodes, self.algorithmic.start + nodes, np.asarray(supply.unknowns)]
+        table = np.asarray(np.stack(of_nodes, axis=1), dtype=np.int32)
+        model.term(owner, HeldStep(table, values, lambda x: self.temperatures(x)[nodes]))
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         unknowns = np.hstack([self.entropy.start + points.nodes, self.algorithmic.start + points.nodes])
@@ -276,35 +260,22 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         return of_each(self._elements, x)
 
     @cached_property
-    def _projection(self) -> Any:
-        """Solves with the matrix of the shape functions' products."""
-        import scipy.sparse as sp
-        from scipy.sparse.linalg import factorized
-
-        n, total = self.grid.n_nodes, None
-        for part in self._evaluations:
-            block = np.einsum("mq,qa,qb->mab", part.volume, part.N, part.N)
-            row, column = np.broadcast_arrays(part.nodes[:, :, None], part.nodes[:, None, :])
-            matrix = sp.coo_array((block.ravel(), (row.ravel(), column.ravel())), shape=(n, n))
-            total = matrix if total is None else total + matrix
-        return factorized(sp.csc_array(total))
+    def _projection(self) -> Projection:
+        return Projection(
+            self.grid.n_nodes, [Projected(part.nodes, part.N, part.volume) for part in self._evaluations]
+        )
 
     def temperatures(self, x: Array) -> Array:
-        """Temperatures (n,) of the nodes at the unknowns `x` of the system: those of strain and entropy there.
+        """Temperatures (n,) of the nodes at the unknowns `x` of the system.
 
-        Where they are prescribed they are what is held, and elsewhere the projection of those at the quadrature points:
-        in coarse cells, strains at nodes are others than these.
+        They are the projection of those of strain and entropy at the quadrature points, as the ones that conduct are.
         """
-        total = np.zeros(self.grid.n_nodes)
-        for part in self._evaluations:
-            T, _, _ = self._state(x[self.entropy.start + part.nodes] @ part.N.T, part.strains(x)[1])
-            np.add.at(total, part.nodes, np.einsum("mq,mq,qk->mk", part.volume, T, part.N))
-        found = np.asarray(self._projection(total))
-        for nodes, _ in self._held:
-            found[nodes] = 0.0
-        for nodes, term in self._held:
-            np.add.at(found, nodes, term.temperatures(x))
-        return found
+        return self._projection(
+            [
+                self._state(x[self.entropy.start + part.nodes] @ part.N.T, part.strains(x)[1])[0]
+                for part in self._evaluations
+            ]
+        )
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
