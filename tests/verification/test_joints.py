@@ -176,6 +176,28 @@ def test_teeth_drive_the_second_wheel() -> None:
     np.testing.assert_allclose(result.history("force"), 0.0, atol=1e-9)
 
 
+def test_teeth_hold_a_ring_that_is_the_ground() -> None:
+    """A planetary gear of radii 1, 0.5, 2, its ring held: what turns the sun, less what all gain, holds the ring."""
+    ground, (sun, carrier, planet) = (
+        vv.Ground(),
+        (vv.RigidBody(mass=0.4, inertia=(1, 1, J)) for J in (0.3, 0.7, 0.06)),
+    )
+    planet.position = (1.5, 0, 0)
+    held = vv.Revolute(a=ground, b=carrier, at=(0, 0, 0))
+    of_sun, of_ring = (vv.Revolute(a=carrier, b=b, at=(0, 0, 0)) for b in (sun, ground))
+    of_planet = vv.Revolute(a=carrier, b=planet, at=(1.5, 0, 0))
+    inner = vv.Gear(a=of_sun, b=of_planet, ratio=0.5)
+    outer = vv.Gear(a=of_planet, b=of_ring, ratio=-4.0)
+    turn = vv.Torque(on=sun, torque=(0, 0, 2.0))
+    bodies = [ground, sun, carrier, planet, held, of_sun, of_ring, of_planet]
+    system = vv.System([*bodies, inner, outer, turn])
+    vv.simulate(system, until=0.2, step=0.01)
+    to_sun, to_planet = 1 + 2 / 1, 1 - 2 / 0.5  # per turn of the carrier
+    moments = 0.3 * to_sun**2 + 0.7 + 0.4 * 1.5**2 + 0.06 * to_planet**2
+    gained = (0.3 * to_sun + 0.7 + 0.4 * 1.5**2 + 0.06 * to_planet) * 2.0 * to_sun / moments
+    assert vv.ReactionTorque(joint=outer)(system)[2] == pytest.approx(2.0 - gained, rel=1e-7)
+
+
 def test_teeth_push_the_rack() -> None:
     """A rack of mass 2 on a pinion of radius 0.2 and moment 0.4, turned by 3."""
     ground, pinion = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 0.4))

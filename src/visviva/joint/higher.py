@@ -159,11 +159,16 @@ class _Coupling(Joint):
 
     def generalised_reaction(self, x: Array) -> dict[int, float]:
         """Force of the teeth on every unknown of bodies, which coordinates pass on."""
-        on_coordinates, force = super().generalised_reaction(x), dict[int, float]()
+        force: dict[int, float] = {}
         for joint, coordinate in self.coupled():
-            for u, passed in joint.passed_on(coordinate, on_coordinates, x).items():
+            for u, passed in joint.passed_on(coordinate, super().generalised_reaction(x), x).items():
                 force[u] = force.get(u, 0.0) + passed
         return force
+
+    def action(self, x: Array) -> tuple[tuple[Attachable, Attachable], dict[int, float]]:
+        """Of the joint `b` alone: the teeth need not push both wheels by as much."""
+        joint, coordinate = self.coupled()[1]
+        return joint.partners, joint.passed_on(coordinate, super().generalised_reaction(x), x)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -235,6 +235,10 @@ class Joint(Component):
             force.pop(field.start, None)
         return force
 
+    def action(self, x: Array) -> tuple[tuple[Attachable, Attachable], dict[int, float]]:
+        """Two bodies and the force on every unknown by which they act on each other, as much as they react."""
+        return self.partners, self.generalised_reaction(x)
+
     def passed_on(self, coordinate: str, force: Mapping[int, float], x: Array) -> dict[int, float]:
         """Forces on the unknowns of the bodies from that on a coordinate, which is massless."""
         passed = force.get(self._coordinates[coordinate].start, 0.0)

@@ -39,9 +39,8 @@ def reaction(system: System, joint: Joint) -> tuple[Array, Array]:
     refuse_other("reaction", "joint", joint, Joint, "a joint of the system")
     if not any(joint is c for c in system.components):
         raise InputError(f"reaction: {joint.label} is not in the system")
-    a, b = joint.partners
     about = joint.sides[1].p.value(system.x)
-    force = joint.generalised_reaction(system.x_with_reactions)
+    (a, b), force = joint.action(system.x_with_reactions)
     own = b.wrench(system, force, about)
     if own is None:
         other = a.wrench(system, force, about)
