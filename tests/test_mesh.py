@@ -591,3 +591,20 @@ def test_other_bad_meshes() -> None:
 def test_meshes_that_make_no_sense(points: np.ndarray, cells: dict[str, object], message: str) -> None:
     with pytest.raises(vv.InputError, match=message):
         vv.Mesh(points, cells)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("cell", "points"),
+    [
+        ("line3", [(0, 0, 0), (0.5, 0, 0), (1, 0, 0)]),
+        ("quad4", [(0, 0, 0), (1, 0, 0.1), (0, 1, 0), (1, 1, 0)]),
+    ],
+)
+def test_lines_and_surfaces_in_space_must_not_fold_back(cell: str, points: list[tuple[float, ...]]) -> None:
+    """Nodes in the order of their places instead of VTK's: a line of more than its length, a bow tie."""
+    mesh = vv.Mesh(points, {cell: [range(len(points))]})
+    with pytest.raises(vv.InputError, match=f"1 cell of type {cell} is inverted or degenerate"):
+        mesh.check()
+    if cell == "line3":
+        with pytest.raises(vv.InputError, match=f"Beam 'rod': 1 cell of type {cell} is inverted"):
+            vv.Beam(mesh=mesh, section=vv.GivenSection(stiffness=(1,) * 6), name="rod")

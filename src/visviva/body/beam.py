@@ -34,6 +34,7 @@ from visviva.mesh.faces import Faces
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
+from visviva.mesh.quality import check_shape
 from visviva.model.form import Form, Strain, Vector
 from visviva.model.points import PhysicsKind, add_points
 from visviva.output.surface import Surface
@@ -118,6 +119,10 @@ class Beam(DirectorBody):
             self.grid, self._hinges = parted_at_kinks(self.label, self.grid)
         turned = self.kinks == "rigid" and not len(self._hinges)
         self.line: BeamLine = beam_line(self.label, self.grid, self._across, kinks=turned)
+        try:
+            check_shape(self.grid)
+        except InputError as error:
+            raise InputError(f"{self.label}: {error}") from None
         self.refuse_section_count()
         self._strains = BeamStrains(self.line)
         self.volumes = [self._strains.length]

@@ -16,18 +16,40 @@ if TYPE_CHECKING:
 
 DEGENERATE = 1e-10  # scaled Jacobian below which a cell has no volume but for round-off
 
+ALONG = 9  # sites of a line
+
 
 def _sites(cell: Cell) -> Array:
-    """Points at which Jacobians are evaluated: quadrature points, then corners."""
+    """Points at which Jacobians are evaluated: quadrature points, then corners; of lines one after another."""
+    if cell.dimension == 1:
+        return np.linspace(-1, 1, ALONG)[:, None]
     return np.concatenate([stiffness_rule(cell.name).points, cell.nodes[: cell.n_corners]])
 
 
 def _scaled(points: Array, nodes: Ints, cell: Cell) -> Array:
-    """Jacobians (m, sites) over the product of the lengths of their columns."""
+    """Jacobians (m, sites) over the product of the lengths of their columns.
+
+    Of lines and of surfaces in space where they fold back negative.
+    """
     J = jacobians(points, nodes, cell.dN(_sites(cell)))
     lengths = np.sqrt(np.square(J).sum(axis=2)).prod(axis=2)
     best = np.prod([np.linalg.norm(column) for column in _ideal(cell)])
-    return np.asarray(measure(J) / np.where(lengths > 0, lengths, 1.0) * best)
+    return np.asarray(_directed(J, points, nodes) / np.where(lengths > 0, lengths, 1.0) * best)
+
+
+def _directed(J: Array, points: Array, nodes: Ints) -> Array:
+    """Determinants (m, sites); of lines and of surfaces in space the part along the site before, or the corners."""
+    d, dimension = J.shape[2:]
+    if dimension == 1:
+        own = J[..., 0]
+        along = np.concatenate([own[:, 1:2], own[:, :-1]], axis=1)
+    elif d > dimension:
+        a, b, c = (points[nodes[:, k]] for k in (0, 1, 2))
+        own, along = np.cross(J[..., 0], J[..., 1]), np.cross(b - a, c - a)[:, None]
+    else:
+        return measure(J)
+    size = np.linalg.norm(along, axis=2, keepdims=True)
+    return np.asarray(np.sum(own * (along / np.where(size > 0, size, 1.0)), axis=2))
 
 
 def _ideal(cell: Cell) -> Array:
@@ -52,7 +74,7 @@ def scaled_jacobians(mesh: Mesh) -> Array:
 def check(mesh: Mesh) -> None:
     """Refuse a mesh on which no elements can be built."""
     _check_numbers(mesh)
-    _check_shape(mesh)
+    check_shape(mesh)
 
 
 def _check_numbers(mesh: Mesh) -> None:
@@ -103,7 +125,8 @@ def _check_copies(mesh: Mesh, name: str, ordered: Ints) -> None:
         )
 
 
-def _check_shape(mesh: Mesh) -> None:
+def check_shape(mesh: Mesh) -> None:
+    """Refuse cells that are inside out, fold back or have no size."""
     for name, nodes in mesh.cells.items():
         found = np.concatenate([_scaled(mesh.points, part, CELLS[name]) for part in chunks(nodes)])
         bad = np.flatnonzero(found.min(axis=1) <= DEGENERATE)
