@@ -138,6 +138,57 @@ def test_heat_of_friction_on_a_plane_without_temperatures() -> None:
     assert result.conservation()["energy"] < 1e-11
 
 
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint()])
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_two_lumps_even_out_by_the_exponential(scheme: Any, enforcement: Any) -> None:
+    """``100 exp(-2 h t / c l)`` of two slabs that are even within, of second order by either scheme."""
+    good = vv.Heat(conductivity=1e6, capacity=2.0, reference=300.0, in_space=False)
+    errors = []
+    for step in (0.02, 0.01):
+        lower = solid((2, 2, 1), heat=good, density=1.0)
+        upper = solid((3, 3, 1), 1.0, heat=good, density=1.0, temperature=400.0)
+        contact = vv.Contact(
+            first=upper, first_faces="z0", second=lower, second_faces="z1", enforcement=enforcement
+        )
+        heat = vv.HeatContact(contact=contact, conductance=6.0)
+        held = [
+            vv.Fixed(solid=lower, nodes="z0"),
+            vv.Prescribed(solid=upper, nodes="z1", motion=(0, 0, -0.001)),
+        ]
+        system = vv.System([lower, upper, contact, heat, *held])
+        vv.simulate(system, until=0.2, step=step, scheme=scheme)
+        jump = upper.temperatures(system.x).mean() - lower.temperatures(system.x).mean()
+        errors.append(abs(jump - 100 * np.exp(-2 * 6.0 * 0.2 / 2.0)))
+    assert errors[1] < 0.012  # (6 h)^2 / 12 of 1.2 times 30
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize("law", [50.0, [(0.0, 0.0), (5.0, 50.0)]], ids=["at once", "growing"])
+def test_heat_that_parts_surfaces_needs_a_conductance_that_grows(law: Any) -> None:
+    """A hot column that touches by its expansion shrinks as it cools: touching it parts, apart it touches (Barber)."""
+    wide = vv.Heat(conductivity=2.0, capacity=1.0, expansion=1e-3, reference=300.0, in_space=False)
+    lower, upper = solid((1, 1, 1)), solid((1, 1, 1), 1.08, heat=wide)
+    contact = vv.Contact(
+        first=lower, first_faces="z1", second=upper, second_faces="z0", enforcement="penalty"
+    )
+    heat = vv.HeatContact(contact=contact, conductance=law)
+    held = [
+        vv.Fixed(solid=lower, nodes="z0"),
+        vv.Fixed(solid=upper, nodes="z1"),
+        vv.PrescribedTemperature(body=lower, nodes="z0", value=300.0),
+        vv.PrescribedTemperature(body=upper, nodes="z1", value="300 + 100 * min(t, 1)"),
+    ]
+    system = vv.System([lower, upper, contact, heat, *held])
+    if isinstance(law, float):
+        with pytest.raises(vv.StepFailure, match="let its conductance grow from zero with the pressure"):
+            vv.simulate(system, until=4.0, step=0.1, scheme=vv.BackwardEuler())
+        return
+    vv.simulate(system, until=4.0, step=0.1, scheme=vv.BackwardEuler())
+    pressure = float(contact.pressures.mean())
+    assert 0.1 < pressure < 0.2
+    assert heat.heat.sum() == pytest.approx(100 / (0.5 + 1 / (10 * pressure) + 0.5), rel=1e-3)
+
+
 def test_what_is_apart_does_not_conduct() -> None:
     lower, upper = solid((1, 1, 1)), solid((1, 1, 1), 1.01, temperature=400.0)
     contact = vv.Contact(first=lower, first_faces="z1", second=upper, second_faces="z0")

@@ -45,6 +45,10 @@ class HeatContact(Component):
     negative, with the mean temperatures of both sides at every vertex of the first. All that friction takes, by the
     ledger's column of it, becomes heat, booked as heat of "friction". See :doc:`/theory/heat`.
 
+    A conductance that is there as soon as surfaces touch leaves no state where the heat that passes parts them, as of a
+    hot body that shrinks when it cools: touching they part, apart they touch (Barber 1978). One that grows from zero
+    with the pressure has a state always.
+
     Examples
     --------
     >>> import visviva as vv
@@ -152,6 +156,15 @@ class HeatContact(Component):
             inner = all(e or not c for e, c in zip(entropy, carries, strict=True))
             self.term.entropy_account = model.account(self, "contact", PRODUCED if inner else SUPPLIED)
         model.batch(self.term)
+
+    def trouble(self, x: Array) -> str:
+        parting = self.conductance is not None and self.contact.trouble(x)
+        if not parting or self._values(np.zeros(1))[0] == 0:
+            return ""
+        return (
+            f"{self.label} conducts as soon as surfaces touch: if the heat that passes parts them, there is no state; "
+            "let its conductance grow from zero with the pressure, as [(0, 0), (p, h)]"
+        )
 
     # --- results -------------------------------------------------------------------------------------------
     @property
