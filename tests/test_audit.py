@@ -179,6 +179,36 @@ def test_heat_excuses_no_momentum() -> None:
     assert outside(vv.System([wall, other, *heat])) == []
 
 
+@pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(), vv.BDF2()])
+def test_heat_is_not_called_damped_motion(scheme: vv.Scheme) -> None:
+    """What schemes that dissipate miss of exchanged heat falls with the step, with either sign."""
+    warm, cold = vv.HeatStore(capacity=1.0, temperature=300.0), vv.HeatStore(capacity=2.0, temperature=350.0)
+    system = vv.System([warm, cold, vv.HeatExchange(a=warm, b=cold, conductance=5.0)])
+    assert energy_verdict(vv.simulate(system, until=0.2, step=0.02, scheme=scheme)).startswith(
+        "not meant to be"
+    )
+
+
+def test_rounding_at_rest_is_not_called_wrong() -> None:
+    """Of a shell that hangs on nothing: energies of rounding alone."""
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+    section = vv.SolidSection(material=vv.NeoHooke(young=1e4, poisson=0.3), thickness=0.05, density=10.0)
+    heat = vv.Heat(conductivity=1.0, capacity=10.0, expansion=1e-3, reference=300.0)
+    shell = vv.ThermalShell(mesh=mesh, section=section, heat=heat, temperature=300.0)
+    result = vv.simulate(vv.System([shell]), until=0.03, step=0.01)
+    assert not any(judged.is_wrong for judged in judgements(result))
+
+
+def test_rates_of_servos_are_as_exact_as_the_scheme() -> None:
+    ground, arm = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(1, 0, 0))
+    axle = vv.Revolute(a=ground, b=arm, at=(0, 0, 0), axis=(0, 0, 1))
+    servo = vv.Servo(output=[axle], follows=["t**3"], actuators=[axle])
+    system = vv.System([ground, arm, axle, servo])
+    assert lines(vv.simulate(system, until=0.2, step=0.02, scheme=vv.GeneralizedAlpha()))[
+        "their rates"
+    ].startswith("not")
+
+
 def test_angular_momentum_of_schemes_that_lose_it() -> None:
     a, b = (vv.PointMass(mass=1.0, position=(x, 0, 0), velocity=(0, x, 0)) for x in (1.0, -1.0))
     free = [a, b, vv.Spring(a=a, b=b, stiffness=30.0, free_length=1.5)]

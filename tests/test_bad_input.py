@@ -249,8 +249,36 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
     "faces of a mesh": (lambda: CUBE.with_faces("a", 3.5), "faces are given as Faces or by a function"),
     "faces": (lambda: vv.Faces({"quad4": [[0, 1, 2]]}, {"quad4": [0]}), "Faces: faces 'quad4' of shape"),
     "folder": (lambda: CUBE.write("/no/folder/x.inp"), "there is no folder /no/folder"),
+    "a scheme's name": (lambda: simulate(scheme="Midpoint"), "scheme is a scheme such as vv.EnergyMomentum"),
+    "a scheme's class": (lambda: march(scheme=vv.Midpoint), "scheme is a scheme such as vv.EnergyMomentum"),
+    "plane beams in a frame": (
+        lambda: vv.System([PLANE_BEAM, vv.RotatingFrame(angular_velocity=(0, 0, 1))]), "no positions in space",
+    ),
+    "an edge under pressure": (
+        lambda: vv.System([SHELL, vv.Pressure(solid=SHELL, faces="x1", pressure=1.0)]), "have no side that a pressure",
+    ),
+    "splines in a flow": (
+        lambda: vv.Immersed(
+            solid=vv.SplineSolid(mesh=vv.SplineBox(size=(1, 1), counts=(2, 2)), material=RUBBER, density=1.0),
+            fluid=vv.Fluid(mesh=vv.RectangleMesh(size=(4, 4), counts=(4, 4)), density=1.0, viscosity=1.0),
+        ), "is on splines, which no fluid carries yet",
+    ),
+    "an output that cannot move": (
+        lambda: vv.System([
+            GROUND, b := arm(), h := vv.Revolute(a=GROUND, b=b, at=(0, 0, 0)),
+            vv.Servo(output=[vv.Position(of=GROUND, direction=(1, 0, 0))], follows=["t"], actuators=[h]),
+        ]), "cannot move",
+    ),
 }  # fmt: skip
 CUBE = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)).build()
+RUBBER = vv.NeoHooke(young=1.0, poisson=0.3)
+PLANE_BEAM = vv.PlaneBeam(
+    mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=2),
+    section=vv.RectangleSection(width=1.0, height=0.1, young=1.0, density=1.0),
+)
+SHELL = vv.Shell(
+    mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), section=vv.HomogeneousSection(thickness=0.1, young=1.0)
+)
 
 
 def simulate(**changes: Any) -> None:

@@ -377,6 +377,19 @@ def test_tangents_of_a_cylinder_at_touch_are_not_called_wrong(
     assert report.tangent.error < 1e-5, report.tangent
 
 
+def test_tangents_of_what_weighs_as_much_as_its_fluid() -> None:
+    """It has no inertia but rounding, which must not say how long a step is."""
+    rubber = vv.NeoHooke(young=1e3, poisson=0.3)
+    patch = vv.RectangleMesh(size=(1, 1), counts=(4, 4), origin=(0.6, 0.07))
+    solid = vv.Solid(mesh=patch, material=rubber, density=1.0)
+    box = vv.RectangleMesh(size=(4, 4), counts=(8, 8), origin=(-1.5, -1.5))
+    fluid = vv.Fluid(mesh=box, density=1.0, viscosity=0.1)
+    system = vv.System(
+        [fluid, vv.NoSlip(fluid=fluid, faces="all"), solid, vv.Immersed(solid=solid, fluid=fluid)]
+    )
+    assert "tangents agree" in str(system.check())
+
+
 def test_wrong_tangent_is_named() -> None:
     class Wrong(vv.Term):
         def __init__(self, unknown: int) -> None:

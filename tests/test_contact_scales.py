@@ -146,3 +146,28 @@ def test_fine_surfaces_cost_in_proportion_to_their_vertices() -> None:
         vv.simulate(system, until=0.1, step=0.005)
         spent.append(time.process_time() - begin)
     assert spent[1] < 100 * spent[0]
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("enforcement", ["penalty", "multipliers"])
+def test_plane_solids_touch_alike_whatever_their_thickness(enforcement: str, friction: float) -> None:
+    """Loads, masses and stiffnesses are in proportion to it; so are the default penalty and augmentation."""
+    ends = []
+    for thickness in (1e-3, 1.0, 1e3):
+        made: dict[str, Any] = {
+            "material": RUBBER,
+            "density": 1000.0,
+            "plane": "stress",
+            "thickness": thickness,
+        }
+        block = vv.Solid(mesh=vv.RectangleMesh(size=(1, 1), counts=(3, 3)), **made)
+        floor = vv.Solid(mesh=vv.RectangleMesh(size=(2, 1), counts=(2, 1), origin=(-0.5, -1.001)), **made)
+        chosen: dict[str, Any] = {"enforcement": enforcement, "friction": friction}
+        contact = vv.Contact(first=block, first_faces="y0", second=floor, second_faces="y1", **chosen)
+        push = vv.BodyForce(solid=block, force=(2e4 * (friction > 0), -5e4, 0))
+        system = vv.System([block, floor, contact, vv.Fixed(solid=floor, nodes="y0"), push])
+        vv.simulate(system, until=0.1, step=0.01)
+        ends.append(block.displacements(system.x))
+        assert np.abs(ends[-1][:, 1]).max() > 0.03
+    assert np.allclose(ends[0], ends[1], rtol=0, atol=1e-8)
+    assert np.allclose(ends[2], ends[1], rtol=0, atol=1e-8)

@@ -76,7 +76,6 @@ def march(
     """
     refuse_no_system("march", system)
     until, step = checked_times(until, step, system.time)
-    refuse_other("march", "scheme", scheme, Scheme | None, "a scheme such as vv.EnergyMomentum()")
     refuse_other("march", "adaptive", adaptive, Adaptive | None, "vv.Adaptive(...)")
     scheme = EnergyMomentum() if scheme is None else scheme
     own = scheme.march(system, until=until, step=step) if isinstance(scheme, Marching) else None
@@ -147,6 +146,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     due; so they are with tangents that are symmetric or not.
     """
     refuse_no_system("march", system)
+    refuse_other("march", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
     refuse_changed(system)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}

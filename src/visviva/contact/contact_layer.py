@@ -41,8 +41,8 @@ class Layer:
 
     @property
     def moduli(self) -> list[float]:
-        """Stiffness moduli of the bodies that deform."""
-        return [body.modulus for body in mesh_bodies(*self.bodies)]
+        """Stiffness moduli of the bodies that deform; of plane ones, whose areas are lengths, times the thickness."""
+        return [body.modulus * body.thickness for body in mesh_bodies(*self.bodies)]
 
     @property
     def stiffness(self) -> float:

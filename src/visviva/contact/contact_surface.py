@@ -240,9 +240,9 @@ def of_skin(body: MeshBody, own: Skin) -> Surface:
 
 
 def layer_mass(body: MeshBody, size: float) -> float:
-    """Mass by area of a layer of this thickness, or of the whole of what is thinner."""
+    """Mass by area of a layer of this thickness, or of the whole of what is thinner; by length of plane bodies."""
     own = body.skin("all").mass
-    return body.density * size if own is None else own
+    return body.density * size * body.thickness if own is None else own
 
 
 def _whole(body: MeshBody, own: Skin) -> Surface:

@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.body.director_body import refuse_thin
 from visviva.body.element import masses, nodal_masses
+from visviva.body.on_splines import OnSplines
 from visviva.body.solid import Solid
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
@@ -103,6 +104,10 @@ class Immersed(Carried):
     def __post_init__(self) -> None:
         super().__post_init__()
         refuse_thin(self.label, "immerse it by vv.ImmersedThin(body=...)", self.solid)
+        if isinstance(self.solid, OnSplines):
+            raise InputError(
+                f"{self.label}: {self.solid.label} is on splines, which no fluid carries yet; mesh it"
+            )
         if self.solid.density == 0 and not self.massless:
             raise InputError(
                 f"{self.label}: {self.solid.label} has no density and would take the inertia of {self.fluid.label} "

@@ -81,12 +81,13 @@ class RotatingFrame(Component):
             )
         for component in model.components:
             blocks = list(component.mass_blocks(model))
-            if not blocks and component.total_mass > 0:
+            vectors = component.vectors(model)
+            in_plane = vectors is not None and vectors[2] < 3
+            if in_plane or (not blocks and component.total_mass > 0):
                 raise InputError(
                     f"{self.label}: {component.label} has no positions in space that could spin with it; "
                     "mesh what is plane or axisymmetric in space, with vv.SymmetryPlane on its sides"
                 )
-            vectors = component.vectors(model)
             places = set() if vectors is None else {*np.asarray(vectors[0])[np.asarray(vectors[1])].tolist()}
             for starts, mass in blocks:
                 is_place = np.isin(starts, list(places))

@@ -136,6 +136,11 @@ class Pressure(OnSides):
 
     def contribute(self, model: Model) -> None:
         points = self.points()
+        if any(p.dN.shape[-1] < self.solid.dimension - 1 for p in points):
+            raise InputError(
+                f"{self.label}: edges of {self.solid.label} have no side that a pressure could act on; give their "
+                "force per length by vv.Traction"
+            )
         if not self.follower:
             dead = Gathered(self.solid, points)
             model.nodal_loads(

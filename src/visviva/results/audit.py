@@ -143,7 +143,10 @@ def constraint_judgements(result: Result) -> list[Judgement]:
     found = [Judgement("constraints", f"hold to {told(held)} of their reach", fulfilled(held))]
     if not scheme.has_inertia:
         return found
-    if rates <= CONSERVED or scheme.projects_velocity:
+    projected = scheme.projects_velocity and (
+        result.system.core.projects_rates or result.system.projects(scheme)
+    )
+    if rates <= CONSERVED or projected:
         verdict = fulfilled(rates)
     else:
         verdict = "not meant to be exact: this scheme holds positions; rates follow to its order in the step"
@@ -191,7 +194,7 @@ def energy_verdict(result: Result) -> str:
     if CONSERVED < gained <= missed:
         of = " and ".join([*ledger.works, *ledger.heats])
         return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    if not scheme.dissipates:
+    if not scheme.dissipates or ledger.entropy or ledger.heats:  # it damps motion, and heat either way
         return "not meant to be conserved by this scheme, see how it falls with the step"
     if gained > OVERSHOOT * lost + CONSERVED:
         return (

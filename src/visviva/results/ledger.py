@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 STILL = 1e-6
 """Part of its size below which the motion of a body counts as rest."""
 
+UNSEEN = 1e-10
+"""Part of its size by which rounding may seem to move a body."""
+
 RELEASE = "release"
 """Work in statics of what held a system that starts out of equilibrium: it lets go slowly in the first load step."""
 
@@ -202,8 +205,9 @@ class Ledger:
         """Scale of energy errors: the largest of kinetic energy, swing of potentials, work.
 
         Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
-        rounding only.
+        rounding only; where nothing does, what rounding of places makes.
         """
+        jitter = UNSEEN * self.sizes.length / self.duration if self.duration > 0 else 0.0
         potentials = [f"potential_{k}" for k in self.potentials]
         swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
         works = [self.size(name) for name in self.brought]
@@ -214,6 +218,7 @@ class Ledger:
                     *swings,
                     *works,
                     STILL * (self.sizes.pull + self.sizes.power * self.duration),
+                    0.5 * self.sizes.mass * jitter**2,
                     np.finfo(float).tiny,
                 ]
             )

@@ -457,7 +457,9 @@ def natural_time(system: System) -> float:
     force, stiffness = system.tangent(instant(system.time, theta=1.0))
     inertia = float(np.abs(mass.diagonal()) @ moves**2)
     rest = float(np.abs(stiffness.diagonal()) @ moves**2 + np.abs(force[unknown]) @ moves)
-    return math.sqrt(inertia / rest) if inertia > 0 and rest > 0 else 1.0
+    # what has the density of the fluid about it has no inertia of its own, but rounding
+    rounding = 1e-12 * sum(c.total_mass for c in system.components) * float(moves.max(initial=0.0)) ** 2
+    return math.sqrt(inertia / rest) if inertia > rounding and rest > 0 else 1.0
 
 
 def unknowns_sizes(system: System, step: Any) -> Array:

@@ -86,6 +86,9 @@ class Servo(Component):
         ):
             if count != n:
                 raise InputError(f"{self.label}: {n} outputs need {n} {what}, not {count}")
+        for k, output in enumerate(outputs, 1):
+            if not output.gradient(model.initial[0]):
+                raise InputError(f"{self.label}: output {k} of {n} cannot move; give one of a body that can")
         self._multipliers = model.multipliers(self, "input", n, stage=2, block=self)
         law = Law(LawKind.SERVO)
         model.constrain(self, self._multipliers, [*outputs, *actuators], targets=self.follows, law=law, n=n)
