@@ -38,6 +38,8 @@ from visviva.thermal.projection import Projected, Projection
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
+    from visviva.model.state import State
+    from visviva.scheme.schemes import Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -146,6 +148,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
         self.entropy.beside = self.algorithmic.beside = self.motion
+        self._is_held = False
 
     def _vectors(self, nodes: Ints, first: int) -> Ints:
         """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
@@ -234,7 +237,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
         nodes, values = given.nodes, given.values
-        now = values(0.0)
+        now, self._is_held = values(0.0), True
         if np.any(now <= 0):
             raise InputError(
                 f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
@@ -247,6 +250,21 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         of_nodes = [self.entropy.start + nodes, self.algorithmic.start + nodes, np.asarray(supply.unknowns)]
         table = np.asarray(np.stack(of_nodes, axis=1), dtype=np.int32)
         model.term(owner, HeldStep(table, values, lambda x: self.temperatures(x)[nodes]))
+
+    def start(self, state: State, scheme: Scheme) -> None:
+        """Begin statics with one temperature, where none is held.
+
+        What is steady does not depend on the start, but the iteration would first balance the entropy that differences
+        of temperature make there, which what is held weakly loses only at quite other temperatures.
+        """
+        super().start(state, scheme)
+        flows = any(np.any(row) for row in scheme.transport(1.0))
+        if flows or self._is_held or not state.is_given or not np.ptp(self.start_temperatures):
+            return
+        mean = np.full(self.grid.n_nodes, self.start_temperatures.mean())
+        state.x[self.algorithmic.unknowns] = mean
+        state.x[self.entropy.unknowns] = self.heat.start_entropy(mean)
+        state.core.invalidate()
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         unknowns = np.hstack([self.entropy.start + points.nodes, self.algorithmic.start + points.nodes])
@@ -288,21 +306,12 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         others = super().smoothed([n for n in names if n != "temperature"], x)
         return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
 
-    def _uneven_start(self) -> str:
-        """What may have led there: statics first balances the entropy that conduction makes at the start."""
-        if np.ptp(self.start_temperatures) == 0:
-            return ""
-        return (
-            "; in statics, what is held weakly loses the entropy that differences of temperature at the start "
-            "make only at quite other temperatures: give it one temperature at the start, or march in time"
-        )
-
     def trouble(self, x: Array) -> str:
         T = x[self.algorithmic.start : self.algorithmic.start + self.algorithmic.size]
         if np.any(T <= 0):
             a = int(np.argmin(T))
             at = ", ".join(f"{c:.4g}" for c in self.points[a])
-            return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K{self._uneven_start()}"
+            return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K"
         if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
             return f"{self.label}: {beyond}"
         return super().trouble(x)
