@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import visviva as vv
-from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Components, Entry
+from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, Components, Entry
 
 RUBBER = vv.NeoHooke(young=200.0, poisson=0.3)
 ROD = vv.TubeSection(radius=0.05, young=2e3, poisson=0.3, density=10.0)
@@ -98,6 +98,31 @@ def rods(crossed: bool = True, **options: Any) -> Components:
     lower.velocity = (0.0, 0.0, 0.0)
     upper = rod((0.0, 0.0, 0.11), (1.0, 0.1, 0.13))
     return [lower, upper, vv.Contact(first=upper, second=lower, **(PENALTY | options))]
+
+
+def strips(**options: Any) -> Components:
+    """A strip of a plane system that is thrown at another one."""
+    section = vv.RectangleSection(width=1.0, height=0.05, young=2e3, density=10.0)
+    lower = vv.PlaneBeam(
+        mesh=vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=4, cell="line3"), section=section
+    )
+    across = vv.LineMesh(points=[(0.1, 0.07, 0), (0.8, 0.1, 0)], count=3, cell="line3")
+    upper = vv.PlaneBeam(mesh=across, section=section, velocity=(0.2, -1.0, 0.0))
+    return [lower, upper, vv.Contact(first=upper, first_faces="right", second=lower, **options)]
+
+
+def hairpin() -> Components:
+    """A bent strip of a plane system whose legs are thrown together."""
+    s = np.linspace(-0.9, 0.9, 19)
+    turn = np.clip(s / 0.15, -np.pi / 2, np.pi / 2)
+    leg = np.maximum(np.abs(s) - 0.15 * np.pi / 2, 0.0)
+    points = np.column_stack([0.15 * np.cos(turn) - leg, 0.15 * np.sin(turn), 0 * s])
+    section = vv.RectangleSection(width=1.0, height=0.05, young=2e3, density=10.0)
+    mesh = vv.Mesh(points, {"line2": [(i, i + 1) for i in range(18)]})
+    strip = vv.PlaneBeam(
+        mesh=mesh, section=section, velocity=lambda X: 2.0 * X[:, [1]] * X[:, [0]] * (0, 1, 0)
+    )
+    return [strip, vv.Contact(first=strip, first_faces="left", formulation="node-to-segment", **PENALTY)]
 
 
 def coil(**options: Any) -> Components:
@@ -205,6 +230,9 @@ THIN_CONTACTS = [
     ),
     Entry("contact, beams that cross", rods, ALL, 0.01, 20),
     Entry("contact, beams side by side", partial(rods, crossed=False), ALL, 0.01, 20),
+    Entry("contact, plane beams", partial(strips, **PENALTY), IN_PLANE, 0.005, 40),
+    Entry("contact, plane beams, conserving", partial(strips, impact="conserving"), IN_PLANE, 0.005, 40),
+    Entry("contact, plane beam with itself", hairpin, IN_PLANE, 0.01, 80),
     Entry("contact, beam with itself", coil, ALL, 0.01, 20),
     Entry("contact, beams that cross, rubbing", partial(rods, **ELASTIC), MOMENTA, 0.00125, 80),
     Entry(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body.beam import Beam
+from visviva.body.plane_skin import plane_skin, reach_of
 from visviva.body.touching import Skin
 from visviva.component.announcements import Straining
 from visviva.component.component import settings
@@ -30,6 +32,7 @@ ACROSS = [0, 4, 5]
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
 """The rotation that takes d2 to d3."""
 SMALL = 1e-12
+SIDES = ("all", "left", "right", "ends")
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -217,16 +220,35 @@ class PlaneBeam(Beam):
         return turned + Vector.constant((0.0, 0.0, float(normal)))
 
     def skin(self, chosen: str | Faces, fine: bool = False) -> Skin:
-        """There is none.
+        """The sides 'left' and 'right' of its line, its free 'ends', or 'all' of them.
 
         Raises
         ------
         InputError
+            If something else is chosen, or a section has no outline.
         """
-        raise InputError(
-            f"{self.label}: beams in the plane are not touched yet; take a round vv.Beam and hold it in its plane by a "
-            "vv.SymmetryPlane"
-        )
+        if chosen not in SIDES:
+            raise InputError(
+                f"{self.label} is touched at 'left' and 'right' of its line, at its 'ends' or at 'all' of them, not at "
+                f"{chosen if isinstance(chosen, str) else 'other faces'!r}"
+            )
+        found = plane_skin(self.line, self._reach, self._hinges.ravel(), str(chosen), self._vectors)
+        return replace(found, drawn=self._swept.nodes, mass=self.density)
+
+    @cached_property
+    def _reach(self) -> Array:
+        """Of the sections of all cells (m, 2) to the left and to the right."""
+        return self.by_cell(reach_of)
+
+    @property
+    def modulus(self) -> float:
+        """Stiffness against stretch by height, which contact is scaled by."""
+        return float((self.stiffness[:, 2, 2] / np.diff(self._reach, axis=1)[:, 0]).max())
+
+    def _vectors(self) -> NDArray[np.int32]:
+        """First unknowns (2 n,) of positions and of directors d2."""
+        first = self.node_unknowns(np.arange(self.grid.n_nodes))
+        return np.concatenate([first, first + 2])
 
     # --- what it shows -------------------------------------------------------------------------------------
     def drawn_velocities(self, x: Array, v: Array) -> Array:

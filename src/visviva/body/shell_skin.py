@@ -41,7 +41,17 @@ def shell_skin(shell: Shell, chosen: str | Faces) -> Skin:
         return np.concatenate([shell.node_unknowns(every), shell.turn_unknowns(np.arange(len(owner)))])
 
     own = directors[: len(every)]
-    return Skin(vectors, weights, points, np.tile(owner, 2), faces, whole, directors=own, mass=shell.density)
+    return Skin(
+        vectors,
+        weights,
+        points,
+        np.tile(owner, 2),
+        faces,
+        whole,
+        directors=own,
+        mass=shell.density,
+        folds=shell.more[0],
+    )
 
 
 def _turns(shell: Shell) -> tuple[dict[str, Ints], dict[str, Ints]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,6 +47,8 @@ class Skin:
         Mass by area of what is thinner than a layer of elements.
     round : Round, optional
         Where the points are the middle of a round bar.
+    folds : array of int
+        Nodes (k,) of the mesh at which smooth parts meet, each with sides of its own.
     """
 
     vectors: Callable[[], NDArray[np.int32]]
@@ -60,6 +62,7 @@ class Skin:
     drawn: Ints | None = None
     mass: float | None = None
     round: Round | None = None
+    folds: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @property
     def used(self) -> Ints:

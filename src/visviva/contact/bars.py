@@ -23,7 +23,7 @@ BESIDE = np.pi
 
 def is_bar(component: Any) -> bool:
     """Whether others touch points along its middle."""
-    return isinstance(component, MeshBody) and component.has_directions
+    return isinstance(component, MeshBody) and component.has_directions and component.dimension == 3
 
 
 def bars_of(body: Any) -> tuple[Surface, float]:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
 from visviva.contact.bars import is_bar
@@ -146,19 +145,20 @@ def check_schemes(contact: Contact, scheme: Scheme) -> None:
 
 
 def _check_folds(contact: Contact) -> None:
-    """Refuse a shell that would touch itself across a kink, where its sides cross from the start."""
-    shell, second_faces = contact.first, contact.first_faces
-    if not isinstance(shell, DirectorBody) or not len(shell.more[0]):
+    """Refuse what is thin and would touch itself across a kink, where its sides cross from the start."""
+    body, second_faces = contact.first, contact.first_faces
+    if not isinstance(body, MeshBody):
         return
     if contact.second is not None:
         second_faces = contact.second_faces
-    skins = shell.skin(contact.first_faces), shell.skin(second_faces)
-    one, two = (np.intersect1d(skin.touched, shell.more[0]) for skin in skins)
+    skins = body.skin(contact.first_faces), body.skin(second_faces)
+    one, two = (np.intersect1d(skin.touched, skin.folds) for skin in skins)
     folds = np.intersect1d(one, two)
     if len(folds):
         raise InputError(
-            f"{contact.label}: {shell.label} would touch itself across its kink at node {folds[0]}, where its sides "
-            "cross; give each smooth part a shell of its own, joined by vv.Tie, or parts that have no kink in common"
+            f"{contact.label}: {body.label} would touch itself across its kink at node {folds[0]}, where its sides "
+            "cross; give each smooth part a body of its own, of shells joined by vv.Tie and of beams by vv.Rigid, or "
+            "parts that have no kink in common"
         )
 
 
