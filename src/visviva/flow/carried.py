@@ -20,6 +20,7 @@ from visviva.flow.leaving import Displaced, gone_through
 from visviva.flow.location import Place
 from visviva.flow.sheet import THIN, extents_around, thin
 from visviva.flow.transfer import Transfer
+from visviva.mesh.geometry import cell_axes
 from visviva.model.batch import book
 
 if TYPE_CHECKING:
@@ -82,6 +83,11 @@ class Carried(Wetting):
         """Edge of a square or cube as large as the cells around its points at the start."""
         cells = self._located(self._places()).cells
         return float(np.median(self.fluid.grid.volumes[cells]) ** (1 / self.fluid.dimension))
+
+    @cached_property
+    def _axes(self) -> Array:
+        """Edges (n, d, d) by columns of cells that are made squares and cubes, so that they turn with the mesh."""
+        return cell_axes(self.fluid.grid)
 
     @cached_property
     def may_be_thin(self) -> bool:
@@ -275,9 +281,9 @@ class Carried(Wetting):
         """First unknowns that places, so many moves `ahead` and what is around them, refer to, as `Transfer.within`."""
         n, d = places.shape
         inside = self.fluid.find(places)[0]
-        edges = np.where(inside >= 0, self.fluid.grid.volumes[inside] ** (1 / d), 0.0)
+        axes = np.where((inside >= 0)[:, None, None], self._axes[inside], 0.0)
         corners = np.array(list(itertools.product((-1, 1), repeat=d)))
-        around = MARGIN * edges[:, None] * corners[:, None, :]
+        around = MARGIN * np.einsum("nij,cj->cni", axes, corners)
         cells, _ = self.fluid.find((places + around + ahead[:, None, None, None] * moves).reshape(-1, d))
         points = np.broadcast_to(np.arange(n), (len(ahead), len(corners), n)).ravel()
         return transfer.within(n, points[cells >= 0], cells[cells >= 0])

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.quadrature import mass_rule
+
+if TYPE_CHECKING:
+    from visviva.mesh.mesh import Mesh
 
 CHUNK = 2048  # cells whose Jacobians are held at a time
 
@@ -125,3 +129,21 @@ def _packed(rows: Ints) -> list[Ints]:
             key = (key << bits) | column
         keys.append(key)
     return keys
+
+
+def cell_axes(mesh: Mesh) -> Array:
+    """Derivatives (n_cells, d, d) by the own coordinates in the middle of each cell, scaled to its volume.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> cell_axes(vv.RectangleMesh(size=(1, 2), counts=(1, 2)).build())[0].tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
+    """
+    found = []
+    for name, nodes in mesh.cells.items():
+        cell = CELLS[name]
+        found.append(jacobians(mesh.points, nodes, cell.dN(cell.centre[None]))[:, 0])
+    axes = np.concatenate(found)
+    size = np.abs(np.linalg.det(axes))
+    return np.asarray(axes * ((mesh.volumes / size) ** (1 / axes.shape[2]))[:, None, None])
