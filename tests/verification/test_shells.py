@@ -76,6 +76,8 @@ COURSE = [
     *(("straight cantilever, across", cell, 16, 0.01) for cell in ("quad4", "quad9", "tri6")),
     ("straight cantilever, in its plane", "quad9", 8, 0.01),
     ("straight cantilever, in its plane", "tri6", 16, 0.015),
+    *(("straight cantilever, twist", cell, 16, 0.01) for cell in ("quad4", "quad9")),
+    ("straight cantilever, twist", "tri6", 16, 0.02),
     *(("Z section, stress", cell, 8, 0.03) for cell in ("quad4", "quad9", "tri6")),
     ("closed hemisphere", "quad4", 16, 0.01),
     ("closed hemisphere", "quad9", 8, 0.01),
