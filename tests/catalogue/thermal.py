@@ -214,7 +214,7 @@ def linked() -> Components:
 def bathed() -> Components:
     """A warm cube in a fluid that flows through a box."""
     fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
-    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0)
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0, expansion=0.05)
     mesh = vv.BoxMesh(size=(0.3, 0.3, 0.3), counts=(1, 1, 1), origin=(0.3, 0.35, 0.4))
     material = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
     cube = vv.ThermoelasticSolid(mesh=mesh, material=material, density=2.0, heat=HEAT, temperature=23.0)
@@ -227,7 +227,7 @@ def bathed() -> Components:
 def sunk() -> Components:
     """A warm rigid box in a fluid."""
     fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
-    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0)
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0, expansion=0.05)
     shape = vv.Box(size=(0.3, 0.35, 0.4))
     box = vv.RigidBody(shape=shape, density=2.0, position=(0.45, 0.5, 0.55))
     wet, store = (
@@ -354,11 +354,11 @@ THERMAL = [
     *[
         Entry(f"warm stream, {cell}", partial(warm_stream, cell, **options), NOTHING, h=0.05, steps=20)
         for cell, options in (
-            ("quad4", {}),
-            ("tri3", {}),
+            ("quad4", {"expansion": 0.3}),
+            ("tri3", {"expansion": 0.3}),
             ("quad9", {"expansion": 0.3}),
             ("tri6", {"expansion": 0.3}),
-            ("hex8", {}),
+            ("hex8", {"expansion": 0.3}),
             ("tet10", {"expansion": 0.3}),
         )
     ],

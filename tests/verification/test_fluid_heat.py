@@ -152,16 +152,17 @@ def test_viscous_heating_between_plates() -> None:
     assert flows == pytest.approx([-0.125, -0.125], rel=1e-10)
 
 
-def test_a_stirred_insulated_box_keeps_all_energy() -> None:
+@pytest.mark.parametrize("cell", ["quad9", "quad4", "tri3"])
+def test_a_stirred_insulated_box_keeps_all_energy(cell: str) -> None:
     """What viscosity takes becomes heat; the ledger of motion and heat closes, buoyancy in a column of its own."""
-    mesh = vv.RectangleMesh(size=(1, 1), counts=(4, 4), cell="quad9")
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(4, 4), cell=cell)
 
     def eddy(X: Array) -> Array:
         x, y = np.pi * X[:, 0], np.pi * X[:, 1]
         v = [np.sin(x) ** 2 * np.sin(2 * y), -np.sin(2 * x) * np.sin(y) ** 2, 0 * x]
         return np.stack(v, axis=1)
 
-    for expansion in (0.0, 0.2):
+    for expansion in (0.0, 0.3):
         fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.05, velocity=eddy)
         heat = vv.FluidHeat(
             fluid=fluid, conductivity=0.02, capacity=1.0, viscous_heating=True, expansion=expansion,
@@ -174,10 +175,12 @@ def test_a_stirred_insulated_box_keeps_all_energy() -> None:
         ledger = result.ledger
         total = ledger["kinetic"] + ledger["potential_stored"]
         lifted = ledger["work_buoyancy"] if expansion else 0.0 * total
+        if cell != "quad9":  # what is not free of divergence at points is weighed, too
+            lifted = lifted + ledger["work_stabilisation"] + ledger["work_body force"]
         assert result.conservation()["energy"] < 1e-11
         assert ledger["kinetic"][0] - ledger["kinetic"][-1] > 0.02
         assert np.abs(total - total[0] - lifted).max() < 1e-11
-        assert expansion == 0 or np.abs(lifted).max() > 0.01
+        assert expansion == 0 or np.abs(ledger["work_buoyancy"]).max() > 0.01
 
 
 @pytest.mark.parametrize(("rayleigh", "count"), [(1e3, 10), (1e4, 12), (1e5, 16)])
@@ -188,6 +191,40 @@ def test_the_cavity_of_de_vahl_davis(rayleigh: float, count: int) -> None:
     hot, cold = (vv.HeatFlow(body=heat_of(result), nodes=side)(result.system) for side in ("x0", "x1"))
     assert hot == pytest.approx(CONVERGED[rayleigh], rel=2e-3)
     assert hot + cold == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("cell", ["quad4", "tri3"])
+def test_the_cavity_on_elements_of_equal_order(cell: str) -> None:
+    """Of second order in the mesh: the stabilisation knows of what lifts."""
+    errors = []
+    for n in (20, 40):
+        grid = vv.RectangleMesh(size=(1, 1), counts=(n, n), cell=cell).build()
+        graded = vv.Mesh(
+            grid.points - 0.12 * np.sin(2 * np.pi * grid.points), grid.cells, face_sets=grid.face_sets
+        )
+        air = vv.Fluid(mesh=graded, density=1.0, viscosity=0.71, speed=100.0)
+        heat = vv.FluidHeat(fluid=air, conductivity=1.0, capacity=1.0, expansion=0.71, reference=0.0)
+        parts = [vv.PrescribedTemperature(body=heat, nodes=f"x{k}", value=f"{0.5 - k}*t") for k in (0, 1)]
+        walls, weight = vv.NoSlip(fluid=air, faces="all"), vv.Gravity(acceleration=(0, -1e4, 0))
+        system = vv.System([air, heat, *parts, walls, weight])
+        vv.simulate(system, until=1.0, step=0.25, scheme=vv.Static())
+        errors.append(abs(vv.HeatFlow(body=heat, nodes="x0")(system) / CONVERGED[1e4] - 1))
+    assert errors[1] < 6e-4
+    assert errors[0] / errors[1] > 3
+
+
+def test_layers_of_air_rest_on_elements_of_equal_order() -> None:
+    """Heated from above: linear temperature, quadratic pressure, and no flow; without what lifts, PSPG makes some."""
+    n = 8
+    air = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(n, n)), density=1.0, viscosity=0.71, speed=1.0)
+    heat = vv.FluidHeat(fluid=air, conductivity=1.0, capacity=1.0, expansion=0.71, reference=0.0)
+    parts = [vv.PrescribedTemperature(body=heat, nodes=f"y{k}", value=f"{k}*t") for k in (0, 1)]
+    walls, weight = vv.NoSlip(fluid=air, faces="all"), vv.Gravity(acceleration=(0, -100, 0))
+    system = vv.System([air, heat, *parts, walls, weight])
+    vv.simulate(system, until=1.0, step=1.0, scheme=vv.Static())
+    p, y = air.pressures(system.x), air.points[:, 1]
+    assert p == pytest.approx(-100 * y + 50 + 71 * (y**2 / 2 - 1 / 6), abs=71 / n**2)
+    assert np.abs(system.x[air.flow.start : air.flow.start + air.flow.size]).max() < 1e-12
 
 
 MESH = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad9")
@@ -209,9 +246,6 @@ def test_refusals(options: dict[str, Any], words: str) -> None:
 
 
 def test_what_does_not_go_together_is_refused() -> None:
-    thin = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)), density=1.0, viscosity=1.0)
-    with pytest.raises(vv.InputError, match=r"does not know of expansion; give it elements='Q2Q1'"):
-        vv.FluidHeat(fluid=thin, conductivity=1.0, capacity=1.0, expansion=0.1)
     two = [vv.FluidHeat(fluid=AIR, conductivity=1.0, capacity=1.0) for _ in range(2)]
     with pytest.raises(vv.InputError, match="air' has temperatures already"):
         vv.System([AIR, *two, vv.NoSlip(fluid=AIR, faces="all")])

@@ -232,6 +232,8 @@ class Fluid(Meshed):
     def contribute(self, model: Model) -> None:
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
         self._terms = [self._term(model, batch) for batch in self.batches]
+        self._factors = [np.ones(len(batch.nodes)) for batch in self.batches]
+        self._left_out = [np.zeros((len(batch.nodes), self.dimension)) for batch in self.batches]
         self._sealed: dict[Any, tuple[float, Array]] = {}
         self._thin: dict[Any, tuple[NDArray[np.bool_], Array]] = {}
         for term in self._terms:
@@ -245,9 +247,10 @@ class Fluid(Meshed):
         known = np.zeros(self.n_numbers, dtype=bool)
         known[(unknowns - self.flow.start) // self.dimension] = True
         self._sealed[owner] = factor, known[self.number]
-        for batch, term in zip(self.batches, self._terms, strict=True):
+        for i, (batch, term) in enumerate(zip(self.batches, self._terms, strict=True)):
             factors = [np.where(at[batch.nodes].all(axis=1), f, 1.0) for f, at in self._sealed.values()]
-            term.scale_metric(np.max(factors, axis=0))
+            self._factors[i] = np.max(factors, axis=0)
+            term.scale_metric(self._factors[i])
 
     def blind(self, owner: object, unknowns: Any, places: Array) -> None:
         """Stabilise elements, all of whose velocities are among `unknowns`, along a thin body at places (n, d) alone.
@@ -257,7 +260,7 @@ class Fluid(Meshed):
         known = np.zeros(self.n_numbers, dtype=bool)
         known[(unknowns - self.flow.start) // self.dimension] = True
         self._thin[owner] = known[self.number], places.copy()
-        for batch, term in zip(self.batches, self._terms, strict=True):
+        for i, (batch, term) in enumerate(zip(self.batches, self._terms, strict=True)):
             directions = np.zeros((len(batch.nodes), self.dimension))
             for around, points in self._thin.values():
                 mine = np.flatnonzero(around[batch.nodes].all(axis=1))
@@ -266,6 +269,7 @@ class Fluid(Meshed):
                     found = normals(self.periods.copies(points, SIGHT * edge), batch.middles[mine], edge)
                     is_thin = np.abs(found).max(axis=1) > 0
                     directions[mine[is_thin]] = found[is_thin]
+            self._left_out[i] = directions
             term.blind(np.ascontiguousarray(directions))
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:

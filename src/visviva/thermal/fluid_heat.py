@@ -21,6 +21,7 @@ from visviva.mesh.periodic import refuse_apart
 from visviva.model.field import Role
 from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
+from visviva.thermal.lift import StabilisedLift
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -46,8 +47,7 @@ class FluidHeat(HeatCarrier):
         The temperature at which the heat content is zero and the density that of the fluid, and of what comes in
         through openings whose temperature nobody prescribes; by default the mean at the start.
     expansion : float
-        Growth of volume per temperature: what is warm weighs less (Boussinesq) where there is `Gravity`. Needs Q2Q1 or
-        P2P1.
+        Growth of volume per temperature: what is warm weighs less (Boussinesq) where there is `Gravity`.
     viscous_heating : bool
         What viscosity takes from the flow becomes heat.
     stabilised : bool
@@ -94,11 +94,6 @@ class FluidHeat(HeatCarrier):
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
         if not 0 <= self.capturing <= 1:
             raise InputError(f"{self.label}: capturing = {self.capturing:g} is not between 0 and 1")
-        if self.expansion and self.fluid.is_stabilised:
-            raise InputError(
-                f"{self.label}: the stabilisation of {self.fluid.label} does not know of expansion; give it "
-                "elements='Q2Q1' or 'P2P1'"
-            )
         self.grid = self.fluid.grid
         given = self.temperature(self.points) if callable(self.temperature) else self.temperature
         self.start_temperatures = np.array(
@@ -195,7 +190,7 @@ class FluidHeat(HeatCarrier):
     def contribute(self, model: Model) -> None:
         model.index(self.fluid)
         heating = self.fluid.viscosity if self.viscous_heating else 0.0
-        for batch, sources in zip(self.fluid.batches, self._sources, strict=True):
+        for i, (batch, sources) in enumerate(zip(self.fluid.batches, self._sources, strict=True)):
             term = CarriedHeat(
                 Carried(batch), self._unknowns(batch.nodes), self.content, self.conductivity, self._zero, heating,
                 self.stabilised, self.capturing, self._scale,
@@ -205,8 +200,25 @@ class FluidHeat(HeatCarrier):
             if heating:
                 model.term(self, ViscousHeat(term))
             if self.expansion and model.announced(self.fluid, Gravity):
-                model.term(self, Buoyancy(term, self._weight))
+                self._lift(model, term, i)
         self._let_out(model)
+
+    def _lift(self, model: Model, heat: CarriedHeat, batch: int) -> None:
+        fluid = self.fluid
+        model.term(self, Buoyancy(heat, self._weight))
+        if fluid.is_stabilised:
+            pressures = fluid.pressure_unknowns(fluid.batches[batch].cell)
+            flow = fluid.density, fluid.viscosity, float(fluid.convection)
+            model.term(
+                self,
+                StabilisedLift(
+                    heat,
+                    pressures,
+                    self._weight,
+                    *flow,
+                    lambda: (fluid._factors[batch], fluid._left_out[batch]),
+                ),
+            )
 
     def _weight(self) -> Array:
         """Force (d,) per volume and temperature."""
