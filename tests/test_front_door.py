@@ -110,6 +110,35 @@ def test_plots_show_all_probes_and_nothing_is_lost(
     assert ">energy [J]<" in (tmp_path / "energy.svg").read_text()
 
 
+def test_files_are_what_their_names_say(cli: Run, tmp_path: Path) -> None:
+    """Folders are made, and what would not open is refused: a png called pdf, an mp4 called avi."""
+    run = "runs/model.py"
+    assert cli("run", "model.py", "--no-pictures")[0] == 0
+    for command, begins, file in [
+        (["plot", run, "--format", "pdf", "--out", "a/b"], b"%PDF", "a/b/energy.pdf"),
+        (["picture", run, "--size", "160x100", "--out", "c/d/p.PNG"], b"\x89PNG", "c/d/p.PNG"),
+        (["movie", run, "--size", "160x100", "--fps", 20, "--out", "e/m.gif"], b"GIF8", "e/m.gif"),
+        (["html", run, "--out", "f/p.html"], b"<!DOCTYPE html>", "f/p.html"),
+        (["export", run, "--format", "blocks", "--out", "g/b.vtkhdf"], b"\x89HDF", "g/b.vtkhdf"),
+    ]:
+        code, out, err = cli(*command)
+        assert (code, err) == (0, "")
+        assert file in out
+        assert (tmp_path / file).read_bytes().startswith(begins)
+    for command, name, told in [
+        (["picture", run], "p.pdf", "pictures are written as .png"),
+        (["movie", run], "m.avi", "movies are written as .mp4, .gif"),
+        (["html", run], "p.txt", "pages are written as .html, .htm"),
+        (["export", run], "b.vtkhdf", "by component and moment are written as .pvd"),
+        (["export", run, "--format", "blocks"], "b.pvd", "named blocks are written as .vtkhdf, .hdf"),
+    ]:
+        code, _, err = cli(*command, "--out", name)
+        assert code == 2
+        assert f"{name}: " in err
+        assert told in err
+        assert not (tmp_path / name).exists()
+
+
 def test_pictures_that_fail_cost_no_audit(cli: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a pyvista that imports, matplotlib draws; where nothing draws, a line says so behind the audit."""
     monkeypatch.setattr(stage, "can_render", lambda: True)

@@ -14,7 +14,7 @@ from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.glyphs import MotionGlyphs
 from visviva.output.picture import trails_until
 from visviva.output.pictures import COLORS, Camera, refuse_size
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.trajectory import Trajectory
@@ -74,7 +74,7 @@ def movie(
     RunError
         If the file cannot be written.
     """
-    target = Path(file)
+    target = called(file, "movies", ".mp4", ".gif")
     if not fps > 0 or not speed > 0:
         raise InputError(f"a movie needs fps > 0 and speed > 0, got {fps} and {speed}")
     refuse_size(size)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from visviva.base.errors import InputError
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -59,7 +59,7 @@ def write_blocks(
     """
     import h5py
 
-    target = Path(file)
+    target = called(file, "named blocks", ".vtkhdf", ".hdf")
     with Trajectory(trajectory) as motion:
         if target.exists() and os.path.samefile(target, motion.path):
             raise InputError(f"{target}: is the trajectory itself; name another file")

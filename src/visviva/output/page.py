@@ -22,7 +22,7 @@ from visviva.output.labels import Labels
 from visviva.output.page_frames import Frames
 from visviva.output.pictures import COLORS, Camera
 from visviva.output.plot import grouped
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.tables import read_table
 from visviva.output.trajectory import Trajectory
 from visviva.output.view import INK, PALETTE, Scene
@@ -57,7 +57,7 @@ class Page:
 
     def save(self, file: str | Path) -> Path:
         """Write the page; returns the file."""
-        target = Path(file)
+        target = called(file, "pages", ".html", ".htm")
         with reporting(target), replacing(target) as temporary:
             temporary.write_text(self.text, encoding="utf-8")
         return target
@@ -105,7 +105,7 @@ def write_page(
         If there is no run or no motion in the directory, or one frame alone is larger.
     """
     files = RunDirectory.open(directory)
-    target = Path(file) if file is not None else files.page
+    target = called(files.page if file is None else file, "pages", ".html", ".htm")
     with Trajectory(files.trajectory) as motion:
         frames = Frames(motion)
         rest = about(frames, files)

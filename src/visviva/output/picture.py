@@ -13,7 +13,7 @@ from visviva.base.errors import InputError
 from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.glyphs import NO_GLYPHS, Glyphs, MotionGlyphs
 from visviva.output.pictures import COLORS, Camera, refuse_size
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.stage import open_stage
 from visviva.output.standing import Standing
 from visviva.output.surface import Surface
@@ -61,7 +61,13 @@ def picture(
     current = [np.asarray(array, float) for array in points or [surface.points for surface in surfaces]]
     paths = {k: np.asarray(trail, float) for k, trail in (trails or {}).items()}
     cloud = np.concatenate([*current, *paths.values()])
-    _draw(Scene(tuple(surfaces), cloud, tuple(colors), camera, size), current, paths, label, Path(png))
+    _draw(
+        Scene(tuple(surfaces), cloud, tuple(colors), camera, size),
+        current,
+        paths,
+        label,
+        called(png, "pictures", ".png"),
+    )
 
 
 def snapshot(
@@ -121,9 +127,11 @@ def snapshot(
     Raises
     ------
     InputError
-        If there is no such field, it has too many components to be shown, or the time is not in the motion.
+        If there is no such field, it has too many components to be shown, the time is not in the motion, or the file
+        is no ``*.png``.
     """
     refuse_size(size)
+    target = called(png, "pictures", ".png")
     with Standing(trajectory, deform) as motion:
         coloring = Coloring.of(motion, field, limits, cmap) if field else None
         moment = chosen_moment(motion, time, coloring)
@@ -144,7 +152,7 @@ def snapshot(
         values = coloring.values(motion, moment) if coloring else ()
         streams = coloring.streams(motion, moment) if coloring else NO_STREAMS
         label = motion.moment(moment) + motion_glyphs.text
-        _draw(scene, points, passed, label, Path(png), values, streams, motion_glyphs.at(moment))
+        _draw(scene, points, passed, label, target, values, streams, motion_glyphs.at(moment))
 
 
 def chosen_moment(motion: Trajectory, time: float | str | None, coloring: Coloring | None) -> float:

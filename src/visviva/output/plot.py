@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.output.labels import Labels
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.tables import read_table
 from visviva.output.view import INK, PALETTE
 
@@ -172,9 +172,7 @@ def drawn(file: str | Path, heights: Sequence[float], title: str, across: int = 
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    path = Path(file)
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path}: plots are written as {', '.join(FORMATS)}")
+    path = called(file, "plots", *FORMATS)
     settings: Any = {
         key: value for key, value in matplotlib.rcParamsDefault.items() if key != "backend"
     } | STYLE

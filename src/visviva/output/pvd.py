@@ -8,7 +8,7 @@ from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from visviva.output.reader import blocks
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.trajectory import Trajectory
 
 COMPONENTS = {
@@ -47,7 +47,7 @@ def write_pvd(
     RunError
         If a file cannot be written.
     """
-    target = Path(file)
+    target = called(file, "meshes by component and moment", ".pvd")
     folder = target.with_suffix("")
     with reporting(folder):
         folder.mkdir(parents=True, exist_ok=True)

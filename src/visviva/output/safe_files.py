@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from visviva.base.errors import RunError
+from visviva.base.errors import InputError, RunError
 
 
 @contextmanager
@@ -29,13 +29,28 @@ def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
         raise RunError(f"cannot write {path}: {reason}{kept}") from error
 
 
+def called(file: str | Path, what: str, *endings: str) -> Path:
+    """The path, if its ending says what is going to be written.
+
+    Raises
+    ------
+    InputError
+        If it says something else: programs would refuse the file, or show nothing.
+    """
+    path = Path(file)
+    if path.suffix.lower() not in endings:
+        raise InputError(f"{path}: {what} are written as {', '.join(endings)}")
+    return path
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside `path` that takes its place, durably, when the block succeeds.
 
-    At every moment `path` holds either the old or the new content, complete.
+    At every moment `path` holds either the old or the new content, complete. Its folder is made if there is none.
     """
     temporary = path.with_name(f".{path.name}.new")
+    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         yield temporary
         with open(temporary, "rb") as written:
