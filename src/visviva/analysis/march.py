@@ -19,6 +19,7 @@ from visviva.results.naming import ledger_units
 from visviva.results.recorded import Record, Recorded
 from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
+from visviva.system.algebraic import settle
 from visviva.system.freedom import refuse_free, refuse_massless
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
@@ -165,6 +166,8 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         from visviva.system.check import fit
 
         system.report = fit(system, project=project)
+    if system.is_given:
+        settle(system)
     system.stepper.is_edited = False
     system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:

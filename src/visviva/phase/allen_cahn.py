@@ -21,7 +21,9 @@ from visviva.phase.mobility import Mobility, mobility_of
 from visviva.phase.phase_body import PhaseBody
 
 if TYPE_CHECKING:
+    from visviva.component.component import RateConstraints
     from visviva.model.model import Model
+    from visviva.model.state import State
 
 Array = NDArray[np.float64]
 
@@ -98,3 +100,15 @@ class AllenCahn(PhaseBody):
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
             term.limit(0, 0.5 * self.scale)
             self.drive(model, self, term)
+
+    def rate_constraints(self, state: State) -> RateConstraints | None:
+        """Rates whose integral vanishes, where a load sees to that."""
+        if not self.conserved:
+            return None
+        import scipy.sparse as sp
+
+        integral = np.zeros((1, len(state.x)))
+        for t in self.space.cells():
+            weights = np.einsum("mqk,mq->mk", t.N, t.size)
+            np.subtract.at(integral[0], self.phase.start + t.numbers, weights)
+        return np.array([self.load.start]), sp.csr_array(integral), np.zeros(1)

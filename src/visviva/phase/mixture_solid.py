@@ -70,7 +70,7 @@ class MixtureSolid(Solid):
     eigenstrain``, any material's W; gradients and diffusion are those of the reference. One discrete gradient in
     (C, c, grad c) gives stress and potential: with the energy-momentum scheme kinetic, elastic, chemical and gradient
     energy together fall by exactly what diffusion dissipates, and the ledger has one sum of them. Without density the
-    stress is in balance at every step while diffusion marches.
+    stress is in balance while diffusion marches, from the start on: positions without mass are first moved into it.
 
     Examples
     --------
