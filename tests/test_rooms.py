@@ -57,11 +57,24 @@ def modules() -> dict[str, Path]:
 MODULES = modules()
 
 
+def public() -> dict[str, str]:
+    """The module of every name that the package exports."""
+    lines = ast.parse((ROOT / "__init__.pyi").read_text()).body
+    froms = [line for line in lines if isinstance(line, ast.ImportFrom) and line.level == 1]
+    return {alias.asname or alias.name: line.module or alias.name for line in froms for alias in line.names}
+
+
+PUBLIC = public()
+
+
 def imports(node: ast.AST, when: str = "executed") -> Iterator[Import]:
     """Modules of the package that a tree of code imports, and when."""
     for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.ImportFrom):
-            yield from ((name, when) for name in named(child))
+        if isinstance(child, ast.ImportFrom | ast.Import):
+            found = whole(child) if isinstance(child, ast.Import) else named(child)
+            yield from ((name, when) for name in found)
+        elif (name := of_package(child)) is not None:
+            yield name, when
         elif isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
             yield from imports(child, "typing")
         elif isinstance(child, ast.FunctionDef) and when == "executed":
@@ -71,16 +84,32 @@ def imports(node: ast.AST, when: str = "executed") -> Iterator[Import]:
 
 
 def named(line: ast.ImportFrom) -> Iterator[str]:
-    """The modules that ``from ... import ...`` names; the package itself and its compiled part are none."""
+    """The modules that ``from ... import ...`` names, those of exported names among them."""
     assert line.level == 0
     package, _, below = (line.module or "").partition(".")
     if package != "visviva":
         return
     for alias in line.names:
-        whole = f"{below}.{alias.name}".removeprefix(".")
-        name = whole if whole in MODULES else below
+        assert alias.name != "*", "a star hides what is imported"
+        module = f"{below}.{alias.name}".removeprefix(".")
+        name = module if module in MODULES else below or PUBLIC.get(alias.name, "")
         if name in MODULES and name:
             yield name
+
+
+def whole(line: ast.Import) -> Iterator[str]:
+    """The modules that ``import ...`` names; the package itself and its compiled part are none."""
+    for alias in line.names:
+        package, _, below = alias.name.partition(".")
+        if package == "visviva" and below and below in MODULES:
+            yield below
+
+
+def of_package(node: ast.AST) -> str | None:
+    """The module of an exported name that is read from the package, as in ``visviva.Solid`` and ``vv.Solid``."""
+    if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
+        return None
+    return PUBLIC.get(node.attr) if node.value.id in ("visviva", "vv") else None
 
 
 @cache
@@ -127,6 +156,11 @@ def test_names_stand_once() -> None:
         ("def f():\n    from visviva.body import solid", [("body.solid", "late")]),
         ("if TYPE_CHECKING:\n    from visviva.body.solid import Solid", [("body.solid", "typing")]),
         ("from visviva import _core\nimport numpy", []),
+        ("import visviva.system.system", [("system.system", "executed")]),
+        ("def f():\n    import visviva.body.solid as s", [("body.solid", "late")]),
+        ("from visviva import Solid, _core, body", [("body.solid", "executed"), ("body", "executed")]),
+        ("import visviva\nvisviva.Solid, visviva.__version__", [("body.solid", "executed")]),
+        ("def f():\n    return vv.System([])", [("system.system", "late")]),
     ],
 )
 def test_the_reader_of_imports(code: str, found: list[Import]) -> None:
