@@ -12,8 +12,8 @@ from visviva.mesh.cells import CELLS
 from visviva.mesh.node_orders import MED, written_order
 
 
-def med_of_gmsh(cell: str, file: Path) -> None:
-    """A box of 1 x 2 x 3 by Gmsh, whose MED library numbers nodes."""
+def of_gmsh(cell: str, file: Path) -> None:
+    """A box of 1 x 2 x 3 by Gmsh, whose writers, and the library of MED, number nodes."""
     gmsh = pytest.importorskip("gmsh")
     gmsh.initialize(interruptible=False)
     try:
@@ -33,21 +33,28 @@ def med_of_gmsh(cell: str, file: Path) -> None:
         mesh.generate(3)
         mesh.setOrder(2 if cell in ("tet10", "hex20") else 1)
         gmsh.model.addPhysicalGroup(3, [1], name="all")
+        gmsh.model.addPhysicalGroup(2, [1], name="foot")
         gmsh.write(str(file))
     finally:
         gmsh.finalize()
 
 
-@pytest.mark.parametrize("cell", MED)
-def test_cells_of_med_are_not_inside_out(cell: str, tmp_path: Path) -> None:
-    """Neither those of Gmsh nor our own, and middles lie in the middle of their corners."""
-    med_of_gmsh(cell, tmp_path / "box.med")
-    mesh = vv.MeshFile(tmp_path / "box.med").build().check()
+OF_GMSH = {".med": list(MED), ".bdf": list(MED), ".key": ["tet4", "tet10", "hex8"]}
+"""Its wedges in files of LS-DYNA are twisted, and its bricks of 20 nodes a keyword that is refused."""
+
+
+@pytest.mark.parametrize(("ending", "cell"), [(e, cell) for e, cells in OF_GMSH.items() for cell in cells])
+def test_cells_of_gmsh_are_not_inside_out(cell: str, ending: str, tmp_path: Path) -> None:
+    """Nor are our own, and middles lie in the middle of their corners."""
+    of_gmsh(cell, tmp_path / f"box{ending}")
+    mesh = vv.MeshFile(tmp_path / f"box{ending}").build().check()
+    assert [faces.n_faces > 0 for faces in mesh.face_sets.values()] == [True]
     assert mesh.volume == pytest.approx(6)
     rows = mesh.cells[cell]
+    rounding = 1e-6 if ending == ".bdf" else 1e-9  # numbers of eight characters
     for node, group in enumerate(CELLS[cell].middles, CELLS[cell].n_corners):
         np.testing.assert_allclose(
-            mesh.points[rows[:, node]], mesh.points[rows[:, list(group)]].mean(axis=1), atol=1e-9
+            mesh.points[rows[:, node]], mesh.points[rows[:, list(group)]].mean(axis=1), atol=rounding
         )
     mesh.write(tmp_path / "again.med")
     again = vv.MeshFile(tmp_path / "again.med").build().check()

@@ -138,15 +138,20 @@ class Reader:
             ] = title.strip()
 
     def solid(self, card: Card) -> None:
-        """Elements of 8 nodes in a line with their number and part, or in one behind that, with 4 to 10."""
+        """Elements of 8 nodes in a line with their number and part, or in one behind that, with 4 to 10.
+
+        Gmsh writes nine of ten nodes beside number and part, and the last one in the next line.
+        """
         lines = iter(card.lines)
         for line in lines:
             words = card.numbers(line)
             number, part, *nodes = words if len(words) > 2 else [*words, *card.numbers(next(lines, ""))]
+            if sum(map(bool, nodes)) == 9:
+                nodes = [*filter(None, nodes), *card.numbers(next(lines, ""))]
             self._add("SOLID", number, part, *solid_cell(number, nodes))
 
     def shell(self, card: Card) -> None:
-        """Elements of 3 or 4 nodes, the last twice for 3, or of 8; thicknesses stand in lines of their own."""
+        """Elements of 3 or 4 corners, the last twice for 3, and as many middles; thicknesses stand in lines behind."""
         lines = iter(card.lines)
         for line in lines:
             number, part, *nodes = card.numbers(line)
@@ -155,11 +160,15 @@ class Reader:
                 list(islice(lines, 2 if middles else 1))
             if len(set(corners)) == 3 and not middles:
                 self._add("SHELL", number, part, "tri3", corners[:3])
+            elif (
+                corners[2:3] == corners[3:] and middles[2:3] == middles[3:] and len({*corners, *middles}) == 6
+            ):
+                self._add("SHELL", number, part, "tri6", [*corners[:3], *middles[:3]])
             elif len(set(corners)) == 4 and len(middles) in (0, 4):
                 self._add("SHELL", number, part, "quad8" if middles else "quad4", [*corners, *middles])
             else:
                 raise InputError(
-                    f"element {number} has nodes {nodes}, neither 3 or 4 corners nor 4 with middles"
+                    f"element {number} has nodes {nodes}, neither 3 or 4 corners nor as many with middles"
                 )
 
     def beam(self, card: Card) -> None:

@@ -346,9 +346,9 @@ class Mesh(metaclass=Named):
         return self
 
     def write(self, path: str | Path) -> None:
-        """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp`` or one of meshio.
+        """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp``, ``.med`` or one of meshio.
 
-        Sets are written with it, so that `MeshFile` finds them again.
+        Sets are written with these, so that `MeshFile` finds them again.
         """
         write(self, Path(path))
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import unquote
@@ -27,6 +28,7 @@ from visviva.mesh.write_mesh import load_meshio
 NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
 CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", ".e", ".ex2", ".exo", ".nc")
 """Endings of formats whose files can name other files to be read with them."""
+NASTRAN = (".bdf", ".fem", ".nas")
 
 
 @dataclass(frozen=True, config=CONFIG)
@@ -193,14 +195,32 @@ def _meshio_read(path: Path) -> Any:
     named = {".msh": "gmsh"}  # else meshio tries Ansys first, and prints what fails
     said = io.StringIO()  # it prints what it raises as well
     try:
-        with redirect_stdout(said), redirect_stderr(said):
-            return meshio.read(path, file_format=named.get(path.suffix.lower()))
+        with redirect_stdout(said), redirect_stderr(said), _complete(path) as file:
+            return meshio.read(file, file_format=named.get(path.suffix.lower()))
     except ModuleNotFoundError as error:
         raise InputError(
             f"meshio reads *{path.suffix} by another package: pip install {error.name}"
         ) from error
     except (Exception, SystemExit) as error:  # its readers raise whatever the bytes lead them to, or exit
         raise InputError(f"meshio cannot read it ({type(error).__name__}: {error})") from error
+
+
+@contextmanager
+def _complete(path: Path) -> Iterator[Path]:
+    """The file; of bulk data of Nastran alone, as Gmsh writes it, a copy between the lines that meshio looks for."""
+    if path.suffix.lower() not in NASTRAN:
+        yield path
+        return
+    text = path.read_text(encoding="utf-8", errors="replace").rstrip()
+    begins, ends = (re.search(rf"^\s*{word}", text, re.MULTILINE) for word in ("BEGIN BULK", "ENDDATA"))
+    if begins and ends:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        head, tail = "" if begins else "BEGIN BULK\n", "" if ends else "\nENDDATA\n"
+        copy.write_text(head + text + tail, encoding="utf-8")
+        yield copy
 
 
 def _of_meshio(read: Any) -> Collection:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -38,7 +39,10 @@ def write(mesh: Mesh, path: Path) -> None:
     meshio = load_meshio()
     gmsh = path.suffix.lower() == ".msh"
     legacy = path.suffix.lower() == ".vtk"  # where names are written without blanks
-    made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh, quote if legacy else str)
+    if path.suffix.lower() == ".med":
+        made = _grouped(meshio, mesh)
+    else:
+        made = _tagged(meshio, mesh) if gmsh else _marked(meshio, mesh, quote if legacy else str)
     for block, kind in zip(made.cells, mesh.cells, strict=False):  # those of lower dimension are the same
         block.data = written_order(path.suffix.lower(), kind, block.data)
     try:
@@ -49,7 +53,7 @@ def write(mesh: Mesh, path: Path) -> None:
         ) from error
     except (Exception, SystemExit) as error:  # its writers raise many kinds, or exit
         raise InputError(
-            f"meshio cannot write {path} ({type(error).__name__}: {error}); .vtu, .msh and .inp hold all sets"
+            f"meshio cannot write {path} ({type(error).__name__}: {error}); .vtu, .msh, .inp and .med hold all sets"
         ) from error
 
 
@@ -110,6 +114,47 @@ def _tags(numbers: Ints, sets: Mapping[str, Ints], tag: Mapping[str, int]) -> It
         again.append((second, np.full(len(second), tag[name])))
     yield np.arange(len(numbers)), values
     yield from (pair for pair in again if len(pair[0]))
+
+
+def _grouped(meshio: Any, mesh: Mesh) -> Any:
+    """With sets as groups of MED: all cells, faces and nodes are there once, and their family says in which groups."""
+    names = list(dict.fromkeys([*mesh.cell_sets, *mesh.face_sets]))
+    blocks, inside = [], []
+    for kind, numbers in cell_numbers(mesh.cells).items():
+        blocks.append((CELLS[kind].meshio, mesh.cells[kind]))
+        inside.append(_members(numbers, [mesh.cell_sets.get(name, ()) for name in names]))
+    for kind in dict.fromkeys(kind for faces in mesh.face_sets.values() for kind in faces.cells):
+        parts = [mesh.face_sets[name].cells.get(kind) if name in mesh.face_sets else None for name in names]
+        rows = np.concatenate([part for part in parts if part is not None])
+        first, which = np.unique(np.sort(rows, axis=1), axis=0, return_index=True, return_inverse=True)[1:]
+        blocks.append((CELLS[kind].meshio, rows[first]))
+        ends = np.cumsum([0, *(0 if part is None else len(part) for part in parts)])
+        inside.append(_members(np.arange(len(first)), [which[a:b] for a, b in pairwise(ends)]))
+    tags, groups = _families(names, np.concatenate(inside))
+    split = np.split(-tags, np.cumsum([len(part) for part in inside])[:-1])
+    marked = _members(np.arange(mesh.n_nodes), list(mesh.node_sets.values()))
+    point_tags, point_groups = _families(list(mesh.node_sets), marked)
+    data: dict[str, Any] = {"point_data": {"point_tags": point_tags}, "cell_data": {"cell_tags": split}}
+    made = meshio.Mesh(mesh.points, blocks, **data)
+    made.cell_tags, made.point_tags = {-tag: some for tag, some in groups.items()}, point_groups
+    return made
+
+
+def _members(numbers: Ints, sets: Sequence[Any]) -> Any:
+    """Which sets (m, sets) numbers are in."""
+    return np.array([np.isin(numbers, members) for members in sets], bool).reshape(-1, len(numbers)).T
+
+
+def _families(names: Sequence[str], inside: Any) -> tuple[Ints, dict[int, list[str]]]:
+    """Families (m,) by the groups that members are in, 0 for none, and their groups."""
+    kinds, which = np.unique(inside, axis=0, return_inverse=True)
+    numbers = np.cumsum(kinds.any(axis=1)) * kinds.any(axis=1)
+    found = {
+        int(n): [name for name, is_in in zip(names, row, strict=True) if is_in]
+        for n, row in zip(numbers, kinds, strict=True)
+        if n
+    }
+    return numbers[which.ravel()], found
 
 
 def _in_space(mesh: Mesh) -> Any:
