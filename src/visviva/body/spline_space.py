@@ -20,7 +20,7 @@ from visviva.mesh.grid import SIDES
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
 from visviva.mesh.spline import SplinePatch, SplineSource
-from visviva.mesh.spline_joined import CLOSE
+from visviva.mesh.spline_joined import CLOSE, joined
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -85,17 +85,32 @@ class SplineSpace:
         directions = [direction_of(pair) for pair in periodic]
         self.patches, self.thickness = source.parts(directions), thickness
         if source.numbers is None:
-            self.numbers = [numbering(self.patches[0], directions, level_at_sides)]
+            alone = [numbering(self.patches[0], directions, level_at_sides)]
+            self.numbers = joined(self.patches, alone)
+            self._is_welded = int(self.numbers[0].max()) < int(alone[0].max())
         else:
             self.numbers = source.numbers
+            self._is_welded = True
         self.size = 1 + max(int(number.max()) for number in self.numbers)
         self._samples_of_span = max(2, *(max(p.degrees) for p in self.patches))
-        self.grid, self._xi, self._nodes = sampled(self.patches, self._samples_of_span)
+        self.grid, self._xi, self._nodes = sampled(self.patches, self._samples_of_span, self._is_welded)
+        if self._is_welded:
+            self._refuse_touching()
+
+    def _refuse_touching(self) -> None:
+        """Refuse nodes in one place that move apart."""
+        rows, nodes = self._rows, np.concatenate(self._nodes)
+        apart = abs(rows - self.samples[nodes]).max(axis=1).toarray().ravel()
+        if apart.max() > 1e-9:
+            place = self.grid.points[nodes[int(np.argmax(apart))]].round(6).tolist()
+            raise InputError(
+                f"patches of splines touch at {place} and are not joined there; cut patches where corners of others lie"
+            )
 
     @property
     def smoothness(self) -> int:
         """So many derivatives are continuous."""
-        return 0 if len(self.patches) > 1 else self.patches[0].smoothness
+        return 0 if self._is_welded else self.patches[0].smoothness
 
     @property
     def spacing(self) -> float:
@@ -199,17 +214,21 @@ class SplineSpace:
     @cached_property
     def samples(self) -> Any:
         """From coefficients to the nodes of the grid, as a sparse matrix."""
+        _, first = np.unique(np.concatenate(self._nodes), return_index=True)
+        return self._rows[first]
+
+    @cached_property
+    def _rows(self) -> Any:
+        """From coefficients to the nodes of all patches, one after another."""
         import scipy.sparse as sp
 
-        seen, parts = np.zeros(self.grid.n_nodes, dtype=bool), []
-        for patch, number, xi, nodes in zip(self.patches, self.numbers, self._xi, self._nodes, strict=True):
-            new = ~seen[nodes]
-            seen[nodes] = True
-            numbers, N, _, _ = patch.functions(xi[new])
-            rows = np.repeat(nodes[new], N.shape[1])
-            parts.append((N.ravel(), rows, number[numbers].ravel()))
-        values, rows, columns = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(self.grid.n_nodes, self.size)))
+        parts = []
+        for patch, number, xi in zip(self.patches, self.numbers, self._xi, strict=True):
+            numbers, N, _, _ = patch.functions(xi)
+            rows = np.repeat(np.arange(len(xi)), N.shape[1])
+            part = sp.coo_array((N.ravel(), (rows, number[numbers].ravel())), shape=(len(xi), self.size))
+            parts.append(part)
+        return sp.csr_array(sp.vstack(parts))
 
     def at_nodes(self, coefficients: Array) -> Array:
         return np.asarray(self.samples @ coefficients)
@@ -252,15 +271,19 @@ def numbering(patch: SplinePatch, periodic: Sequence[int], level: bool) -> Ints:
     return number
 
 
-def sampled(patches: Sequence[SplinePatch], samples: int) -> tuple[Mesh, list[Array], list[Ints]]:
+def sampled(
+    patches: Sequence[SplinePatch], samples: int, is_welded: bool
+) -> tuple[Mesh, list[Array], list[Ints]]:
     """A mesh of plain cells of all patches, and the parameters (n, d) and numbers (n,) of the nodes of each."""
     made = [patch.sampled(samples) for patch in patches]
-    if len(made) == 1:
+    if not is_welded:
         return made[0][0], [made[0][1]], [np.arange(made[0][0].n_nodes)]
-    named = [
-        replace(mesh, face_sets={f"{k}.{name}": faces for name, faces in mesh.face_sets.items()})
-        for k, (mesh, _) in enumerate(made)
-    ]
+    named = [mesh for mesh, _ in made]
+    if len(made) > 1:
+        named = [
+            replace(mesh, face_sets={f"{k}.{name}": faces for name, faces in mesh.face_sets.items()})
+            for k, mesh in enumerate(named)
+        ]
     apart = convert.joined(named)
     close = CLOSE * float(np.ptp(apart.points, axis=0).max())
     grid = convert.welded(apart, 10 * close)

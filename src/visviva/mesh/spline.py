@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
@@ -143,6 +143,12 @@ class SplinePatch(SplineSource):
         inner = t[p : n + 1]
         if inner[-1] <= inner[0] or np.unique(t, return_counts=True)[1].max() > p + 1:
             raise InputError(f"SplinePatch: direction {k} has no length, or a knot more than {p + 1} times")
+        within = inner[(inner > inner[0]) & (inner < inner[-1])]
+        if np.any(torn := within[p:] == within[: max(len(within) - p, 0)]):
+            raise InputError(
+                f"SplinePatch: the knot {within[int(np.argmax(torn))]:g} of direction {k} stands more than {p} times, "
+                "so the patch is torn there; give it so often at most, or two patches joined by vv.SplinePatches"
+            )
 
     # --- sizes ---------------------------------------------------------------------------------------------
     @property
@@ -259,11 +265,11 @@ class SplinePatch(SplineSource):
         return patch
 
     def _with_knot(self, k: int, x: float) -> SplinePatch:
-        """Boehm's algorithm in homogeneous coordinates."""
+        """Boehm's algorithm in homogeneous coordinates; at the last end, from the left."""
         p, t = self.degrees[k], self.knots[k]
         w = np.ones(self.control.shape[:-1]) if self.weights is None else self.weights
         P = np.moveaxis(np.concatenate([self.control * w[..., None], w[..., None]], axis=-1), k, 0)
-        span = int(np.searchsorted(t, x, side="right")) - 1
+        span = int(np.searchsorted(t, x, side="left" if x >= t[len(t) - p - 1] else "right")) - 1
         new = np.empty((len(P) + 1, *P.shape[1:]))
         new[: span - p + 1], new[span + 1 :] = P[: span - p + 1], P[span:]
         for i in range(span - p + 1, span + 1):
@@ -274,13 +280,57 @@ class SplinePatch(SplineSource):
         weights = None if self.weights is None else Q[..., -1]
         return replace(self, knots=knots, control=Q[..., :-1] / Q[..., -1:], weights=weights)
 
+    def cut(self, direction: int, at: float) -> tuple[SplinePatch, SplinePatch]:
+        """The same patch as two, that meet where the parameter of a direction is `at`.
+
+        Raises
+        ------
+        InputError
+            If that is not inside.
+        """
+        b = self.breaks(direction)
+        if not b[0] < at < b[-1]:
+            raise InputError(f"SplinePatch: cut({direction}, {at:g}) is not between {b[0]:g} and {b[-1]:g}")
+        return self._between(direction, float(b[0]), at), self._between(direction, at, float(b[-1]))
+
+    def is_clamped(self, k: int) -> bool:
+        """Whether control points lie on both sides that a direction ends in."""
+        p, t = self.degrees[k], self.knots[k]
+        return bool(t[1] == t[p] and t[-2] == t[-p - 1])
+
+    def clamped(self, directions: Iterable[int]) -> SplinePatch:
+        """The same patch with control points on the sides that some directions end in."""
+        patch = self
+        for k in directions:
+            if not self.is_clamped(k):
+                patch = patch._between(k, *self.breaks(k)[[0, -1]])
+        return patch
+
+    def _between(self, k: int, a: float, b: float) -> SplinePatch:
+        """Of parameters a to b of direction k alone: knots there, as many as the degree, make control points ends."""
+        p, patch = self.degrees[k], self
+        for x in (a, b):
+            while np.count_nonzero(patch.knots[k] == x) < p:
+                patch = patch._with_knot(k, x)
+        t = patch.knots[k]
+        after, before = int(np.searchsorted(t, a, side="right")), int(np.searchsorted(t, b, side="left"))
+        kept = (slice(None),) * k + (slice(after - p - 1, before),)
+        ends = [np.full(p + 1, a), t[after:before], np.full(p + 1, b)]
+        return replace(
+            patch,
+            knots=(*patch.knots[:k], np.concatenate(ends), *patch.knots[k + 1 :]),
+            control=patch.control[kept],
+            weights=None if patch.weights is None else patch.weights[kept],
+            wrapped=tuple(w for w in patch.wrapped if w != k),
+        )
+
     def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
         if set(periodic) - set(self.wrapped):
             raise InputError(
                 f"SplinePatch: it is not smooth across the ends of direction {min(set(periodic) - set(self.wrapped))}; "
                 "vv.SplineBox is where it is periodic"
             )
-        return (self,)
+        return (self.clamped(k for k in range(self.dimension) if k not in periodic),)
 
     def sampled(self, samples: int) -> tuple[Mesh, Array]:
         """A mesh of plain cells, so many along each knot span, and the parameters (n_nodes, d) of its nodes."""

@@ -1,10 +1,10 @@
-"""Several patches of splines, joined where their sides are the same."""
+"""Several patches of splines, or the ends of one, joined where their corners, edges and sides are the same."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, permutations, product
+from itertools import combinations, pairwise, permutations, product
 from typing import Annotated
 
 import numpy as np
@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
-from visviva.mesh.grid import SIDES
 from visviva.mesh.spline import SplinePatch, SplineSource
+from visviva.mesh.spline_borders import Border, borders
+from visviva.mesh.spline_overlap import refuse_open
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 CLOSE = 1e-9
-"""Part of the size of patches by which control points of joined sides may be apart."""
+"""Part of the size of all patches by which control points of joined sides may be apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +29,14 @@ class SplinePatches(SplineSource):
     Parameters
     ----------
     patches : sequence of SplinePatch
-        Two in a plane, or in space. Sides whose corners are the same must have the same control points, weights (but
-        for a factor), degrees and knots (but for their range), in any direction.
+        Two in a plane, or in space. Sides that lie on each other must have the same control points, weights (but for
+        a factor), degrees and knots (but for their range), in any direction: a side along two others is cut by
+        `SplinePatch.cut`. So must edges in space. Sides of one patch are joined as well, as of a closed ring.
 
     Notes
     -----
-    The sides that are not joined are sets of faces by the number of their patch, such as ``"0.x0"``.
+    Patches whose knots at their ends stand once are given control points there, without a change of shape. The sides
+    that are not joined are sets of faces by the number of their patch, such as ``"0.x0"``.
 
     Examples
     --------
@@ -51,12 +54,14 @@ class SplinePatches(SplineSource):
     patches: Annotated[tuple[SplinePatch, ...], LISTED]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "patches", tuple(self.patches))
         if len({p.dimension for p in self.patches}) != 1:
             raise InputError("SplinePatches: give one or more patches, all in the plane or all in space")
-        if any(p.wrapped for p in self.patches):
-            raise InputError("SplinePatches: a patch that ends where it begins stands alone")
-        object.__setattr__(self, "numbers", joined(self.patches))
+        clamped = tuple(p.clamped(range(p.dimension)) for p in self.patches)
+        object.__setattr__(self, "patches", clamped)
+        try:
+            object.__setattr__(self, "numbers", joined(clamped))
+        except InputError as error:
+            raise InputError(f"SplinePatches: {error}") from None
 
     def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
         if periodic:
@@ -64,51 +69,104 @@ class SplinePatches(SplineSource):
         return self.patches
 
 
-def sides(patch: SplinePatch) -> Iterator[tuple[str, Ints]]:
-    """Names of the sides and control points (n,) or (n, m) there, of those that control points lie on."""
-    number = np.arange(int(np.prod(patch.control.shape[:-1]))).reshape(patch.control.shape[:-1])
-    for k, names in enumerate(SIDES[: patch.dimension]):
-        for end, name in zip((0, -1), names, strict=True):
-            yield str(name), np.take(number, end, axis=k)
+def joined(patches: Sequence[SplinePatch], numbers: Sequence[Ints] | None = None) -> list[Ints]:
+    """Numbers (n_control,) of the control points of each patch, the same where they are joined.
 
-
-def joined(patches: Sequence[SplinePatch]) -> list[Ints]:
-    """Numbers (n_control,) of the control points of each patch, the same where sides are joined.
+    Parameters
+    ----------
+    patches : sequence of SplinePatch
+    numbers : sequence of arrays of int, (n_control,), optional
+        Of control points, the same where they are one already.
 
     Raises
     ------
     InputError
-        If sides have the same corners and are not the same, or a patch is joined to none.
+        If sides lie on each other and are not the same, patches lie over each other, or one is joined to none.
     """
+    if numbers is None:
+        offset = np.cumsum([0, *(p.control.size // p.dimension for p in patches)])
+        numbers = [np.arange(a, b) for a, b in pairwise(offset)]
+    points = np.concatenate([p.control.reshape(-1, p.dimension) for p in patches])
+    size = float(np.ptp(points, axis=0).max())
+    found = list(borders(patches, CLOSE * size))
+    pairs, met, free, reasons = matched(patches, found, CLOSE * size)
+    refuse_open(patches, free, reasons, size)
+    refuse_alone(found, met, reasons)
+    first = [numbers[a.patch][here] for a, here, _, _ in pairs]
+    second = [numbers[b.patch][there] for _, _, b, there in pairs]
+    n = 1 + max(int(number.max()) for number in numbers)
+    group = groups(first, second, n)
+    return np.split(
+        renumbered(group[np.concatenate(numbers)]), np.cumsum([len(number) for number in numbers])[:-1]
+    )
+
+
+Pair = tuple[Border, Ints, Border, Ints]
+
+
+def matched(
+    patches: Sequence[SplinePatch], found: Sequence[Border], close: float
+) -> tuple[list[Pair], list[tuple[int, int]], list[Border], dict[tuple[int, int], str]]:
+    """Borders that are the same, patches with a common side, borders that are not joined, and why pairs are not.
+
+    Raises
+    ------
+    InputError
+        If two patches lie on one side of what they share.
+    """
+    pairs: list[Pair] = []
+    met, taken, reasons = [], set(), {}
+    of_corners: dict[tuple[int, ...], list[Border]] = {}
+    for border in found:
+        of_corners.setdefault(border.corners, []).append(border)
+    for a, b in (pair for alike in of_corners.values() for pair in combinations(alike, 2)):
+        match = same(patches[a.patch], a, patches[b.patch], b, close)
+        if isinstance(match, str):
+            reasons[a.number, b.number] = match
+        if match is None or isinstance(match, str):
+            continue
+        here, there, turn = match
+        pairs.append((a, here, b, there))
+        taken |= {a.number, b.number}
+        if a.is_side:
+            met.append((a.patch, b.patch))
+            if a.turn * b.turn * turn > 0:
+                raise InputError(
+                    f"{a} and {b} are the same, and both patches lie on the same side of it, one over the other; "
+                    "leave out one, or exchange two directions of a patch that is mirrored"
+                )
+    return pairs, met, [border for border in found if border.number not in taken], reasons
+
+
+def refuse_alone(
+    found: Sequence[Border], met: Sequence[tuple[int, int]], reasons: Mapping[tuple[int, int], str]
+) -> None:
+    """Refuse patches without a common side with what patch 0 is joined to."""
+    first, second = np.array(met, dtype=np.int64).reshape(-1, 2).T
+    part = groups([first], [second], 1 + found[-1].patch if found else 1)
+    if np.all(part == part[0]):
+        return
+    for (i, j), reason in reasons.items():
+        if part[found[i].patch] != part[found[j].patch] and found[i].is_side:
+            raise InputError(
+                f"{found[i]} and {found[j]} have the same corners, but {reason}; give both the same"
+            )
+    alone = int(np.flatnonzero(part != part[0])[0])
+    raise InputError(
+        f"patch {alone} is not joined to patch 0: no side of it, or of what it is joined to, is the same as a side "
+        "there; move control points, or cut patches where others end"
+    )
+
+
+def groups(first: Sequence[Ints], second: Sequence[Ints], n: int) -> Ints:
+    """Group of each of n things of which pairs are one."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    offset = np.concatenate([[0], np.cumsum([p.control.size // p.dimension for p in patches])])
-    first, second, met = [], [], [(0, 0)]
-    for a, b in combinations(range(len(patches)), 2):
-        for (one, here), (other, there) in product(sides(patches[a]), sides(patches[b])):
-            pairs = same(patches[a], one, here, patches[b], other, there)
-            if pairs is None:
-                continue
-            if isinstance(pairs, str):
-                raise InputError(
-                    f"SplinePatches: side {one} of patch {a} and side {other} of patch {b} {pairs}"
-                )
-            first.append(offset[a] + pairs[0])
-            second.append(offset[b] + pairs[1])
-            met.append((a, b))
-    n = int(offset[-1])
     i, j = (np.concatenate([np.zeros(0, dtype=np.int64), *s]) for s in (first, second))
-    _, group = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(n, n)), directed=False)
-    touching = coo_array((np.ones(len(met)), np.transpose(met)), shape=(len(patches),) * 2)
-    count, part = connected_components(touching, directed=False)
-    if count > 1:
-        alone = int(np.flatnonzero(part != part[0])[0])
-        raise InputError(
-            f"SplinePatches: patch {alone} is not joined to patch 0: no side of it, or of what it is joined to, has "
-            "the corners of a side there; move control points, or cut patches where others end"
-        )
-    return np.split(renumbered(group), offset[1:-1])
+    return np.asarray(
+        connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(n, n)), directed=False)[1]
+    )
 
 
 def renumbered(group: Ints) -> Ints:
@@ -120,60 +178,47 @@ def renumbered(group: Ints) -> Ints:
 
 
 def same(
-    a: SplinePatch, one: str, here: Ints, b: SplinePatch, other: str, there: Ints
-) -> tuple[Ints, Ints] | str | None:
-    """Control points of two sides that are one, what sets them apart, or None if they have other corners."""
+    a: SplinePatch, one: Border, b: SplinePatch, other: Border, close: float
+) -> tuple[Ints, Ints, float] | str | None:
+    """Control points of two borders that are one, and -1 if mirrored; what sets them apart; None for other corners."""
     P, Q = a.control.reshape(-1, a.dimension), b.control.reshape(-1, b.dimension)
-    close = CLOSE * max(np.ptp(P, axis=0).max(), np.ptp(Q, axis=0).max())
+    here, there = one.control, other.control
     found: str | None = None
     for turned, axes in orientations(there):
-        if np.abs(P[corners(here)] - Q[corners(turned)]).max() > close:
+        if np.abs(P[corners(here)] - Q[corners(turned)]).max() > 2 * close:
             continue
-        along, across = directions(a, one), [directions(b, other)[k] for k in abs_axes(axes)]
+        along, across = one.along, [other.along[abs(s) - 1] for s in axes]
         if here.shape != turned.shape or [a.degrees[k] for k in along] != [b.degrees[k] for k in across]:
             found = (
-                f"have the same corners, but {here.shape} and {turned.shape} control points of degrees "
-                f"{[a.degrees[k] for k in along]} and {[b.degrees[k] for k in across]}; give both the same"
+                f"{here.shape} and {turned.shape} control points of degrees "
+                f"{[a.degrees[k] for k in along]} and {[b.degrees[k] for k in across]}"
             )
-            continue
-        apart = np.abs(P[here] - Q[turned]).max()
-        if apart > close:
-            found = (
-                f"have the same corners, but control points that are {apart:.3g} apart; give both the same"
-            )
+        elif (apart := float(np.abs(P[here] - Q[turned]).max())) > 2 * close:
+            found = f"control points that are {apart:.3g} apart"
         elif not all(
-            np.allclose(unit(a.knots[k]), unit(b.knots[m], flip), rtol=0, atol=1e-9)
-            for k, m, flip in zip(along, across, [s < 0 for s in axes], strict=True)
+            np.allclose(unit(a.knots[k]), unit(b.knots[m], s < 0), rtol=0, atol=1e-9)
+            for k, m, s in zip(along, across, axes, strict=True)
         ):
-            found = "have the same control points, but other knots; give both the same"
-        elif np.ptp(weights(a, here) / weights(b, turned)) > 1e-9 * weights(a, here).max():
-            found = "have the same control points, but other weights; give both the same"
+            found = "other knots"
+        elif np.ptp(ratio := weights(a, here) / weights(b, turned)) > 1e-9 * ratio.max():
+            found = "other weights"
         else:
-            return here.ravel(), turned.ravel()
+            turn = np.eye(len(axes))[[abs(s) - 1 for s in axes]] * np.sign(axes)
+            return here.ravel(), turned.ravel(), float(np.linalg.det(turn))
     return found
 
 
-def orientations(side: Ints) -> Iterator[tuple[Ints, tuple[int, ...]]]:
-    """The control points of a side from all its corners, and its directions from 1 on, negative if reversed."""
-    for order in permutations(range(side.ndim)):
-        for signs in product((1, -1), repeat=side.ndim):
-            turned = np.transpose(side, order)[tuple(slice(None, None, s) for s in signs)]
+def orientations(border: Ints) -> Iterator[tuple[Ints, tuple[int, ...]]]:
+    """The control points of a border from all its corners, and its directions from 1 on, negative if reversed."""
+    for order in permutations(range(border.ndim)):
+        for signs in product((1, -1), repeat=border.ndim):
+            turned = np.transpose(border, order)[tuple(slice(None, None, s) for s in signs)]
             yield turned, tuple(s * (k + 1) for s, k in zip(signs, order, strict=True))
 
 
-def abs_axes(axes: Sequence[int]) -> list[int]:
-    """Directions without their signs, from 0 on."""
-    return [abs(s) - 1 for s in axes]
-
-
-def corners(side: Ints) -> Ints:
-    """Control points at the corners of a side."""
-    return side[np.ix_(*([0, -1] for _ in range(side.ndim)))].ravel()
-
-
-def directions(patch: SplinePatch, side: str) -> list[int]:
-    """Directions of a patch along its side."""
-    return [k for k in range(patch.dimension) if k != "xyz".index(side[0])]
+def corners(border: Ints) -> Ints:
+    """Control points at the corners of a border."""
+    return border[np.ix_(*([0, -1] for _ in range(border.ndim)))].ravel()
 
 
 def unit(knots: Array, flip: bool = False) -> Array:
@@ -182,7 +227,7 @@ def unit(knots: Array, flip: bool = False) -> Array:
     return np.asarray(1 - t[::-1] if flip else t)
 
 
-def weights(patch: SplinePatch, side: Ints) -> Array:
-    """Weights of the control points of a side."""
+def weights(patch: SplinePatch, border: Ints) -> Array:
+    """Weights of the control points of a border."""
     given = np.ones(patch.control.shape[:-1]) if patch.weights is None else patch.weights
-    return np.asarray(given.ravel()[side])
+    return np.asarray(given.ravel()[border])
