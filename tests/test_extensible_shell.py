@@ -28,9 +28,9 @@ def gel(C: Array) -> Array:
 EVERY = {**MATERIALS, "Holzapfel-Gasser-Ogden": TISSUE, "user": vv.UserMaterial(function=gel)}
 
 
-def distorted() -> vv.Mesh:
-    """A rectangle of four cells, the middle node moved."""
-    flat = vv.RectangleMesh(size=SIZE, counts=(2, 2)).build()
+def distorted(cell: Any = "quad4") -> vv.Mesh:
+    """A rectangle of two by two cells, the middle node moved."""
+    flat = vv.RectangleMesh(size=SIZE, counts=(2, 2), cell=cell).build()
     points = np.pad(flat.points, ((0, 0), (0, 1)))
     points[np.all(np.isclose(flat.points, (0.5, 0.4)), axis=1)] += (0.07, -0.05, 0.0)
     return vv.Mesh(points, flat.cells, face_sets=flat.face_sets)
@@ -51,17 +51,29 @@ def pulled(body: Any, amount: float, *others: Any) -> vv.System:
     return system
 
 
-def sheet(section: Any, amount: float = 0.4, **options: Any) -> tuple[vv.ExtensibleShell, vv.System]:
-    shell = vv.ExtensibleShell(mesh=distorted(), section=section, first=(1, 0, 0), **options)
+def mixed(flat: vv.Mesh) -> vv.Mesh:
+    """The first half of the quadrilaterals, and two triangles for each of the others."""
+    quads = np.asarray(flat.cells["quad4"])
+    kept, cut = np.split(quads, [len(quads) // 2])
+    cells = {"quad4": kept, "tri3": np.concatenate([cut[:, [0, 1, 2]], cut[:, [0, 2, 3]]])}
+    sets = {name: flat.nodes(name) for name in flat.face_sets}
+    return vv.Mesh(flat.points, cells, node_sets=sets)
+
+
+def sheet(
+    section: Any, amount: float = 0.4, mesh: Any = None, **options: Any
+) -> tuple[vv.ExtensibleShell, vv.System]:
+    shell = vv.ExtensibleShell(mesh=mesh or distorted(), section=section, first=(1, 0, 0), **options)
     return shell, pulled(shell, amount, vv.Fixed(solid=shell, nodes="all", directions=(False, False, True)))
 
 
 # --- even stretches: patch tests of every material ------------------------------------------------------------
 @pytest.mark.parametrize("name", EVERY)
-def test_a_sheet_of_every_material_stretches_as_a_solid_does(name: str) -> None:
+@pytest.mark.parametrize("cell", ["quad4", "tri3"])
+def test_a_sheet_of_every_material_stretches_as_a_solid_does(cell: str, name: str) -> None:
     """Distorted cells, pulled to 1.4 times their length: width and thickness are those of bricks."""
     t = 0.1
-    shell, system = sheet(vv.SolidSection(material=EVERY[name], thickness=t))
+    shell, system = sheet(vv.SolidSection(material=EVERY[name], thickness=t), mesh=distorted(cell))
     block = vv.Solid(mesh=vv.BoxMesh(size=(*SIZE, t), counts=(1, 1, 1)), material=EVERY[name])
     bottom = vv.SymmetryPlane(solid=block, nodes="z0", normal=(0, 0, 1))
     there = pulled(block, 0.4, bottom)
@@ -77,6 +89,24 @@ def test_a_sheet_of_every_material_stretches_as_a_solid_does(name: str) -> None:
     found = shell.resultants(system.x)
     np.testing.assert_allclose(found[..., 0], S * t, rtol=1e-7)
     np.testing.assert_allclose(found[..., 1:], 0, atol=1e-7 * S * t)
+
+
+@pytest.mark.parametrize("formulation", ["displacement", "mixed"])
+def test_meshes_of_quadrilaterals_and_triangles_stretch_evenly(formulation: Any) -> None:
+    """As quadrilaterals do, and with resultants of both types."""
+    section = vv.SolidSection(material=vv.NeoHooke(young=3.0, poisson=0.45), thickness=0.1)
+    (plain, x), (both, y) = (
+        (s, of.x)
+        for s, of in (
+            sheet(section, mesh=m, formulation=formulation) for m in (distorted(), mixed(distorted()))
+        )
+    )
+    np.testing.assert_allclose(both.directors(y.copy()), plain.directors(x), atol=1e-9)
+    for found in both.resultants_of_parts(y):
+        np.testing.assert_allclose(found, np.broadcast_to(plain.resultants(x)[0, 0], found.shape), atol=1e-9)
+    np.testing.assert_allclose(
+        both.at_points("thickness", y), plain.at_points("thickness", x)[0, 0], atol=1e-10
+    )
 
 
 @pytest.mark.parametrize("poisson", [0.4999, 0.5])
@@ -176,6 +206,8 @@ RIGID = vv.NeoHooke(shear=1.0, poisson=0.5)
         (lambda: shell_of(EVERY["Yeoh"], thickness=3.0, mesh=ROUND), "exceeds the radius of curvature in cell"),
         (lambda: vv.SolidSection(material=RIGID, thickness=-1.0), "thickness"),
         (lambda: shell_of(EVERY["Yeoh"], membrane="enhanced"), "is for vv.Shell"),
+        (lambda: shell_of(EVERY["Yeoh"], mesh=FLAT.build().quadratic("quad9")), "those of quad9"),
+        (lambda: shell_of(EVERY["Yeoh"], kinks="rigid"), "kinks"),
     ],
 )  # fmt: skip
 def test_refused(make: Any, message: str) -> None:

@@ -110,7 +110,8 @@ def stretching(section: Any, **options: Any) -> Components:
     """The panel with directors that stretch."""
     shell = panel()[0]
     motion: Any = {"velocity": swaying, "angular_velocity": (0.3, 0.6, 1.0)}
-    return [vv.ExtensibleShell(mesh=shell.mesh, section=section, first=(1, 0, 0), **motion, **options)]
+    options.setdefault("mesh", shell.mesh)
+    return [vv.ExtensibleShell(section=section, first=(1, 0, 0), **motion, **options)]
 
 
 def tissue() -> Any:
@@ -279,6 +280,13 @@ BEAMS = [
     Entry("shell of tissue with a moment at its edge", bent_tissue, NOTHING, h=0.01, steps=60),
     Entry("shell under pressure", clamped_panel, NOTHING, h=0.01, steps=60),
     Entry("shell that stretches across", lambda: stretching(tissue()), ALL, steps=60),
+    Entry(
+        "shell that stretches across, triangles",
+        lambda: stretching(tissue(), mesh=sheet_of("tri3")[0].mesh),
+        ALL,
+        h=0.01,
+        steps=60,
+    ),
     Entry("shell of tissue under pressure", lambda: blown_tissue(True), NOTHING, h=0.01, steps=60),
     Entry(
         "shell of tissue under pressure at a side", lambda: blown_tissue(False), NOTHING, h=0.005, steps=60

@@ -15,9 +15,10 @@ from visviva.base.errors import InputError
 from visviva.body.formulation import STIFFEST
 from visviva.body.shell import FIELDS, Shell
 from visviva.body.shell_layers import (
-    EDGES,
+    CORNERS,
     N_RAW,
     Layers,
+    at_corners,
     layers,
     of_components,
     raw_strains,
@@ -28,7 +29,6 @@ from visviva.body.shell_surface import ShellSurface
 from visviva.body.solid_section import SolidLaminate, SolidSection, Through
 from visviva.component.component import settings
 from visviva.material.material import OF_BLATZ_KO, Material
-from visviva.mesh.cells import CELLS
 from visviva.model.callback import Function
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -42,10 +42,12 @@ REST = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Stack(NamedTuple):
-    """Cells (m,) of one section, and their points."""
+    """Cells (m,) of one type and one section, by their numbers in their surface and among all, and their points."""
 
+    surface: ShellSurface
     section: SolidSection | SolidLaminate
     cells: Ints
+    numbers: Ints
     through: Through
     angles: Array
     layers: Layers
@@ -57,7 +59,7 @@ class ExtensibleShell(Shell):
 
     Parameters
     ----------
-    mesh : of quadrilaterals of four nodes, without kinks
+    mesh : of quadrilaterals of four nodes and triangles of three, without kinks
     first, velocity, angular_velocity
         As for `Shell`.
     section : SolidSection or SolidLaminate, or one for each cell
@@ -69,8 +71,9 @@ class ExtensibleShell(Shell):
     -----
     Places are ``phi + z d``, and the strain is ``C - I`` of all of them, through the height z, with that across the
     thickness enhanced by a part linear in z (Buechter, Ramm & Roehl 1994). Transverse shear strains are taken from the
-    middles of the edges (Dvorkin & Bathe 1984), strains across from the nodes (Betsch & Stein 1995). The stress is that
-    of the material in space: nothing is assumed of it.
+    middles of the edges (Dvorkin & Bathe 1984, Lee & Bathe 2004), strains across from the nodes (Betsch & Stein 1995).
+    The stress is that of the material in space: nothing is assumed of it. Triangles keep all of their shear stiffness,
+    which `Shell` takes from them, as nothing else holds directors upright under pressures: thin plates need fine ones.
 
     Examples
     --------
@@ -92,9 +95,11 @@ class ExtensibleShell(Shell):
         super().__post_init__()
         if self.membrane != "compatible":
             raise InputError(f"{self.label}: membrane='enhanced' is for vv.Shell, whose energy is quadratic")
-        if [part.kind for part in self.parts] != ["quad4"] or self.kinks != "refused":
+        others = [part.kind for part in self.parts if part.kind not in CORNERS]
+        if others or self.kinks != "refused":
             raise InputError(
-                f"{self.label}: directors stretch in smooth surfaces of quad4 alone; take vv.Shell for others"
+                f"{self.label}: directors stretch in smooth surfaces of quad4 and tri3 alone: nothing keeps "
+                f"{'those of ' + ', '.join(others) if others else 'kinks'} from locking yet; take vv.Shell for others"
             )
         for stack in self._stacks:
             for layer in stack.section.layers:
@@ -119,10 +124,6 @@ class ExtensibleShell(Shell):
                 "materials of the package"
             )
 
-    @property
-    def _surface(self) -> ShellSurface:
-        return self.parts[0]
-
     def invalid(self, x: Array) -> str:
         """Directors that get short press the material together, which resists."""
         return ""
@@ -130,16 +131,18 @@ class ExtensibleShell(Shell):
     # --- sections ------------------------------------------------------------------------------------------
     @cached_property
     def _stacks(self) -> tuple[Stack, ...]:
-        """Cells by their section."""
-        of = np.array([id(section) for section in self.sections])
-        found = []
-        for number in dict.fromkeys(of.tolist()):
-            cells = np.flatnonzero(of == number)
-            section = self.sections[int(cells[0])]
-            through = section.through()
-            angles = np.array([layer.angle for layer in through.layers])
-            points = layers(self._surface, cells, through.heights, through.weights, angles)
-            found.append(Stack(section, cells, through, angles, points))
+        """Cells by their type and section."""
+        of, found, start = np.array([id(section) for section in self.sections]), [], 0
+        for part in self.parts:
+            own = of[start : start + len(part.cells)]
+            for number in dict.fromkeys(own.tolist()):
+                cells = np.flatnonzero(own == number)
+                section = self.sections[start + int(cells[0])]
+                through = section.through()
+                angles = np.array([layer.angle for layer in through.layers])
+                points = layers(part, cells, through.heights, through.weights, angles)
+                found.append(Stack(part, section, cells, start + cells, through, angles, points))
+            start += len(part.cells)
         return tuple(found)
 
     @property
@@ -155,13 +158,16 @@ class ExtensibleShell(Shell):
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         super().declare(model)
-        m = len(self._surface.cells)
-        n_own = 6 if self._condenses else 4
-        scale = np.tile([1.0] * 4 + [0.0] * (n_own - 4), m)
-        own: Any = {"stage": 1, "scale": scale, "element": np.repeat(np.arange(m), n_own)}
-        inner = model.field(self, "enhanced", np.zeros((m, n_own)), role=Role.STATE, **own)
-        numbers = inner.start + np.arange(n_own * m).reshape(m, n_own)
-        self._enhanced, self._pressures = numbers[:, :4], numbers[:, 4:]
+        m, more = self.n_cells, 2 if self._condenses else 0
+        counts = [(len(part.cells), len(part.rule.weights)) for part in self.parts]
+        scale = np.concatenate([np.tile([1.0] * n + [0.0] * more, of) for of, n in counts])
+        element = np.repeat(np.arange(m), np.concatenate([np.full(of, n + more) for of, n in counts]))
+        own: Any = {"stage": 1, "scale": scale, "element": element}
+        inner = model.field(self, "enhanced", np.zeros(len(scale)), role=Role.STATE, **own)
+        first = inner.start + np.searchsorted(element, np.arange(m))
+        n_own = np.bincount(element) - more
+        self._enhanced = [first[s.numbers, None] + np.arange(n_own[s.numbers[0]]) for s in self._stacks]
+        self._pressures = (first + n_own)[:, None] + np.arange(more)
         if self.formulation == "mixed" and not self._condenses:
             pressure = model.field(self, "pressure", np.zeros((m, 2)), role=Role.MULTIPLIER, stage=1)
             self._pressures = pressure.start + np.arange(2 * m).reshape(m, 2)
@@ -177,32 +183,35 @@ class ExtensibleShell(Shell):
         """Directors have no lengths to hold."""
 
     def contribute(self, model: Model) -> None:
-        self._terms = [self._added(model, stack) for stack in self._stacks]
+        self._terms = [
+            self._added(model, stack, own) for stack, own in zip(self._stacks, self._enhanced, strict=True)
+        ]
         self.add_inertia(model)
 
-    def _added(self, model: Model, stack: Stack) -> Any:
-        cells, z = stack.cells, stack.through.heights
-        n_s, n_k = stack.layers.volume.shape[1:]
-        first = self.node_unknowns(self._surface.cells[cells])
-        places = np.zeros((n_k, 8, 8))
-        for k, (start, end) in enumerate(EDGES[:4]):
-            places[:, start, k], places[:, end, k] = -1.0, 1.0
-            places[:, 4 + start, k], places[:, 4 + end, k] = -z, z
-        places[:, range(4, 8), range(4, 8)] = 1.0
+    def _placed(self, stack: Stack, own: Ints) -> list[Group]:
+        """What the strains of the map are made of: positions and directors, and enhanced strains (m, s)."""
+        z, (n_s, n_k) = stack.through.heights, stack.layers.volume.shape[1:]
+        first = self.node_unknowns(stack.surface.cells[stack.cells])
         share = (z - stack.section.offset) / stack.section.thickness_of_all
-        enhanced = np.zeros((n_s, n_k, 4, 1))
-        enhanced[range(4), :, range(4), 0] = 2 * share  # each point of the surface has its own
-        groups = [
-            Group(np.hstack([first, first + 3]), np.tile(places, (n_s, 1, 1)), None, True),
-            Group(self._enhanced[cells], enhanced.reshape(n_s * n_k, 4, 1)),
+        enhanced = np.zeros((n_s, n_k, n_s, 1))
+        enhanced[range(n_s), :, range(n_s), 0] = 2 * share  # each point of the surface has its own
+        places = np.tile(at_corners(stack.surface.kind, z), (n_s, 1, 1))
+        return [
+            Group(np.hstack([first, first + 3]), places, None, True),
+            Group(own, enhanced.reshape(n_s * n_k, n_s, 1)),
         ]
+
+    def _added(self, model: Model, stack: Stack, own: Ints) -> Any:
+        z, (n_s, n_k) = stack.through.heights, stack.layers.volume.shape[1:]
+        share = (z - stack.section.offset) / stack.section.thickness_of_all
+        groups = self._placed(stack, own)
         kind, reference = PhysicsKind.LAYER, stack.layers.reference
         if self.formulation == "mixed":
             kind = PhysicsKind.PRESSED_LAYER
             weights = np.tile(np.stack([np.ones(n_k), share], axis=1), (n_s, 1))[:, :, None]
-            groups.append(Group(self._pressures[cells], weights))
+            groups.append(Group(self._pressures[stack.numbers], weights))
             reference = np.concatenate([reference, np.zeros((*reference.shape[:3], 1))], axis=3)
-        m, q = len(cells), n_s * n_k
+        m, q = len(stack.cells), n_s * n_k
         return add_points(
             model,
             self,
@@ -246,13 +255,13 @@ class ExtensibleShell(Shell):
         """Right Cauchy-Green tensors (m, s, k, 6) of each stack, in the directions of the material."""
         phi, d = self.positions(x), self.directors(x)
         found = []
-        for stack in self._stacks:
-            nodes = self._surface.cells[stack.cells]
+        for stack, own in zip(self._stacks, self._enhanced, strict=True):
+            nodes = stack.surface.cells[stack.cells][:, CORNERS[stack.surface.kind]]
             at = phi[nodes][:, None] + stack.through.heights[:, None, None] * d[nodes][:, None]
             raw = raw_strains(at, np.broadcast_to(d[nodes][:, None], at.shape))
             change = raw[:, None] - stack.layers.reference
             share = (stack.through.heights - stack.section.offset) / stack.section.thickness_of_all
-            change[..., -1] = 2 * share * x[self._enhanced[stack.cells]][:, :, None]
+            change[..., -1] = 2 * share * x[own][:, :, None]
             found.append(np.einsum("mskij,mskj->mski", stack.layers.turn, change) + REST)
         return found
 
@@ -272,20 +281,21 @@ class ExtensibleShell(Shell):
         if self.formulation != "mixed":
             return None
         share = (stack.through.heights[k] - stack.section.offset) / stack.section.thickness_of_all
-        return np.asarray(x[self._pressures[stack.cells]] @ np.array([[1.0], [share]]))
+        return np.asarray(x[self._pressures[stack.numbers]] @ np.array([[1.0], [share]]))
 
     def resultants_of_parts(self, x: Array) -> list[Array]:
         """Membrane forces, moments and shear forces (m, s, 8) per length of the reference, of its stresses."""
-        total = np.zeros((len(self._surface.cells), 4, 8))
+        found = {id(part): np.zeros((*part.areas.shape, 8)) for part in self.parts}
         for stack, S in zip(self._stacks, self.stresses(x), strict=True):
-            weight = stack.layers.volume / self._surface.areas[stack.cells][:, :, None]
+            total = found[id(stack.surface)]
+            weight = stack.layers.volume / stack.surface.areas[stack.cells][:, :, None]
             back = of_components(turned(-stack.angles))
             forces = np.einsum("kij,mskj,msk->mski", back, S, weight)
             z = stack.through.heights[:, None]
             total[stack.cells, :, :3] = forces[..., [0, 1, 3]].sum(axis=2)
             total[stack.cells, :, 3:6] = (z * forces[..., [0, 1, 3]]).sum(axis=2)
             total[stack.cells, :, 6:] = forces[..., [5, 4]].sum(axis=2)
-        return [total]
+        return list(found.values())
 
     def widths(self) -> Mapping[str, int]:
         return {**FIELDS, "thickness": 1}
@@ -293,7 +303,8 @@ class ExtensibleShell(Shell):
     def at_points(self, name: str, x: Array) -> Array:
         if name != "thickness":
             return super().at_points(name, x)
-        N = CELLS["quad4"].N(self._surface.rule[0])
-        stretch = np.linalg.norm(self.directors(x), axis=1)[self._surface.cells] @ N.T
-        found: Array = self.by_cell(lambda s: s.thickness_of_all)[:, None] * stretch
-        return found.reshape(-1, 1)
+        length, rest = np.linalg.norm(self.directors(x), axis=1), self.by_cell(lambda s: s.thickness_of_all)
+        parts = zip(self.parts, self.by_type(rest), strict=True)
+        return np.concatenate([(t[:, None] * (length[part.cells] @ part.N.T)).ravel() for part, t in parts])[
+            :, None
+        ]

@@ -13,7 +13,9 @@ from visviva.mesh.cells import CELLS
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 EDGES = np.array([(0, 1), (1, 2), (3, 2), (0, 3), (0, 2), (1, 3)])
-"""Nodes whose distances the strain map of the core knows: edges along their coordinates, then diagonals."""
+"""Corners whose distances the strain map of the core knows: edges along their coordinates, then diagonals."""
+CORNERS = {"quad4": [0, 1, 2, 3], "tri3": [0, 1, 2, 2]}
+"""Nodes at the four corners of the map, of the cells whose directors may stretch: two corners of triangles are one."""
 A, B = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 """Components 11, 22, 33, 12, 23, 31 of symmetric tensors."""
 N_RAW = 15
@@ -47,18 +49,39 @@ def raw_strains(x: Array, d: Array) -> Array:
     return np.concatenate([*parts, np.zeros((*x.shape[:-2], 1))], axis=-1)
 
 
-def convected(xi: Array) -> Array:
+def convected(kind: str, xi: Array) -> Array:
     """Components (s, 6, 15) of the metric along the cells' coordinates by strains of the map, at points (s, 2)."""
-    N, dN = CELLS["quad4"].N_dN(xi)
+    N, dN = CELLS[kind].N_dN(xi)
     R = np.zeros((len(xi), 6, N_RAW))
-    start, end = EDGES.T
+    pairs = [0, 1, 2, 3, 4, 5] if kind == "quad4" else [0, 1, 3]
+    start, end = np.array(CORNERS[kind])[EDGES[pairs]].T
     for k in (0, 1, 3):
         a, b = dN[:, :, A[k]], dN[:, :, B[k]]
-        R[:, k, :6] = -0.5 * (a[:, start] * b[:, end] + b[:, start] * a[:, end])
-    R[:, 5, 6], R[:, 5, 8] = 0.25 * (1 - xi[:, 1]), 0.25 * (1 + xi[:, 1])
-    R[:, 4, 7], R[:, 4, 9] = 0.25 * (1 + xi[:, 0]), 0.25 * (1 - xi[:, 0])
-    R[:, 2, 10:14], R[:, 2, 14] = N, 1.0
+        R[:, k, pairs] = -0.5 * (a[:, start] * b[:, end] + b[:, start] * a[:, end])
+    r, s = xi.T
+    if kind == "quad4":
+        R[:, 5, 6], R[:, 5, 8], R[:, 4, 7], R[:, 4, 9] = (1 - s) / 4, (1 + s) / 4, (1 + r) / 4, (1 - r) / 4
+    else:  # constant along every side (MITC3)
+        R[:, 5, 6], R[:, 5, 7], R[:, 5, 9] = 1 - s, -s, s
+        R[:, 4, 6], R[:, 4, 7], R[:, 4, 9] = r, r, 1 - r
+    R[:, 2, 10 : 10 + N.shape[1]], R[:, 2, 14] = N, 1.0
     return R
+
+
+def at_corners(kind: str, heights: Array) -> Array:
+    """Weights (k, 2 n, 8) of positions, then directors, of n nodes in what the map is made of, at heights (k,).
+
+    These are the first four edges of places, and the directors of the corners.
+    """
+    corners = CORNERS[kind]
+    n = max(corners) + 1
+    found = np.zeros((len(heights), 2 * n, 8))
+    for k, (start, end) in enumerate(EDGES[:4].tolist()):
+        for corner, sign in ((start, -1.0), (end, 1.0)):
+            found[:, corners[corner], k] += sign
+            found[:, n + corners[corner], k] += sign * heights
+    found[:, [n + c for c in corners], range(4, 8)] = 1.0
+    return found
 
 
 def full(c: Array) -> Array:
@@ -94,12 +117,13 @@ def layers(surface: ShellSurface, cells: Ints, heights: Array, weights: Array, a
     The metric of the reference is that of the map, so that even stretches of curved shells are even.
     """
     xi, w = surface.rule
-    N, dN = CELLS["quad4"].N_dN(xi)
+    N, dN = CELLS[surface.kind].N_dN(xi)
     nodes = surface.cells[cells]
     d = surface.directors[nodes][:, None]
-    x = surface.points[nodes][:, None] + heights[:, None, None] * d  # (m, k, 4, 3)
-    raw = raw_strains(x, np.broadcast_to(d, x.shape))
-    R = convected(xi)
+    x = surface.points[nodes][:, None] + heights[:, None, None] * d  # (m, k, n, 3)
+    corners = CORNERS[surface.kind]
+    raw = raw_strains(x[:, :, corners], np.broadcast_to(d, x.shape)[:, :, corners])
+    R = convected(surface.kind, xi)
     tangents = np.einsum("mkna,snb->mskba", x, dN)
     across = np.einsum("mkna,sn->mska", np.broadcast_to(d, x.shape), N)
     axes = surface.axes[cells]

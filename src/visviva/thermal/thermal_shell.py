@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.body.extensible_shell import ExtensibleShell, Stack
 from visviva.body.mesh_points import FacePoints, Points
-from visviva.body.shell_layers import EDGES, N_RAW
+from visviva.body.shell_layers import N_RAW
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
@@ -114,7 +114,9 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
                     f"{self.label}: {type(material).__name__} is no material of finite strains of the core"
                 )
         if len(self._stacks) > 1:
-            raise InputError(f"{self.label}: its sections are not alike; give each a ThermalShell of its own")
+            raise InputError(
+                f"{self.label}: its sections or types of cells are not alike; give each a ThermalShell of its own"
+            )
         points = len(self._stacks[0].through.heights)
         if points < self._n_modes:
             raise InputError(
@@ -158,27 +160,17 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     @property
     def _content(self) -> Array:
         """Integrals (modes n,) of the shape functions, as their unknowns are numbered."""
-        stack, total = self._stacks[0], np.zeros(self.entropy.size)
-        nodes = self._surface.cells[stack.cells]
+        (stack,), total = self._stacks, np.zeros(self.entropy.size)
+        nodes = stack.surface.cells[stack.cells]
         volume, N = stack.layers.volume.reshape(len(nodes), -1), self._scalar_weights(stack)[..., 0]
         np.add.at(total, self._modes(nodes, 0), np.einsum("mq,mqn->mn", volume, N))
         return total
 
-    def _added(self, model: Model, stack: Stack) -> Any:
-        cells, z = stack.cells, stack.through.heights
-        (m, n_s, n_k), nodes = stack.layers.volume.shape, self._surface.cells[stack.cells]
-        first = self.node_unknowns(nodes)
-        places = np.zeros((n_k, 8, 8))
-        for k, (start, end) in enumerate(EDGES[:4]):
-            places[:, start, k], places[:, end, k] = -1.0, 1.0
-            places[:, 4 + start, k], places[:, 4 + end, k] = -z, z
-        places[:, range(4, 8), range(4, 8)] = 1.0
-        enhanced = np.zeros((n_s, n_k, 4, 1))
-        enhanced[range(4), :, range(4), 0] = self._share(stack)
+    def _added(self, model: Model, stack: Stack, own: Ints) -> Any:
+        (m, n_s, n_k), nodes = stack.layers.volume.shape, stack.surface.cells[stack.cells]
         scalar = self._scalar_weights(stack)
         groups = [
-            Group(np.hstack([first, first + 3]), np.tile(places, (n_s, 1, 1)), None, True),
-            Group(self._enhanced[cells], enhanced.reshape(n_s * n_k, 4, 1)),
+            *self._placed(stack, own),
             *(Group(self._modes(nodes, f.start), scalar) for f in (self.entropy, self.algorithmic)),
         ]
         reference = np.zeros((m, n_s, n_k, N_STRAINS))
@@ -200,9 +192,9 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         return np.asarray(2 * height / stack.section.thickness_of_all)
 
     def _scalar_weights(self, stack: Stack) -> Array:
-        """Values and gradients (m, q, 4 modes, 4) of the modes of nodes along the axes of the section."""
-        surface, z, share = self._surface, stack.through.heights, self._share(stack)
-        N, dN = CELLS["quad4"].N_dN(surface.rule[0])
+        """Values and gradients (m, q, n, 4) of the n modes of nodes along the axes of the section."""
+        surface, z, share = stack.surface, stack.through.heights, self._share(stack)
+        N, dN = CELLS[surface.kind].N_dN(surface.rule[0])
         nodes = surface.cells[stack.cells]
         d = surface.directors[nodes]
         x = surface.points[nodes][:, None] + z[:, None, None] * d[:, None]
@@ -213,10 +205,12 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         J = np.einsum("mskba,msia->mskbi", np.concatenate([tangents, across[..., None, :]], axis=3), frame)
         back = np.linalg.inv(J)  # [i, b]
         shapes, steep = self._shapes(share), np.stack([0 * share, 1 + 0 * share, 2 * share][: self._n_modes])
-        by_place = np.zeros((len(z), len(N), self._n_modes, 4, 3))  # by the cell's coordinates and the height
+        by_place = np.zeros(
+            (len(z), len(N), self._n_modes, N.shape[1], 3)
+        )  # by the cell's coordinates and the height
         by_place[..., :2] = np.einsum("ik,snb->ksinb", shapes, dN)
         by_place[..., 2] = np.einsum("ik,sn->ksin", 2 / stack.section.thickness_of_all * steep, N)
-        n = 4 * self._n_modes
+        n = N.shape[1] * self._n_modes
         weights = np.empty((*tangents.shape[:3], n, 4))
         weights[..., 0] = np.einsum("ik,sn->skin", shapes, N).reshape(len(N), len(z), -1)
         slopes = by_place.reshape(len(z), len(N), n, 3)
@@ -261,7 +255,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
                 raise InputError(
                     f"{owner.label}: heat comes into {self.label} through its sides 'upper' and 'lower'"
                 )
-            d = np.einsum("mkc->mc", self._surface.directors[points.nodes])
+            d = np.einsum("mkc->mc", self.parts[0].directors[points.nodes])
             side = np.sign(np.einsum("mqc,mc->m", points.normal, d))
         for sign in np.unique(side):
             some = side == sign
@@ -291,7 +285,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         stack = self._stacks[0]
         C = self.green(x)[0]
         m, s, k = C.shape[:3]
-        nodes = self._surface.cells[stack.cells]
+        nodes = stack.surface.cells[stack.cells]
         modes = x[self._modes(nodes, self.entropy.start)]
         entropy = np.einsum("mqn,mn->mq", self._scalar_weights(stack)[..., 0], modes).reshape(m, s, k)
         T, S = np.empty((m, s, k)), np.empty_like(C)
@@ -307,7 +301,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     @cached_property
     def _projection(self) -> Projection:
         stack = self._stacks[0]
-        nodes = self._surface.cells[stack.cells]
+        nodes = stack.surface.cells[stack.cells]
         shapes, sizes = self._scalar_weights(stack)[..., 0], stack.layers.volume.reshape(len(nodes), -1)
         parts = [Projected(self._modes(nodes, 0), shapes, sizes)]
         return Projection(self._n_modes * self.grid.n_nodes, parts)
