@@ -189,6 +189,25 @@ def test_heat_is_not_called_damped_motion(scheme: vv.Scheme) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("scheme", "step", "rings"),
+    [
+        (vv.EnergyMomentum(), 0.02, True),
+        (vv.BackwardEuler(), 0.02, False),
+        (vv.EnergyMomentum(), 2e-4, False),
+    ],
+)
+def test_heat_that_rings_is_wrong(scheme: vv.Scheme, step: float, rings: bool) -> None:
+    """A slab cooled at once: below its surface -0.57 and 0.64 where the series has 0.1 and 0.07."""
+    bar = vv.RectangleMesh(size=(1, 0.1), counts=(40, 1))
+    slab = vv.ThermalBody(mesh=bar, conductivity=1.0, capacity=1.0, density=1.0, temperature=1.0)
+    cold = [vv.PrescribedTemperature(body=slab, nodes=end, value=0.0) for end in ("x0", "x1")]
+    result = vv.simulate(vv.System([slab, *cold]), until=10 * step, step=step, scheme=scheme)
+    below = result.history(vv.TemperatureAt(body=slab, at=(0.025, 0, 0)))
+    assert bool(min(below) < -0.1) is rings
+    assert lines(result).get("changes", "").startswith("WRONG") is rings
+
+
 def test_rounding_at_rest_is_not_called_wrong() -> None:
     """Of a shell that hangs on nothing: energies of rounding alone."""
     mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))

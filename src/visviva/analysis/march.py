@@ -20,7 +20,7 @@ from visviva.results.recorded import Record, Recorded
 from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
 from visviva.system.algebraic import settle
-from visviva.system.freedom import refuse_free, refuse_massless
+from visviva.system.freedom import refuse_free, refuse_massless, refuse_swinging
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
 from visviva.system.system import System, refuse_no_system
@@ -154,6 +154,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     scheme.refuse(system)
     if changes or system.report is None:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
+    refuse_swinging(system, scheme)
     if changes:
         system.choose_linear(**due)
     if not scheme.has_inertia:
@@ -301,6 +302,7 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
     s.steps += 1
     s.iterations += iterations
     s.factorizations += factorizations
+    s.swings = max(s.swings, books.swings.look(result.system))
     return books.book(result.system.time, result.system.core)
 
 

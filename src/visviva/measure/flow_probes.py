@@ -33,7 +33,8 @@ class FlowForce(Reading):
     step: of the midpoint schemes, `EnergyMomentum` among them, those that acted in its middle, half a step before the
     velocities, pressures and `WallShear` of the state; other schemes balance forces at its end. Nodes at the rim of
     the faces that other faces hold, too, such as the corners of an inlet and a wall, bring a share of the force on
-    those, of first order in the mesh.
+    those, of first order in the mesh. In a closed box, where nothing says how high the pressure is, forces are those
+    of another level than `Fluid.pressures` shows; their sum over the whole boundary is the same.
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
+from visviva.results.swings import MANY
 
 if TYPE_CHECKING:
     from visviva.output.labels import Labels
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from visviva.results.result import Result
     from visviva.system.system import System
 
+RINGS = "WRONG, as it rings after a sudden change: let that come over some steps, take shorter ones, or BackwardEuler"
 CONSERVED = 1e-9
 """Relative errors up to this are those of rounding and of Newton's method."""
 LOOSE = 1e-6
@@ -124,6 +126,8 @@ def judgements(result: Result) -> list[Judgement]:
     if entropy := second_law(result):
         found.append(Judgement("entropy balance (second law)", *entropy))
     found += momentum_judgements(result)
+    if result.statistics.swings >= MANY:
+        found.append(Judgement("changes", f"taken back by {result.statistics.swings} steps in a row", RINGS))
     if stability.equilibria:
         found.append(Judgement("equilibria", "", str(stability)))
     if result.system.n_constraints:

@@ -17,6 +17,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning, undisturbed
 
@@ -302,6 +303,7 @@ class Bookkeeper:
                 name = f"heat_{a.kind}" if a.category == "heat" else f"work_{a.kind}"
                 self._brought[ledger.brought.index(name), k] = 1
         self.done = np.zeros(len(ledger.brought))
+        self.swings = Swings()
         self.total0: float | None = None
 
     def book(self, time: float, core: Any) -> Array:

@@ -54,6 +54,8 @@ class Statistics:
     factorizations: int = 0
     rejected: int = 0
     seconds: float = 0.0
+    swings: int = 0
+    """Most steps in a row that took back the change of the one before, see `Swings`."""
 
 
 @dataclass

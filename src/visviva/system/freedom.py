@@ -15,7 +15,7 @@ from visviva.body.mesh_body import MeshBody
 from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.model.field import Role
-from visviva.scheme.schemes import EnergyMomentum, load_step
+from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 
 if TYPE_CHECKING:
     from visviva.model.field import Field
@@ -189,6 +189,46 @@ def refuse_massless(system: System) -> None:
             f"{', and '.join(found)} has no mass, and nothing holds it: forces, such as those of a contact, would move "
             "it at any speed; give it a density, or hold it by vv.Fixed, vv.Tie, a joint or a spring"
         )
+
+
+def refuse_swinging(system: System, scheme: Scheme) -> None:
+    """Refuse bodies without mass where balance is asked for in the middle of steps: about it they would swing for ever.
+
+    Raises
+    ------
+    InputError
+        With the body and what to take instead.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> cube = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+    >>> system = vv.System([vv.Solid(mesh=cube, material=vv.NeoHooke(young=1, poisson=0.3), name="cube")])
+    >>> refuse_swinging(system, vv.BackwardEuler())
+    >>> try:
+    ...     refuse_swinging(system, vv.Midpoint())
+    ... except vv.InputError as error:
+    ...     print(str(error)[:28])
+    Solid 'cube' has no density
+    """
+    if not scheme.has_inertia or scheme.theta != 0.5:
+        return
+    light = [
+        c for c in system.components if isinstance(c, MeshBody) and c.density == 0 and _can_move(system, c)
+    ]
+    if light:
+        raise InputError(
+            f"{light[0].label} has no density, and {scheme}, which asks for balance in the middle of steps, would let "
+            "it swing about it at every step; give it one, or take BackwardEuler() or BDF2(), or vv.quasi_static"
+        )
+
+
+def _can_move(system: System, body: Attachable) -> bool:
+    vectors = body.vectors(system.model)
+    if vectors is None:
+        return False
+    starts, _, width = vectors
+    return bool(np.isin(starts[:, None] + np.arange(width), system.free_unknowns).any())
 
 
 def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list[str]:
