@@ -171,3 +171,25 @@ def test_plane_solids_touch_alike_whatever_their_thickness(enforcement: str, fri
         assert np.abs(ends[-1][:, 1]).max() > 0.03
     assert np.allclose(ends[0], ends[1], rtol=0, atol=1e-8)
     assert np.allclose(ends[2], ends[1], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+def test_default_penalties_do_not_know_how_wide_a_rigid_floor_is(formulation: Any) -> None:
+    """The layer that gives them is one of the block, not of facets of what is rigid."""
+    found = []
+    for wide in (1.0, 10.0, 100.0):
+        floor = vv.RigidBody(shape=vv.Box(size=(wide, wide, 0.3)), density=30.0, position=(0.5, 0.45, -0.15))
+        mesh = vv.BoxMesh(size=(0.4, 0.3, 0.2), counts=(4, 3, 2), origin=(0.3, 0.31, 0.0))
+        block = vv.Solid(mesh=mesh, material=RUBBER, density=1000.0)
+        chosen: dict[str, Any] = {"enforcement": "penalty", "formulation": formulation}
+        touch = vv.Contact(first=block, first_faces="z0", second=floor, **chosen)
+        hold = vv.Rigid(a=vv.Ground(), b=floor, at=(0, 0, -0.3))
+        guides = [
+            vv.SymmetryPlane(solid=block, nodes=side, normal=n)
+            for side, n in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)))
+        ]
+        system = vv.System([block, floor, touch, hold, *guides, vv.Gravity()])
+        vv.quasi_static(system, until=1.0, step=1.0)
+        found.append(float(block.displacements(system.x)[:, 2].min()))
+    assert found == pytest.approx([found[0]] * 3, rel=1e-6)
+    assert -5e-4 < found[0] < 0

@@ -306,7 +306,14 @@ class Contact(Component):
     @property
     def _layer(self) -> Layer:
         bodies = [body for body in (self.first, self.second) if body is not None]
-        return Layer(self.label, bodies, self._surface, self.size)
+        return Layer(self.label, bodies, self._surface, self._width)
+
+    @property
+    def _width(self) -> float:
+        """Largest diameter of a facet of what deforms: those of rigid bodies say nothing of how stiff it is."""
+        sides = ((self.first, self._surface), (self.second, self._facing))
+        widths = [side.size for body, side in sides if side is not None and mesh_bodies(body)]
+        return self.size if is_bar(self.second or self.first) else max(widths, default=0.0) or self.size
 
     def _stiffness(self) -> float:
         """Stiffness of the normal contact."""
