@@ -221,3 +221,29 @@ def test_a_held_temperature_is_one_that_is_prescribed() -> None:
     system = vv.System([cube, *expanding(cube), held])
     vv.quasi_static(system, until=1.0, step=1.0)
     np.testing.assert_allclose(cube.temperatures(system.x), 320.0)
+
+
+def pulled(times: str | None) -> vv.System:
+    """A cube without mass that is pulled, at once or by and by."""
+    cube = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=10.0, poisson=0.3)
+    )
+    pull = vv.Traction(solid=cube, faces="x1", traction=(1, 0, 0), times=times)
+    return vv.System([cube, vv.Fixed(solid=cube, nodes="x0"), pull])
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.VariationalMidpoint()])
+def test_what_has_no_mass_begins_in_balance(scheme: vv.Scheme) -> None:
+    """About a balance in the middle of steps it would be at 0 and at twice its displacement in turn."""
+    with pytest.raises(vv.InputError, match="has no density, and is not in balance at the start"):
+        vv.simulate(pulled(None), until=0.1, step=0.01, scheme=scheme)
+    balance = vv.quasi_static(pulled("t"), until=1.0, step=1.0).system.x
+    slow = vv.simulate(pulled("t"), until=1.0, step=0.1, scheme=scheme).system.x
+    assert slow == pytest.approx(balance, abs=1e-3)
+    late = vv.simulate(pulled(None), until=0.1, step=0.01, scheme=vv.BackwardEuler()).system.x
+    assert late == pytest.approx(balance, abs=1e-8)
+
+
+def test_what_has_no_mass_and_swings_later_is_told() -> None:
+    result = vv.simulate(pulled("step(t - 0.05)"), until=0.2, step=0.01)
+    assert result.statistics.swings > 10

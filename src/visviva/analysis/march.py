@@ -154,7 +154,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     scheme.refuse(system)
     if changes or system.report is None:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
-    refuse_swinging(system, scheme)
+        refuse_swinging(system, scheme)
     if changes:
         system.choose_linear(**due)
     if not scheme.has_inertia:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.system.freedom import massless
+
 if TYPE_CHECKING:
     from visviva.system.system import System
 
@@ -21,13 +23,14 @@ MANY = 4
 
 
 class Swings:
-    """Counts the steps in a row in which what is of first order in time takes back its last change.
+    """Counts the steps in a row in which what is of first order in time, or has no mass, takes back its last change.
 
     Rules that ask for balance in the middle of a step (Crank & Nicolson) do so after a sudden change, for
     ``1 / k``-th of the steps if these are k times longer than the finest cell takes to follow.
     """
 
     def __init__(self) -> None:
+        self._own: NDArray[np.bool_] | None = None
         self._before: Array | None = None
         self._change: Array | None = None
         self._largest = 0.0
@@ -35,7 +38,11 @@ class Swings:
 
     def look(self, system: System) -> int:
         """After a step: how many in a row took back the one before."""
-        own = system.order == 1
+        if self._own is None:
+            self._own = system.order == 1
+            for _, unknowns in massless(system):
+                self._own[unknowns] = True
+        own = self._own
         if not own.any():
             return 0
         now, before, last = system.x[own], self._before, self._change
