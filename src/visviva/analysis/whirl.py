@@ -29,6 +29,9 @@ LOOSE = 1e-14
 TURNING = 1e-12
 """Gyroscopic terms smaller than this, relative to the largest of damping, are none."""
 
+WIDE, RESTARTS = 80, 300
+"""Vectors of the Krylov space of few modes, and how often it may be begun anew."""
+
 
 def gyroscopic(at: Instant) -> sp.csr_array | None:
     """The skew part (n, n) of the forces by velocities; None where there is none."""
@@ -57,9 +60,10 @@ def complex_modes(linear: Linearized, C: sp.csr_array, n: int) -> tuple[Complex,
         start = np.random.default_rng(0).standard_normal(2 * q)
         linear_operator = spl.LinearOperator((2 * q, 2 * q), matvec=operator.__matmul__, dtype=float)
         try:
-            theta, z = spl.eigs(linear_operator, k=2 * n + 4, which="LM", v0=start)
+            k, ncv = 2 * n + 4, min(2 * q - 1, max(WIDE, 4 * n))
+            theta, z = spl.eigs(linear_operator, k=k, which="LM", v0=start, ncv=ncv, maxiter=RESTARTS)
         except spl.ArpackError as error:
-            raise RunError(f"modes: the lowest {n} were not found; ask for fewer") from error
+            raise RunError(f"modes: the lowest {n} were not found; ask for fewer, or for more") from error
         finite = np.abs(theta) > 1e-9 * np.abs(theta).max(initial=0.0)
         roots, z = shift + 1 / theta[finite], linear.at.scale[:, None] * z[:q, finite]
     roots = cleaned(roots)

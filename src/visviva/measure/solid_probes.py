@@ -200,7 +200,7 @@ class Volume(Reading):
 class SupportForce(Reading):
     """Probe: force (3,) by which supports hold nodes of a solid: `Fixed`, `Prescribed`, `SymmetryPlane`.
 
-    Couplings and joints have their `ReactionForce`, contact has its `ContactForce`. Forces are those of the last step:
+    Joints have their `ReactionForce`, contact has its `ContactForce`. Forces are those of the last step:
     of the midpoint schemes, the means over it. Where functions of time drive motion those would alternate, and the
     forces of the present instant are taken (:doc:`/theory/schemes`).
 

@@ -16,6 +16,19 @@ from visviva.output.labels import Labels
 from visviva.output.lock import locked
 from visviva.output.safe_files import replacing, reporting
 
+SHOWN = (
+    "picture-*.png",
+    *(
+        f"{what}.{kind}"
+        for what in ("energy", "probes", "picture", "movie")
+        for kind in ("pdf", "svg", "gif")
+    ),
+    "blocks.vtkhdf",
+    "trajectory.pvd",
+    "trajectory/*.vtu",
+)
+"""What commands make of a run where no name is given."""
+
 
 @dataclass(frozen=True)
 class RunDirectory:
@@ -128,6 +141,11 @@ class RunDirectory:
         )
         return (*series, self.energy_plot, self.probes_plot, self.picture, self.movie, self.page)
 
+    @property
+    def shown(self) -> tuple[Path, ...]:
+        """Files by which a run was shown later on, under the names that they have of themselves."""
+        return tuple(file for pattern in SHOWN for file in self.path.glob(pattern))
+
     @classmethod
     def create(cls, path: str | Path, overwrite: bool = False) -> Self:
         """Make the directory of a new run.
@@ -150,7 +168,7 @@ class RunDirectory:
         if earlier and not overwrite:
             held = f"{run.path}: already holds a run ({earlier[0].name})"
             raise InputError(f"{held}; resume it, overwrite it, or choose another directory")
-        for file in run.files:
+        for file in (*run.files, *run.shown):
             file.unlink(missing_ok=True)
         return run
 
