@@ -78,7 +78,11 @@ def test_run_directory(tmp_path):
     assert RunDirectory.open(run.path) == run
     with pytest.raises(InputError, match=r"already holds a run \(state.h5\)"):
         RunDirectory.create(run.path)
-    for later in ("picture-0.5.png", "energy.pdf", "blocks.vtkhdf"):  # of the run before, made by other commands
+    for later in (
+        "picture-0.5.png",
+        "energy.pdf",
+        "blocks.vtkhdf",
+    ):  # of the run before, made by other commands
         (run.path / later).write_text("old")
     RunDirectory.create(run.path, overwrite=True)
     assert [file.name for file in run.path.iterdir()] == ["notes.txt"]

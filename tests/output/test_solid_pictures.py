@@ -35,7 +35,7 @@ def test_fields_color_what_has_them(bent, tmp_path, monkeypatch, with_pyvista):
     plain = ("#ff00ff", "#ff00ff", "#000000")
     n_hues, pink = {}, {}
     for field in ("", "von_mises", "displacement"):
-        png = tmp_path / f"{field}.png"
+        png = tmp_path / f"{field or 'plain'}.png"
         ends = (0.0, 164.3) if field == "von_mises" else None
         snapshot(bent, png, field=field, colors=plain, size=(320, 240), outline=bool(field), limits=ends)
         image = read_image(png)[:, :270]  # without the colour bar
