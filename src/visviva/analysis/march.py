@@ -152,9 +152,9 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)
-    if changes or system.report is None:
+    is_new = changes or system.report is None
+    if is_new:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
-        refuse_swinging(system, scheme)
     if changes:
         system.choose_linear(**due)
     if not scheme.has_inertia:
@@ -169,6 +169,8 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         system.report = fit(system, project=project)
     if system.is_given:
         settle(system)
+    if is_new:
+        refuse_swinging(system, scheme)
     system.stepper.is_edited = False
     system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:
