@@ -141,11 +141,6 @@ class RunDirectory:
         )
         return (*series, self.energy_plot, self.probes_plot, self.picture, self.movie, self.page)
 
-    @property
-    def shown(self) -> tuple[Path, ...]:
-        """Files by which a run was shown later on, under the names that they have of themselves."""
-        return tuple(file for pattern in SHOWN for file in self.path.glob(pattern))
-
     @classmethod
     def create(cls, path: str | Path, overwrite: bool = False) -> Self:
         """Make the directory of a new run.
@@ -168,7 +163,8 @@ class RunDirectory:
         if earlier and not overwrite:
             held = f"{run.path}: already holds a run ({earlier[0].name})"
             raise InputError(f"{held}; resume it, overwrite it, or choose another directory")
-        for file in (*run.files, *run.shown):
+        shown = (file for pattern in SHOWN for file in run.path.glob(pattern))
+        for file in (*run.files, *shown):
             file.unlink(missing_ok=True)
         return run
 
