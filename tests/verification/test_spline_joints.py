@@ -238,6 +238,40 @@ def test_clamping_and_cutting_leave_the_shape() -> None:
             np.testing.assert_allclose(two.at(xi[~less]), patch.at(xi[~less]), atol=1e-13)
 
 
+# --- quadrature ---------------------------------------------------------------------------------------------------
+def uneven(ratio: float) -> vv.SplinePatch:
+    """A unit square of one span with weights greater by a factor where x is 0: its functions are bilinear in x, y."""
+    control = np.array([[(0.0, 0.0), (0.0, 1.0)], [(1.0, 0.0), (1.0, 1.0)]])
+    weights = np.array([[ratio, ratio], [1.0, 1.0]])
+    return vv.SplinePatch(degrees=(1, 1), knots=(ONCE, ONCE), control=control, weights=weights)
+
+
+def test_uneven_weights_leave_a_bilinear_element() -> None:
+    solid, given = on(uneven(3.0)), plain([replace(uneven(3.0), weights=None)])
+    assert solid.mass == pytest.approx(1.0, rel=1e-6)
+    np.testing.assert_allclose(frequencies(solid), frequencies(given), rtol=5e-5)
+    joined = on(vv.SplinePatches(patches=(uneven(3.0), block(1, 0, counts=(1, 1)))))
+    assert joined.volume(vv.System([joined]).x) == pytest.approx(2.0, rel=1e-6)
+    with pytest.raises(
+        vv.InputError, match=re.escape("weights from 1 to 1000 of a patch of splines are too uneven")
+    ):
+        on(uneven(1000.0))
+
+
+@pytest.mark.parametrize("name", ["degree 4", "weights"])
+def test_even_tractions_on_a_side(name: str) -> None:
+    """Force on each control point: the integral of a B-spline, ``(t[i + p + 1] - t[i]) / (p + 1)``."""
+    box = vv.SplineBox(size=(2, 1), counts=(2, 1), degree=4)
+    solid = on(box if name == "degree 4" else uneven(3.0))
+    knots = box.parts()[0].knots[0]
+    exact = (knots[5:] - knots[:-5]) / 5 if name == "degree 4" else np.array([0.5, 0.5])
+    total = np.zeros(solid.splines.size)
+    for part in solid.face_points(solid.faces("y0")):
+        np.add.at(total, part.nodes, np.einsum("mq,mqk->mk", part.size, part.N))
+    loaded = np.flatnonzero(solid.splines.control[:, 1] == 0)
+    np.testing.assert_allclose(total[loaded], exact, rtol=1e-8)
+
+
 # --- refusals -----------------------------------------------------------------------------------------------------
 def test_refusals() -> None:
     square = block(0, 0)

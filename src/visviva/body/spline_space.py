@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.body.space import Table
+from visviva.body.spline_quadrature import gauss_points, points_needed
 from visviva.mesh import convert
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, corner_rows
 from visviva.mesh.geometry import determinant
 from visviva.mesh.grid import SIDES
 from visviva.mesh.mesh import Mesh
-from visviva.mesh.quadrature import mass_rule
+from visviva.mesh.quadrature import Rule, gauss
 from visviva.mesh.spline import SplinePatch, SplineSource
 from visviva.mesh.spline_joined import CLOSE, joined
 
@@ -124,10 +125,15 @@ class SplineSpace:
 
     @cached_property
     def _cells(self) -> list[Table]:
-        return [self._table(patch, number) for patch, number in zip(self.patches, self.numbers, strict=True)]
+        return [self._table(*each) for each in zip(self.patches, self.numbers, self._points, strict=True)]
 
-    def _table(self, patch: SplinePatch, number: Ints) -> Table:
-        xi, w = gauss_points(patch)
+    @cached_property
+    def _points(self) -> list[list[int]]:
+        """Points of quadrature by direction in each knot span, patch by patch."""
+        return [points_needed(patch) for patch in self.patches]
+
+    def _table(self, patch: SplinePatch, number: Ints, counts: Sequence[int]) -> Table:
+        xi, w = gauss_points(patch, counts)
         q = w.shape[1]
         numbers, N, dN, H = patch.functions(xi)
         P = patch.control.reshape(-1, patch.dimension)[numbers]
@@ -171,11 +177,12 @@ class SplineSpace:
             for kind, nodes in faces.cells.items():
                 own = nodes[(faces.owners[kind] >= ends[k]) & (faces.owners[kind] < ends[k + 1])]
                 if len(own):
-                    yield self._sides(patch, self.numbers[k], kind, self._xi[k][local[own]])
+                    rule = gauss(max(self._points[k]), patch.dimension - 1)
+                    yield self._sides(patch, self.numbers[k], kind, self._xi[k][local[own]], rule)
 
-    def _sides(self, patch: SplinePatch, number: Ints, kind: str, corners: Array) -> Sides:
+    def _sides(self, patch: SplinePatch, number: Ints, kind: str, corners: Array, rule: Rule) -> Sides:
         """Points of faces with the parameters (m, a, d) of their nodes."""
-        d, (eta, w) = patch.dimension, mass_rule(kind)
+        d, (eta, w) = patch.dimension, rule
         xi = np.einsum("mac,qa->mqc", corners, CELLS[kind].N(eta))
         along = np.einsum("mac,qat->mqct", corners, CELLS[kind].dN(eta))
         # all points of a face see the functions of its first point, whose span is that of the face's middle
@@ -299,29 +306,6 @@ def sampled(
 def is_part(faces: Faces, of: Faces) -> bool:
     """Whether faces are all among others."""
     return set(corner_rows(faces)) <= set(corner_rows(of))
-
-
-def gauss_points(patch: SplinePatch) -> tuple[Array, Array]:
-    """Parameters (m q, d) of Gauss points, degree and one in each direction, and weights (m, q)."""
-    places, weights = [], []
-    for k, p in enumerate(patch.degrees):
-        x, w = np.polynomial.legendre.leggauss(p + 1)
-        b = patch.breaks(k)
-        half = 0.5 * np.diff(b)
-        places.append(b[:-1, None] + half[:, None] * (1 + x))
-        weights.append(half[:, None] * w)
-    d = patch.dimension
-
-    def spread(parts: Sequence[Array], k: int) -> Array:
-        """Of direction k on all spans, then all points."""
-        spans, n = patch.counts, [len(a[0]) for a in parts]
-        shape = [1] * (2 * d)
-        shape[k], shape[d + k] = spans[k], n[k]
-        return np.broadcast_to(parts[k].reshape(shape), (*spans, *n)).reshape(int(np.prod(spans)), -1)
-
-    xi = np.stack([spread(places, k) for k in range(d)], axis=-1)
-    w = np.prod([spread(weights, k) for k in range(d)], axis=0)
-    return xi.reshape(-1, d), np.asarray(w)
 
 
 def direction_of(pair: tuple[str, str]) -> int:
