@@ -134,5 +134,4 @@ def test_it_is_small_and_in_as_few_places_as_it_says() -> None:
         "materials.hpp",
         "rubber.py",
         "__init__.pyi",
-        "crack_law.py",  # which isochoric materials a volumetric split of cracks takes
     }

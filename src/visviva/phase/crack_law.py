@@ -19,10 +19,9 @@ SplitName = Literal["none", "volumetric", "spectral"]
 NONE, TRACE, VOLUME, GREEN, LOGARITHMIC = range(5)
 """Splits of the core, see ``visviva/point/fracture.hpp``."""
 LINEAR = {"AT1": True, "AT2": False}
+IDENTITY = np.array([1.0, 1, 1, 0, 0, 0])
 NORMALISED = {"AT1": 8 / 3, "AT2": 2.0}
 """Four times the integral of the root of the local part, by which a crack costs the toughness."""
-ISOCHORIC = (Kind.ISOCHORIC, Kind.GENT, Kind.HOLZAPFEL)
-"""Materials that are a part of constant volume and one of the volume alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +55,7 @@ class CrackLaw:
             return TRACE if self.split == "volumetric" else GREEN
         if kind is Kind.HENCKY:
             return VOLUME if self.split == "volumetric" else LOGARITHMIC
-        if self.split == "volumetric" and kind in ISOCHORIC:
+        if self.split == "volumetric" and is_isochoric(self.material):
             return VOLUME
         cure = "vv.SaintVenantKirchhoff (Green's strains) or vv.Hencky (logarithmic strains)"
         if self.split == "volumetric":
@@ -120,8 +119,7 @@ class CrackLaw:
             return np.zeros(len(C)), np.zeros_like(C)
         if number == TRACE:
             shrinks = np.minimum(0.5 * (C[:, :3].sum(axis=1) - 3), 0.0)
-            identity = np.array([1.0, 1, 1, 0, 0, 0])
-            return 0.5 * first * shrinks**2, (first * shrinks)[:, None] * identity
+            return 0.5 * first * shrinks**2, (first * shrinks)[:, None] * IDENTITY
         if number == VOLUME:
             return volume_left(C, first, second)
         values, n = np.linalg.eigh(C[:, FULL])
@@ -131,6 +129,27 @@ class CrackLaw:
         stress = first * trace[:, None] + 2 * second * parts
         S = np.einsum("ma,mia,mja->mij", stress / values if log else stress, n, n)
         return 0.5 * first * trace**2 + second * (parts**2).sum(axis=1), components(S)
+
+
+def is_isochoric(material: Material) -> bool:
+    """A material whose energy is ``W(J^(-2/3) C) + bulk U(J)``: its first part does not change with the volume.
+
+    That is asked of the energy itself, in two strains of shape, each with two volumes.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> [is_isochoric(vv.NeoHooke(young=1.0, poisson=0.3, isochoric=choice)) for choice in (True, False)]
+    [True, False]
+    """
+    if material.energy is not None or _core.bulk_place(int(material.kind)) < 0:
+        return False
+    shape = 0.01 * np.array([[2.0, -1, 1, 0.5, 1.5, -1], [-2, 1, -1, 0.5, -1, 1.5]]) + IDENTITY
+    out = np.empty((4, 28))
+    C = np.concatenate([shape, 1.1 * shape])
+    _core.material(int(material.kind), np.array(material.split().constants), C - IDENTITY, out)
+    rounding = 1e-9 * np.abs(out[:2, 0])
+    return bool(np.all(np.abs(out[2:, 0] - out[:2, 0]) <= rounding))
 
 
 def volume_left(C: Array, bulk: float, measure: float) -> tuple[Array, Array]:
