@@ -148,13 +148,14 @@ PointGaps::Reach NodeToSegment::locate_held(const double* X, int A, Found& found
     const int s = held.simplex;
     found = {&*candidate, shape(X, held.facet), {}, {}, Vector3::Zero()};
     const FacetShape& facet = found.facet;
-    if (held.n == facet.dim) {
+    const int a = held.vertex[0], b = held.vertex[held.n - 1];
+    if (held.n < facet.dim) found.foot = on_edge(facet, s, a, b, x);
+    // a centre on the edge itself has no direction from there, and is pushed off the simplex
+    if (held.n == facet.dim || found.foot.distance <= closed * options_.reach) {
         found.foot = whole(facet, s, x), found.normal = facet.normal(s);
         found.value = found.normal.dot(x - facet.corner[facet.vertex(s, 0)]);
         return Reach::near;
     }
-    const int a = held.vertex[0], b = held.vertex[held.n - 1];
-    found.foot = on_edge(facet, s, a, b, x);
     Vector3 w = x;
     for (int i = 0; i < found.foot.n; ++i) w -= found.foot.coordinate[i] * facet.corner[found.foot.vertex[i]];
     found.value = found.foot.distance, found.normal = w / found.value;
