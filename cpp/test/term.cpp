@@ -125,6 +125,18 @@ TEST_CASE("pattern: what is fixed has no place") {
     CHECK(pattern.rows(1).begin == pattern.rows(1).end);
 }
 
+TEST_CASE("pattern: what no term has coupled has no place, and is no neighbour's") {
+    Pattern pattern({0, 1, 2, 3}, {0, 0, 0, 0});
+    for (int k = 0; k < 4; ++k) pattern.couple(k, k);
+    pattern.couple(0, 2);
+    Csr csr;
+    pattern.finish(csr);
+    CHECK(pattern.position(0, 2) == 1);
+    CHECK_THROWS_WITH_AS(pattern.position(0, 1), doctest::Contains("row 0, column 1"), std::logic_error);
+    CHECK_THROWS_AS(pattern.position(0, 3), std::logic_error);  // beyond the last one of the row
+    CHECK_THROWS_AS(pattern.position(2, 0), std::logic_error);
+}
+
 namespace {
 
 struct Entries : EntryTerm {

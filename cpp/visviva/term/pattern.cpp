@@ -1,6 +1,8 @@
 #include "visviva/term/pattern.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace visviva {
 
@@ -83,7 +85,11 @@ std::int64_t Pattern::position(int row, int col) const {
     const int i = number_[row], j = number_[col];
     if (i < 0 || j < 0) return -1;
     const auto& cols = pairs_[i];
-    const auto at = std::lower_bound(cols.begin(), cols.end(), j) - cols.begin();
+    const auto found = std::lower_bound(cols.begin(), cols.end(), j);
+    if (found == cols.end() || *found != j)
+        throw std::logic_error("the tangent has no entry in row " + std::to_string(row) + ", column " +
+                               std::to_string(col) + ": no term has coupled these unknowns");
+    const auto at = found - cols.begin();
     return start_[i] + (row - first_[i]) * length_[i] + offset_[i][at] + (col - first_[j]);
 }
 
