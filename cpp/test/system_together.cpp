@@ -2,6 +2,7 @@
 // terms.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -77,7 +78,7 @@ class One : public Processes {
 // Adds up the parts of the matrix.
 class Dense : public LinearSolver {
   public:
-    Dense(int n, Processes* together) : n_(n), K_(n, n), together_(together) {}
+    Dense(int n, Processes* together, int fails = -1) : n_(n), K_(n, n), together_(together), left_(fails) {}
     void analyze(const Csr& csr, const Blocks&) override { csr_ = &csr; }
     bool factor(const double* values, const Place&) override {
         K_.setZero();
@@ -85,7 +86,7 @@ class Dense : public LinearSolver {
             for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k)
                 K_(csr_->unknown[i], csr_->unknown[csr_->col[k]]) = values[k];
         if (together_) together_->sum(K_.data(), static_cast<std::size_t>(K_.size()));
-        return true;
+        return left_-- != 0;
     }
     bool solve(const double* r, const Place&, double* d, double) override {
         Eigen::VectorXd all = Eigen::VectorXd::Map(r, n_);
@@ -98,6 +99,7 @@ class Dense : public LinearSolver {
     int n_;
     Eigen::MatrixXd K_;
     Processes* together_;
+    int left_;  // factorisations until one fails, in this process alone
     const Csr* csr_ = nullptr;
 };
 
@@ -183,7 +185,7 @@ struct Found {
     int n_patterns = 0;
 };
 
-Found march(Meeting* meeting, int rank) {
+Found march(Meeting* meeting, int rank, int fails = -1) {
     System system({2, 2, 2, 0}, {0, 0, 0, 0}, {1, 1, 1, 0});
     const auto stop = std::make_shared<Stop>();
     if (rank != 1) system.add(std::make_shared<Frame>());
@@ -196,7 +198,7 @@ Found march(Meeting* meeting, int rank) {
     system.set_accounts(1, 1), system.set_signal_count(1);
     system.set_judged({3});
     system.finalize();
-    system.set_solver(std::make_unique<Dense>(4, together.get()));
+    system.set_solver(std::make_unique<Dense>(4, together.get(), fails));
     Found found;
     for (int k = 1; k <= 6; ++k) {
         Step step;
@@ -215,6 +217,28 @@ Found march(Meeting* meeting, int rank) {
     return found;
 }
 
+struct Both {
+    std::array<Found, 2> found;
+    std::array<std::string, 2> failed;
+};
+
+// The second one fails to factor after so many times.
+Both march_both(int fails) {
+    Meeting meeting;
+    Both both;
+    auto run = [&](int rank) {
+        try {
+            both.found[rank] = march(&meeting, rank, rank == 1 ? fails : -1);
+        } catch (const std::exception& error) {
+            both.failed[rank] = error.what();
+        }
+    };
+    std::thread other(run, 1);
+    run(0);
+    other.join();
+    return both;
+}
+
 }  // namespace
 
 TEST_CASE("processes take the same branches, patterns, iterations and refusals as one") {
@@ -224,19 +248,7 @@ TEST_CASE("processes take the same branches, patterns, iterations and refusals a
     CHECK(one.refused == "too much");
     CHECK(one.x.back()[1] > 1);  // at the stop
 
-    Meeting meeting;
-    Found found[2];
-    std::string failed[2];
-    auto run = [&](int rank) {
-        try {
-            found[rank] = march(&meeting, rank);
-        } catch (const std::exception& error) {
-            failed[rank] = error.what();
-        }
-    };
-    std::thread other(run, 1);
-    run(0);
-    other.join();
+    const auto [found, failed] = march_both(-1);
     CHECK(found[0].refused == "another process refuses it");
     CHECK(found[1].refused == "too much");
     for (int rank : {0, 1}) {
@@ -247,5 +259,15 @@ TEST_CASE("processes take the same branches, patterns, iterations and refusals a
         for (std::size_t k = 0; k < one.x.size(); ++k)
             for (int u = 0; u < 4; ++u)
                 CHECK(found[rank].x[k][u] == doctest::Approx(one.x[k][u]).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("what one process cannot factor, none goes on with") {
+    const auto [found, failed] = march_both(3);
+    for (int rank : {0, 1}) {
+        CHECK(failed[rank].empty());
+        CHECK(found[rank].refused == "the tangent is singular");
+        CHECK(found[rank].iterations == found[1].iterations);
+        CHECK(found[rank].x.size() < 5);
     }
 }

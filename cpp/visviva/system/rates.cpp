@@ -186,7 +186,7 @@ bool System::solve_rates(const Context& c, const Context& instant) {
     if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
     const Place end = place(instant.step);
     rate_solver_->forget();  // a restart has not seen the values of earlier steps
-    return rate_solver_->factor(values_.data(), end) &&
+    return factor_by(*rate_solver_, instant.step) &&
            (rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), end, d_.data())
                         : share(rate_solver_->solve(r_.data(), end, d_.data(), 0)));
 }
@@ -206,7 +206,7 @@ bool System::solve_instant(const Step& now, const Signals& signals, const double
     for (int u = 0; u < n_; ++u) r_[u] = !fixed_[u] && (order_[u] > 0 || constraint_[u]) ? residual[u] : 0.0;
     if (rate_rigid_ && solver_->report().n_redundant > 0) rate_rigid_->find_redundant(true);
     rate_solver_->forget();
-    if (!rate_solver_->factor(values_.data(), place(step))) return false;
+    if (!factor_by(*rate_solver_, step)) return false;
     const bool solved = rate_rigid_ ? rate_rigid_->solve_rates(r_.data(), place(step), d_.data())
                                     : solve_for(*rate_solver_, step, 0);
     for (int u = 0; u < n_; ++u) a[u] = fixed_[u] ? 0.0 : d_[u];

@@ -229,7 +229,7 @@ std::vector<double> System::diagonal() const {
 
 bool System::factor(const Step& step) {
     const Lap lap(timed(&Phases::factorisation));
-    return solver_->factor(values_.data(), place(step));
+    return factor_by(*solver_, step);
 }
 
 // From the residual to the increment.

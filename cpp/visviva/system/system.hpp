@@ -332,6 +332,7 @@ class System {
     };
     double* timed(const Part& part) { return timed(part.can.search ? &Phases::contact : &Phases::assembly); }
     bool factor(const Step& step);
+    bool factor_by(LinearSolver& solver, const Step& step);
     bool solve_increment(const Step& step, double tolerance);
     std::vector<Part> terms_;
     Blocks blocks_;

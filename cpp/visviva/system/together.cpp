@@ -36,6 +36,11 @@ void System::total(std::vector<double>& parts) const {
     if (processes_ && !parts.empty()) processes_->sum(parts.data(), parts.size());
 }
 
+// What fails in one process fails in all: they go on to the same next thing.
+bool System::factor_by(LinearSolver& solver, const Step& step) {
+    return !any(!solver.factor(values_.data(), place(step)));
+}
+
 // Solves K d = -r for the residual r_, all of which every process knows.
 bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance) {
     if (!processes_) return solver.solve(r_.data(), place(step), d_.data(), tolerance);
@@ -47,8 +52,9 @@ bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance)
 
 // All get the solution of those who have the equations.
 bool System::share(bool solved) {
-    if (processes_ && solved) processes_->share(d_.data(), static_cast<std::size_t>(n_));
-    return solved;
+    if (any(!solved)) return false;
+    if (processes_) processes_->share(d_.data(), static_cast<std::size_t>(n_));
+    return true;
 }
 
 // The ledger's sums of a step, of the terms of all.
