@@ -13,7 +13,9 @@ import importlib
 import inspect
 import pkgutil
 import statistics
+import sys
 from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import visviva
@@ -76,11 +78,61 @@ def core_functions(folder: Path = CORE) -> Sized:
     ]
 
 
-def defined(cls: type) -> set[str]:
+@cache
+def class_bodies(module: str) -> dict[str, ast.ClassDef]:
+    """Classes of a module by their qualified names."""
+    found: dict[str, ast.ClassDef] = {}
+
+    def walk(node: ast.AST, within: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            name = f"{within}{getattr(child, 'name', '')}"
+            if isinstance(child, ast.ClassDef):
+                found[name] = child
+                walk(child, f"{name}.")
+            elif isinstance(child, ast.FunctionDef):
+                walk(child, f"{name}.<locals>.")
+            else:
+                walk(child, within)
+
+    walk(ast.parse(inspect.getsource(sys.modules[module])), "")
+    return found
+
+
+def assigned(cls: type) -> set[str]:
+    """Attributes that the methods of a class set on ``self``."""
+    body = class_bodies(cls.__module__).get(cls.__qualname__) if owns(cls) else None
+    methods = [f for f in body.body if isinstance(f, ast.FunctionDef) and f.args.args] if body else []
+    return {
+        node.attr
+        for method in methods
+        for node in ast.walk(method)
+        if isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Store)
+        and isinstance(node.value, ast.Name)
+        and node.value.id == method.args.args[0].arg
+    }
+
+
+def owns(cls: type) -> bool:
+    """Whether the source of a class is the house's own."""
+    return cls.__module__.startswith(("visviva.", "test_")) and not cls.__module__.startswith("visviva._core")
+
+
+def stated(cls: type) -> set[str]:
     """Public names that stand in the body of a class: arguments, methods, attributes."""
     annotations = vars(cls).get("__annotations__", {})
     named = annotations if isinstance(annotations, dict) else {}
     return {name for name in {*vars(cls), *named} if not name.startswith("_")}
+
+
+def defined(cls: type) -> set[str]:
+    """Public names in the body of a class, and those that its methods set."""
+    return stated(cls) | {name for name in assigned(cls) if not name.startswith("_")}
+
+
+def whole(cls: type) -> set[str]:
+    """All public names that a reader meets on an instance, those of bases among them."""
+    return {name for name in dir(cls) if not name.startswith("_")}.union(*map(defined, cls.__mro__))
 
 
 def added(cls: type) -> set[str]:

@@ -6,16 +6,19 @@ from pathlib import Path
 
 import sizes
 
-MOST = 25  # public names that a class adds
+MOST = 25  # public names that a class adds, those that its methods set among them
 WIDE = {
     "component.component.Component": 33,
     "mesh.mesh.Mesh": 34,
     "model.model.Model": 43,
-    "system.system.System": 48,
-    "flow.fluid.Fluid": 30,
+    "system.system.System": 60,
+    "system.instant.Instant": 29,
+    "flow.fluid.Fluid": 38,
     "body.director_body.DirectorBody": 26,
-    "contact.contact.Contact": 27,
+    "contact.contact.Contact": 35,
     "results.ledger.Ledger": 30,
+    "results.result.Result": 26,
+    "study.recorder.Recorder": 36,
     "output.directory.RunDirectory": 28,
 }
 """Classes beyond that, which are to be divided rather than get more than this."""
@@ -32,9 +35,8 @@ def test_files_are_short() -> None:
 
 
 def test_classes_are_narrow() -> None:
-    wide = {name: n for n, name in sizes.widths() if n > MOST}
-    assert not {name: n for name, n in wide.items() if n > WIDE.get(name, MOST)}
-    assert not WIDE.keys() - wide.keys(), "no longer wide: take them out"
+    """Exactly: a class that has become narrower leaves its lower number here."""
+    assert {name: n for n, name in sizes.widths() if n > MOST} == WIDE
 
 
 def test_lines_are_counted_without_docstrings(tmp_path: Path) -> None:
@@ -56,3 +58,24 @@ def test_names_of_bases_do_not_count() -> None:
 
     assert sizes.added(Base) == {"one"}
     assert sizes.added(Derived) == {"two", "three"}
+
+
+class Setting:
+    """Sets attributes in methods, here as `sizes` reads classes of files."""
+
+    given: int
+
+    def __post_init__(self) -> None:
+        self.one, self._hidden = 1, 2
+        self.one += 1
+        self.other.three = 3  # type: ignore[attr-defined]
+        for self.two in range(3):
+            pass
+
+    def settle(here) -> None:
+        here.four: int = 4
+
+
+def test_attributes_that_methods_set_count() -> None:
+    assert sizes.defined(Setting) == {"given", "settle", "one", "two", "four"}
+    assert sizes.whole(type("Derived", (Setting,), {"more": 1})) == sizes.defined(Setting) | {"more"}
