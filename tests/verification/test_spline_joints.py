@@ -284,3 +284,25 @@ def test_refusals() -> None:
         vv.SplinePatch(degrees=(1, 1), knots=([0, 0, 0.5, 0.5, 1, 1], ONCE), control=np.zeros((4, 2, 2)))
     with pytest.raises(vv.InputError, match=re.escape("cut(0, 1) is not between 0 and 1")):
         quad((0, 0), (1, 0), (1, 1), (0, 1)).cut(0, 1.0)
+
+
+def wrapped(knots: Any, control: Array, weights: Array | None = None) -> vv.SplinePatch:
+    return vv.SplinePatch(degrees=(2, 1), knots=(knots, ONCE), control=control, weights=weights, wrapped=(0,))
+
+
+def test_what_is_wrapped_goes_on_as_it_begins() -> None:
+    """Else functions of both ends, taken for one, would be no smooth ones."""
+    given = vv.SplineBox(size=(6, 1), counts=(6, 1), degree=2).parts([0])[0]
+    control, knots = given.control[:, :2], given.knots[0]
+    wrapped(knots, control)
+    clamped = np.clip(np.arange(-2.0, 9.0), 0, 6)
+    with pytest.raises(vv.InputError, match="direction 0, but its last knots are not those"):
+        wrapped(clamped, control)
+    with pytest.raises(vv.InputError, match="its last control points are not"):
+        wrapped(knots, control * [[[1.0, 1.0]]] + 0.1 * control**2)
+    with pytest.raises(vv.InputError, match="its last weights are not"):
+        wrapped(knots, control, 1.0 + 0.1 * np.arange(16.0).reshape(8, 2))
+    with pytest.raises(vv.InputError, match="needs 5 control points to be wrapped, not 4"):
+        wrapped(knots[:7], control[:4])
+    with pytest.raises(vv.InputError, match="wrapped has direction 2 of 2"):
+        replace(given, wrapped=(2,))

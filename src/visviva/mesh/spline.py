@@ -73,7 +73,8 @@ class SplinePatch(SplineSource):
     weights : array (n1, n2) or (n1, n2, n3), optional
         Positive, of a rational patch.
     wrapped : sequence of int
-        Directions that end where they begin: the last control points, as many as the degree, stand for the first ones.
+        Directions that go on at their end as they begin: the last control points, as many as the degree, stand for the
+        first ones, are these or all moved by the same, with the same weights and distances of knots.
 
     Notes
     -----
@@ -126,6 +127,8 @@ class SplinePatch(SplineSource):
             raise InputError(
                 f"SplinePatch: weights of shape {self.weights.shape} need shape {shape}, all positive"
             )
+        for k in self.wrapped:
+            self._check_wrapped(k)
 
     def _check_direction(self, k: int, p: int, t: Array, n: int) -> None:
         if not 1 <= p <= 4:
@@ -149,6 +152,33 @@ class SplinePatch(SplineSource):
                 f"SplinePatch: the knot {within[int(np.argmax(torn))]:g} of direction {k} stands more than {p} times, "
                 "so the patch is torn there; give it so often at most, or two patches joined by vv.SplinePatches"
             )
+
+    def _check_wrapped(self, k: int) -> None:
+        """Whether a direction goes on at its end as it begins."""
+        if k not in range(len(self.degrees)):
+            raise InputError(f"SplinePatch: wrapped has direction {k} of {len(self.degrees)}")
+        p, t = self.degrees[k], self.knots[k]
+        period = self.control.shape[k] - p
+        if period < p + 1:
+            raise InputError(
+                f"SplinePatch: direction {k} of degree {p} needs {2 * p + 1} control points to be wrapped, not "
+                f"{period + p}"
+            )
+        shift = t[period:] - t[: len(t) - period]
+        points = np.moveaxis(self.control, k, 0)
+        moved = points[period:] - points[:p]
+        w = np.ones(self.control.shape) if self.weights is None else self.weights
+        ratio = np.divide(*(np.moveaxis(w, k, 0)[part] for part in (slice(period, None), slice(p))))
+        for what, off, size in (
+            ("knots", shift, np.ptp(t)),
+            ("control points", moved.reshape(-1, moved.shape[-1]), np.ptp(points)),
+            ("weights", ratio, ratio.max()),
+        ):
+            if np.ptp(off, axis=0).max() > 1e-9 * size:
+                raise InputError(
+                    f"SplinePatch: wrapped has direction {k}, but its last {what} are not those it begins with; repeat "
+                    f"the first {p} control points, their weights and the knots between them at its end"
+                )
 
     # --- sizes ---------------------------------------------------------------------------------------------
     @property
