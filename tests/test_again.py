@@ -136,7 +136,8 @@ def test_arguments_stay_as_they_were_given(entry: Entry, monkeypatch: pytest.Mon
 
 
 def test_the_usual_formulation_of_contact_follows_its_bodies() -> None:
-    ground = vv.RigidBody(shape=vv.Box(size=(4, 4, 1)), density=1.0, position=(0, 0, -0.5), name="table")
+    mesh = vv.BoxMesh(size=(4, 4, 1), counts=(1, 1, 1), origin=(-2, -2, -1))
+    ground = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), density=1.0, name="table")
     ball = vv.RigidBody(shape=vv.Sphere(radius=0.5), density=1.0, position=(0, 0, 0.6), name="ball")
     contact = vv.Contact(first=ball, second=ground, stiffness=1e4, initial="press")
     system = vv.System([contact, ground, ball])

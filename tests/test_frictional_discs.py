@@ -26,7 +26,13 @@ def test_torque_of_pressed_discs_is_that_of_uniform_pressure(
     guide = vv.Cylindrical(a=ground, b=up, at=(0, 0, 0.01), axis=(0, 0, 1), stroke=True)
     press = vv.JointForce(joint=guide, coordinate="stroke", force=-LOAD)
     contact = vv.Contact(
-        first=up, first_faces="z0", second=low, second_faces="z1", friction=MU, stiffness=1e8
+        first=up,
+        first_faces="z0",
+        second=low,
+        second_faces="z1",
+        friction=MU,
+        stiffness=1e8,
+        formulation="mortar",
     )
     system = vv.System([ground, low, up, low_bearing, guide, press, contact])
     until, spin = 0.024, {"spin": vv.AngularVelocity(of=up)}

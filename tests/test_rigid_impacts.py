@@ -444,9 +444,11 @@ def test_the_stiffness_of_multipliers_between_rigid_bodies_changes_nothing(frict
         floor = vv.RigidBody(shape=vv.Box(size=(2, 2, 0.4)), density=1e3, position=(0, 0, -0.2))
         boxes = [
             vv.RigidBody(
-                shape=vv.Box(size=(0.2,) * 3), density=1e3, position=(0.03 * i, 0.02 * i, 0.12 + 0.25 * i)
+                shape=vv.Box(size=(width, width, 0.2)),
+                density=1e3,
+                position=(0.03 * i, 0.02 * i, 0.12 + 0.25 * i),
             )
-            for i in range(2)
+            for i, width in enumerate((0.2, 0.12))  # with all vertices above what it lands on
         ]
         ground = vv.Ground()
         contacts = [

@@ -20,7 +20,9 @@ SQUARE = np.sqrt(2) / 6 / ((np.sqrt(2) + np.arcsinh(1)) / 6)
 def contact_of(shape: vv.Shape, **options: Any) -> tuple[vv.Contact, str]:
     base = vv.RigidBody(shape=vv.Box(size=(1, 1, 0.1)), mass=1.0, position=(0, 0, -0.05))
     body = vv.RigidBody(shape=shape, mass=1.0, position=(0, 0, 0.05))
-    contact = vv.Contact(first=body, second=base, second_faces="z1", stiffness=1e6, **options)
+    contact = vv.Contact(
+        first=body, second=base, second_faces="z1", stiffness=1e6, **{"formulation": "mortar", **options}
+    )
     return contact, str(vv.System([base, body, contact]).check())
 
 

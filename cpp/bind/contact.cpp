@@ -203,6 +203,12 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
              [](ContactTerm& t, int work, int energy) { t.work_account = work, t.energy_account = energy; })
         .def("book_friction", [](ContactTerm& t, int work,
                                  int energy) { t.friction_account = work, t.slip_energy_account = energy; })
+        .def(
+            "watch",
+            [](ContactTerm& t, const Skin& skin, double limit, const std::string& cure) {
+                t.watch({skin, limit, cure});
+            },
+            nb::arg("skin"), nb::arg("limit"), nb::arg("cure"))
         .def_prop_ro("costs",
                      [](const ContactTerm& t) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};

@@ -29,6 +29,12 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
+    if (Piercing::Piece worst; sinks(c, worst)) {
+        char deep[96];
+        std::snprintf(deep, sizeof deep, "the bodies sink into each other by %.3g, unseen by gaps;",
+                      worst.depth);
+        return refused(worst.place.data(), 0, deep + (" " + piercing_->cure()) + ";");
+    }
     if (gives_energy(c)) return refused(0, "an impact that sticks at several vertices would give energy,");
     if (const int A = rubs_too_late(c); A >= 0)
         return refused(A,
@@ -68,9 +74,18 @@ int ContactTerm::rubs_too_late(const Context& c) const {
     return -1;
 }
 
+bool ContactTerm::sinks(const Context& c, Piercing::Piece& worst) {
+    double seen = 0;
+    for (int A = 0; A < gaps_->n(); ++A) seen = std::max(seen, depth(A, gap1_, area1_));
+    return piercing_ && piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
+}
+
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {
+    return refused(&X1_[3 * vertex], vertex, why);
+}
+
+Refusal ContactTerm::refused(const double* x, int vertex, const std::string& why) const {
     const Skin& skin = gaps_->skin();
-    const double* x = &X1_[3 * vertex];
     char near[96];
     std::snprintf(near, sizeof near, " near (%.4g, %.4g, %.4g)", x[0], x[1], x[2]);
     const int form = skin.first[vertex];

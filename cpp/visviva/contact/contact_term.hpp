@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>
+#include <optional>
 
 #include "visviva/base/stopwatch.hpp"
 #include "visviva/contact/active_set.hpp"
@@ -11,6 +12,7 @@
 #include "visviva/contact/gap_memory.hpp"
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/passage.hpp"
+#include "visviva/contact/piercing.hpp"
 #include "visviva/contact/swept_search.hpp"
 #include "visviva/term/term.hpp"
 
@@ -86,6 +88,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     const ContactCosts& costs() const { return costs_; }
     const Gaps& gaps() const { return *gaps_; }
 
+    /// Steps in which two rigid bodies sink into each other beside their gaps fail from now on.
+    void watch(Piercing piercing) { piercing_ = std::move(piercing); }
+
     /// Data of all gaps for the heat that passes in the step under way.
     void find_passages(const Context&, bool gradients, std::vector<Passage>& out);
     /// Multipliers of a gap, of pressure and then of traction, and which of a passage's three one is.
@@ -115,7 +120,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool holds(const Context& c) const { return (options_.conserving || rebounds()) && !c.step.is_static(); }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
     Refusal refused(int vertex, const std::string& why) const;
+    Refusal refused(const double* place, int vertex, const std::string& why) const;
     int passes(const std::vector<Approach>&, int n_parts);
+    bool sinks(const Context&, Piercing::Piece& worst);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();
@@ -194,6 +201,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::shared_ptr<Gaps> gaps_;
     ContactOptions options_;
     SweptSearch search_;
+    std::optional<Piercing> piercing_;
     ActiveSet active_;
     ContactScatter scatter_;
     std::vector<double> X0_, X1_, Xt_, D_;

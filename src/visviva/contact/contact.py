@@ -34,6 +34,7 @@ from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
 from visviva.contact.resolve import resolve, side_of
+from visviva.contact.sinking import watch
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
@@ -60,7 +61,8 @@ class Contact(Component):
         Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape, of shells
         'upper' or 'lower', or an edge for the rim there; 'all' for the whole boundary, of shells both sides and rim.
     formulation : {'mortar', 'node-to-segment'}, optional
-        By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, else 'mortar'.
+        By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, and between rigid
+        bodies, of which the check says it, else 'mortar'.
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
         'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
         facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly. Then rigid
@@ -125,9 +127,10 @@ class Contact(Component):
     as its own work. Schemes that remember accelerations (`GeneralizedAlpha`, `BDF2`) would gain energy in impacts by
     multipliers, and are refused. See :doc:`/theory/contact`.
 
-    Mortar gaps are means over facets. Those of a rigid box are large: where it lands on an edge or a corner, tilted, on
-    another rigid body, the corner goes in by centimetres of a box of 0.2 m, and the impact turns it the wrong way, at
-    every step size. Take ``formulation="node-to-segment"`` for rigid bodies that do not lie flat.
+    Between rigid bodies the vertices of `first` touch, or by mortar means over its facets, which corners of what does
+    not lie flat pass by. Edges that cross, and corners of `second` in faces of `first`, are seen by neither. Steps in
+    which bodies sink into each other beside their gaps, by a hundredth of their least width, fail and say so: exchange
+    `first` and `second`, or join balls to an edge that crosses others, which touch these exactly.
 
     A cylinder or cone that is `first` touches by its vertices: 32 on each rim and one in the middle of each flat face.
     So it rolls as a polygon, by a small impact at each vertex, after which it may hop. On its flat face it presses and
@@ -193,12 +196,13 @@ class Contact(Component):
             model.announce(self.second, Facing(self, self.second_faces))
 
     def _is_mortar(self) -> bool:
-        """Vertices are exact for balls and points; other rigid shapes have edges, which vertices pass by."""
+        """Vertices are exact for balls and points; means over the large facets of rigid bodies let corners sink."""
         if self.formulation is not None:
             return self.formulation == "mortar"
         feelers = self.first.feelers()
-        is_exact = feelers is not None and len(feelers[0]) == 1 and self.multipliers == "standard"
-        return not (is_exact or is_bar(self.first))
+        is_ball = feelers is not None and len(feelers[0]) == 1
+        is_rigid = not mesh_bodies(self.first, self.second)
+        return not (((is_ball or is_rigid) and self.multipliers == "standard") or is_bar(self.first))
 
     def declare(self, model: Model) -> None:
         model.index(self.first)
@@ -268,6 +272,7 @@ class Contact(Component):
             self.damping / self._surface.areas if self.damping > 0 else np.zeros(0),
         )
         self.term.name = self.label
+        watch(self, self.term)
         work = model.account(self, "contact", "dissipation")
         energy = -1 if multipliers else model.account(self, "contact", "potential")
         self.term.book_contact(work, energy)

@@ -187,7 +187,7 @@ class Pair:
             raise InputError(f"{self.label}: {self._opponent} has no surface")
         opposite = surface_of(self.second, self.second_faces, self.label)
         frames, turns = self._turning(surface, radius, length, len(surface.forms) + len(opposite.forms))
-        self._check_finer(surface, float(np.linalg.norm(np.ptp(opposite.places, axis=0))))
+        self.check_finer(surface, float(np.linalg.norm(np.ptp(opposite.places, axis=0))))
         size = max(surface.size, opposite.size)
         reach = self.reach or size
         pair = self._paired(surface, opposite, *frames)
@@ -198,7 +198,7 @@ class Pair:
             gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length, self.copies)
         return GapFunctions(gaps, size, reach, opposite, turns)
 
-    def _check_finer(self, surface: Surface, across: float) -> None:
+    def check_finer(self, surface: Surface, across: float) -> None:
         """Refuse a rigid first surface with a facet larger than all of the second one, which has this diagonal.
 
         By mortar the gap is a mean over all of that; otherwise there is no vertex where it touches.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from visviva.component.announcements import Conducting
 from visviva.contact.contact_surface import mesh_bodies
 from visviva.contact.creases import bluntest
+from visviva.contact.sinking import remark
 from visviva.contact.spin import least_torque
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ def remarks_of(contact: Contact, surface: Surface) -> list[str]:
     """Sentences about a contact whose first surface is this one."""
     label, first = contact.label, contact.first.label
     rigid = contact.enforcement == "multipliers" and not mesh_bodies(contact.first, contact.second)
-    found = insulated(label, contact.conducts, contact.first, contact.second)
+    found = insulated(label, contact.conducts, contact.first, contact.second) + remark(contact)
     if contact.friction > 0 and (edge := bluntest(surface)) > FELT:
         found.append(
             f"{label}: edges of {first} of up to {edge:.0f} degrees count as round, so that friction beside them acts "

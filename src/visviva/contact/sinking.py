@@ -1,0 +1,89 @@
+"""Rigid bodies that sink into each other where their gaps do not see it: steps in which they do fail."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from visviva import _core
+from visviva.body.rigid import RigidBody
+from visviva.contact.contact_surface import Surface, of_vectors, skin, surface_of
+from visviva.contact.obstacle import Obstacle
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+
+UNSEEN = 0.01
+"""Part of the least width of both bodies by which edges may be in the other one deeper than twice what gaps see."""
+
+Pairing = tuple[RigidBody, RigidBody | Obstacle]
+
+
+def watched(contact: Contact) -> Pairing | None:
+    """Both sides, if they are rigid and have edges, corners or faces that gaps of the first one do not see."""
+    first, second = contact.first, contact.second
+    if not isinstance(first, RigidBody) or first.shape is None:
+        return None
+    if len(first.shape.feelers[0]) == 1 and not contact.is_mortar:  # balls are exact
+        return None
+    if isinstance(second, RigidBody):
+        return None if second.shape is None else (first, second)
+    return (first, second) if isinstance(second, Obstacle) else None
+
+
+def watch(contact: Contact, term: _core.ContactTerm) -> None:
+    """Let steps fail in which the bodies of a contact sink into each other unseen."""
+    pairing = watched(contact)
+    if pairing is None:
+        return
+    first, second = pairing
+    _, radius = first.feelers() or ((), 0.0)
+    if isinstance(second, RigidBody) and not contact.is_mortar and radius == 0:
+        own = surface_of(first, contact.first_faces, contact.label)
+        other = surface_of(second, contact.second_faces, contact.label)
+        contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
+    sides = _surface(contact, first), _surface(contact, second)
+    limit = UNSEEN * min(float(np.ptp(side.places, axis=0).min()) for side in sides)
+    term.watch(skin(*sides, sees=False), limit, _cure(contact, pairing))
+
+
+def _surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
+    if isinstance(body, RigidBody):
+        return surface_of(body, "all", contact.label)
+    points, facets = body.shape.facets()
+    _, frame = body.outline()
+    places = []
+    for X in points:
+        place = frame.position
+        for x, direction in zip(X, frame.directors, strict=True):
+            place = place + float(x) * direction
+        places.append(place)
+    return of_vectors(places, facets, points)
+
+
+def _cure(contact: Contact, pairing: Pairing) -> str:
+    first, second = (body.label for body in pairing)
+    if contact.is_mortar:
+        return (
+            f"mortar gaps are means over facets, which edges and corners of {first} pass by where it lies tilted: take "
+            "formulation='node-to-segment'"
+        )
+    return (
+        f"vertices of {first} alone touch {second}: exchange first and second where corners of that meet faces, take "
+        "formulation='mortar' where faces lie on each other beside vertices, and where edges cross join balls to one, "
+        "RigidBody(shape=Sphere(...)) by Rigid, with a contact of their own"
+    )
+
+
+def remark(contact: Contact) -> list[str]:
+    """What the check says of it."""
+    pairing = watched(contact)
+    if pairing is None:
+        return []
+    first, second = pairing
+    how = "means over facets, by mortar" if contact.is_mortar else "those of its vertices, by node-to-segment"
+    return [
+        f"{contact.label}: gaps of {first.label} are {how}; steps in which it and {second.label} sink into each other "
+        f"unseen by these, by {UNSEEN:.0%} of their least width, fail"
+    ]

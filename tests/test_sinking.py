@@ -1,0 +1,163 @@
+"""Rigid bodies that land tilted on each other touch where they are, or the step fails and names the cure."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+SPEED, SHARE = 2.0, 0.5
+
+
+def turned(axis: int, angle: float) -> Any:
+    """Rotation about an axis of space."""
+    c, s = np.cos(angle), np.sin(angle)
+    i, k = [(1, 2), (2, 0), (0, 1)][axis]
+    R = np.eye(3)
+    R[i, i] = R[k, k] = c
+    R[i, k], R[k, i] = -s, s
+    return R
+
+
+def inertia(mass: float, a: float, b: float) -> float:
+    return mass * (a * a + b * b) / 12
+
+
+def landing(tilt: float, step: float, **options: Any) -> tuple[float, float]:
+    """Spin of a box after it has hit another one with an edge, and the deepest that a corner was in it."""
+    R, corners = turned(1, tilt), [np.array(c) for c in product((-0.1, 0.1), repeat=3)]
+    height = -min((R @ c)[2] for c in corners) + 0.0015
+    box = vv.RigidBody(
+        shape=vv.Box(size=(0.2, 0.2, 0.2)),
+        density=1e3,
+        position=(0, 0, height),
+        rotation=R,
+        velocity=(0, 0, -SPEED),
+    )
+    base = vv.RigidBody(shape=vv.Box(size=(1, 1, 0.4)), density=100.0, position=(0, 0, -0.2))
+    contact = vv.Contact(first=box, second=base, restitution=SHARE, stiffness=1e6, **options)
+    system, depths = vv.System([box, base, contact]), [0.0]
+    ends, top = [vv.Position(of=box.point(tuple(c))) for c in corners], vv.Position(of=base)
+
+    def observe(s: vv.System) -> None:
+        depths.append(top(s)[2] + 0.2 - min(end(s)[2] for end in ends))
+
+    vv.simulate(system, until=0.02, step=step, observe=observe)
+    return float(vv.AngularVelocity(of=box)(system)[1]), max(depths)
+
+
+@pytest.mark.parametrize("tilt", [0.2, 0.5])
+def test_a_box_that_lands_on_an_edge_turns_as_two_bodies_in_impact(tilt: float) -> None:
+    """By default: mortar let it sink by 33 mm and turned it the other way, at every step."""
+    corner = min((turned(1, tilt) @ np.array(c) for c in product((-0.1, 0.1), repeat=3)), key=lambda p: p[2])
+    arm, masses = corner[0], (8.0, 40.0)
+    give = sum(
+        1 / m + arm**2 / J for m, J in zip(masses, (inertia(8, 0.2, 0.2), inertia(40, 1, 0.4)), strict=True)
+    )
+    impulse = (1 + SHARE) * SPEED / give
+    spin, depth = landing(tilt, 1e-4)
+    assert spin == pytest.approx(-arm * impulse / inertia(8, 0.2, 0.2), rel=2e-3)
+    assert depth <= 1.5 * SPEED * 1e-4
+
+
+@pytest.mark.parametrize("tilt", [0.05, 0.5])
+def test_mortar_of_tilted_rigid_bodies_fails_with_its_cure(tilt: float) -> None:
+    with pytest.raises(vv.StepFailure, match=r"sink into each other by .*take formulation='node-to-segment'"):
+        landing(tilt, 5e-4, formulation="mortar")
+
+
+def test_mortar_of_what_lies_flat_goes_on() -> None:
+    """Newton's impact of two bodies: masses 8 and 40."""
+    box = vv.RigidBody(
+        shape=vv.Box(size=(0.2, 0.2, 0.2)), density=1e3, position=(0, 0, 0.101), velocity=(0, 0, -SPEED)
+    )
+    base = vv.RigidBody(shape=vv.Box(size=(1, 1, 0.4)), density=100.0, position=(0, 0, -0.2))
+    contact = vv.Contact(first=box, second=base, restitution=SHARE, stiffness=1e6, formulation="mortar")
+    system = vv.System([box, base, contact])
+    vv.simulate(system, until=0.01, step=5e-4)
+    centre = -SPEED * 8 / 48
+    assert vv.Velocity(of=box)(system)[2] == pytest.approx(centre + SHARE * (centre + SPEED), rel=1e-9)
+
+
+def crossing(lower: str, radius: float = 0.0) -> float:
+    """Velocity of a cube that falls with its lowest edge across the upper edge of a body or an obstacle.
+
+    A ball with this radius may be joined to the middle of its edge.
+    """
+    edge = 0.15 * np.sqrt(2) + radius + 0.0015
+    upper = vv.RigidBody(
+        shape=vv.Box(size=(0.2, 0.2, 0.2)),
+        density=1e3,
+        position=(0, 0, edge + 0.1 * np.sqrt(2)),
+        rotation=turned(0, np.pi / 4),
+        velocity=(0, 0, -SPEED),
+    )
+    cube = vv.Box(size=(0.3, 0.3, 0.3))
+    base: Any = vv.Obstacle(shape=cube, axis=(1, 0, 1))
+    if lower == "body":
+        base = vv.RigidBody(shape=cube, density=1e3, rotation=turned(1, np.pi / 4))
+    options: dict[str, Any] = {"second": base, "restitution": SHARE, "stiffness": 1e6}
+    parts: list[Any] = [upper, base, vv.Contact(first=upper, **options)]
+    if radius:
+        ball = vv.RigidBody(
+            shape=vv.Sphere(radius=radius), mass=1e-6, position=(0, 0, edge), velocity=(0, 0, -SPEED)
+        )
+        parts += [ball, vv.Rigid(a=upper, b=ball, at=(0, 0, edge)), vv.Contact(first=ball, **options)]
+    system = vv.System(parts)
+    vv.simulate(system, until=0.02, step=5e-4)
+    return float(vv.Velocity(of=upper)(system)[2])
+
+
+@pytest.mark.parametrize("lower", ["body", "obstacle"])
+def test_edges_that_cross_fail_with_their_cure(lower: str) -> None:
+    """They went through each other."""
+    with pytest.raises(vv.StepFailure, match=r"sink into each other by .* where edges cross join balls"):
+        crossing(lower)
+
+
+@pytest.mark.parametrize(("lower", "mass"), [("body", 27.0), ("obstacle", 1e12)])
+def test_a_ball_joined_to_the_edge_cures_it(lower: str, mass: float) -> None:
+    """The velocities of Newton's impact with a mass of 8."""
+    centre = -SPEED * 8 / (8 + mass)
+    assert crossing(lower, 0.004) == pytest.approx(centre + SHARE * (centre + SPEED), rel=1e-5)
+
+
+def test_corners_of_the_second_body_in_a_face_of_the_first_fail() -> None:
+    """The plate falls onto the corner of a cube, between its own vertices."""
+    plate = vv.RigidBody(
+        shape=vv.Box(size=(0.6, 0.6, 0.1)), density=1e3, position=(0, 0, 0.05), velocity=(0, 0, -SPEED)
+    )
+    R = turned(0, np.arctan(np.sqrt(0.5))) @ turned(1, np.pi / 4)
+    size = 0.4
+    top = max((R @ np.array(c))[2] for c in product((-0.5 * size, 0.5 * size), repeat=3))
+    cube = vv.RigidBody(
+        shape=vv.Box(size=(size,) * 3), density=1e3, position=(0, 0, -top - 0.0015), rotation=R
+    )
+    contact = vv.Contact(first=plate, second=cube, stiffness=1e6)
+    with pytest.raises((vv.StepFailure, vv.InputError), match="exchange first and second"):
+        vv.simulate(vv.System([plate, cube, contact]), until=0.1, step=5e-4)
+
+
+def test_the_check_says_how_rigid_bodies_touch() -> None:
+    box, base = (vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0, position=(0, 0, z)) for z in (1.1, 0))
+    for formulation, words in ((None, "by node-to-segment"), ("mortar", "by mortar")):
+        contact = vv.Contact(first=box, second=base, stiffness=1e4, formulation=formulation)
+        assert words in str(vv.System([base, box, contact]).check())
+
+
+def test_what_overlaps_from_the_start_is_not_looked_at() -> None:
+    """A pin in a hole that is not drawn, with flanks that never meet."""
+    pin = vv.RigidBody(
+        shape=vv.Box(size=(0.2, 0.2, 1)), density=1e3, position=(0, 0, 0.5), velocity=(0, 0, -SPEED)
+    )
+    base = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1e3)
+    contact = vv.Contact(
+        first=pin, first_faces="x1", second=base, second_faces="x1", stiffness=1e4, formulation="mortar"
+    )
+    system = vv.System([pin, base, contact])
+    vv.simulate(system, until=0.1, step=0.01)
+    assert vv.Position(of=pin)(system)[2] == pytest.approx(0.5 - SPEED * 0.1, abs=1e-9)
