@@ -148,7 +148,7 @@ def _members(numbers: Ints, sets: Sequence[Any]) -> Any:
 def _families(names: Sequence[str], inside: Any) -> tuple[Ints, dict[int, list[str]]]:
     """Families (m,) by the groups that members are in, 0 for none, and their groups."""
     kinds, which = np.unique(inside, axis=0, return_inverse=True)
-    numbers = np.cumsum(kinds.any(axis=1)) * kinds.any(axis=1)
+    numbers = np.where(kinds.any(axis=1), np.cumsum(kinds.any(axis=1)), 0)
     found = {
         int(n): [name for name, is_in in zip(names, row, strict=True) if is_in]
         for n, row in zip(numbers, kinds, strict=True)
