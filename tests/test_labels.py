@@ -13,6 +13,7 @@ import visviva as vv
 from visviva.base.unit_labels import Units
 from visviva.measure.names import columns_of, units_of
 from visviva.output import RunDirectory, Trajectory, read_table
+from visviva.output.labels import Labels
 from visviva.results.naming import clock_of
 from visviva.scene import read_scene
 from visviva.scene.writing import write_scene
@@ -112,6 +113,8 @@ def test_load_steps_are_no_seconds(tmp_path: Path) -> None:
     labels = RunDirectory.open(tmp_path / "s").read_labels()
     assert (labels.axis("time"), labels.moment(0.5, 1.0)) == ("load parameter", "load parameter 0.50")
     assert (clock_of(vv.ArcLength()), clock_of(vv.Midpoint())) == ("state", "time")
+    path = Labels(clock="state", units={"time": "s"})
+    assert (path.abscissa, path.moment(3.0, 1.0)) == ("load parameter", "state 3")
 
 
 def test_scenes_have_units(tmp_path: Path) -> None:

@@ -8,13 +8,15 @@ import re
 import numpy as np
 import pytest
 from browser import browser, pixels, ready
+from test_static_runs import truss
 
 import visviva as vv
 from visviva.cli import main
-from visviva.output import RunDirectory, Surface, Trajectory
+from visviva.output import RunDirectory, Surface, Trajectory, read_table
 from visviva.output.page import write_page
 from visviva.output.page_frames import STEPS, Frames, quantised, restored
 from visviva.output.page_shapes import shape_of
+from visviva.study.run import run
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +35,6 @@ def swinging(tmp_path_factory):
         system, until=0.4, step=0.02, fields=("von_mises",), title="A bar </script> & a ball", units="SI"
     )
     study.probes = {"tip": vv.Position(of=ball)}
-    from visviva.study.run import run
-
     run(study, path, progress=False, pictures=False)
     return path
 
@@ -154,6 +154,30 @@ def test_a_browser_plays_it(swinging, tmp_path):
     values = np.array([np.nan if v is None else v for v in read[1]], dtype=float)
     assert read[0] == 10
     np.testing.assert_allclose(values, wanted, atol=2 * np.nanmax(wanted) / STEPS)
+
+
+def test_curves_of_paths_are_those_of_the_state_that_is_shown(tmp_path):
+    """Loads fall behind a limit point: they are places of curves, and states are what values are looked up by."""
+    study = truss()
+    study.scheme = vv.ArcLength(most=40)
+    run(study, tmp_path / "path", progress=False, pictures=False)
+    page = write_page(tmp_path / "path", tmp_path / "page.html")
+    table = read_table(tmp_path / "path" / "probes.csv")
+    last = len(table["time"]) - 1
+    load, height = table["time"], table["height_z"]
+    shown = about(page.read_text())["plots"][1]
+    assert shown["times"] == list(range(last + 1))
+    assert shown["places"] == pytest.approx(load, rel=1e-5)
+    assert np.diff(load).min() < 0
+    legend = "return [...document.querySelectorAll('.legend')][1].textContent"
+    with browser() as driver:
+        ready(driver, page.as_uri())
+        for k in (0, last // 3, last):
+            driver.execute_async_script("visviva.show(arguments[0]).then(arguments[1])", k)
+            told = driver.execute_script(legend)
+            assert float(re.search(r"z (\S+)$", told)[1].replace("\u2212", "-")) == pytest.approx(
+                height[k], abs=2e-3
+            )
 
 
 def asked(driver):

@@ -36,16 +36,19 @@ class Coloring:
 
     @property
     def form(self) -> str:
-        """Format of ticks: three digits, or as many as tell them apart.
+        """Format of ticks: three digits, or as many as tell them apart; four where these spare an exponent.
 
         Examples
         --------
         >>> Coloring("temperature", 270, 320).form, Coloring("temperature", 293.15, 293.16).form
         ('%.3g', '%.6g')
+        >>> Coloring("von_mises", 0, 1000).form
+        '%.4g'
         """
         ticks, near = self.ticks, 0.01 * (self.high - self.low)
         exact = (n for n in range(3, 15) if all(abs(float(f"{v:.{n}g}") - v) <= near for v in ticks))
-        return f"%.{next(exact, 15)}g"
+        digits = next(exact, 15)
+        return f"%.{max(digits, 4) if 1000 <= np.abs(ticks).max() < 10000 else digits}g"
 
     @classmethod
     def of(

@@ -61,6 +61,11 @@ class Labels:
         spoken = self.clock if quantity == "time" else name or quantity.replace("_", " ")
         return with_unit(spoken, self.unit(quantity))
 
+    @property
+    def abscissa(self) -> str:
+        """Text for the axis of what tables have for a time: of states on a path their load parameters."""
+        return "load parameter" if self.clock == "state" else self.axis("time")
+
     def unit(self, quantity: str) -> str:
         """Unit of a quantity, nothing where it has none or none is known; load parameters are no seconds."""
         return "" if quantity == "time" and self.clock != "time" else self.units.get(quantity, "")

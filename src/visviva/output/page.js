@@ -117,7 +117,7 @@ class Plot {
     this.box = document.createElement("div"); this.box.className = "plot";
     this.box.innerHTML = "<b></b><canvas></canvas><div class=legend></div>";
     this.canvas = this.box.querySelector("canvas");
-    this.canvas.onclick = (event) => show(nearest(this.time(event.offsetX)));
+    this.canvas.onclick = (event) => show(nearest(this.time(event.offsetX)));  // of a path, the state nearest to a load
     at.append(this.box); this.set(data);
   }
   set(data) {
@@ -126,8 +126,12 @@ class Plot {
     this.low = Math.min(...all, Infinity); this.high = Math.max(...all, -Infinity);
     if (!(this.high > this.low)) { const d = Math.abs(this.low) || 1; this.low -= d; this.high += d; }
   }
-  span() { const t = this.data.times; return [t[0], t[t.length - 1] > t[0] ? t[t.length - 1] : t[0] + 1]; }
-  time(x) { const [a, b] = this.span(), w = this.canvas.clientWidth; return a + (x - 46) / (w - 50) * (b - a); }
+  span() { const p = this.data.places, a = Math.min(...p), b = Math.max(...p); return [a, b > a ? b : a + 1]; }
+  time(x) {
+    const [a, b] = this.span(), place = a + (x - 46) / (this.canvas.clientWidth - 50) * (b - a), {times, places} = this.data;
+    if (about.clock !== "state") return place;
+    return times[places.reduce((best, p, k) => Math.abs(p - place) < Math.abs(places[best] - place) ? k : best, 0)];
+  }
   draw() {
     const scale = window.devicePixelRatio || 1, w = this.canvas.clientWidth, h = this.canvas.clientHeight, g = this.canvas.getContext("2d");
     if (!w || !this.data.times.length) return;
@@ -143,12 +147,13 @@ class Plot {
       const color = about.palette[c % about.palette.length], entry = document.createElement("span");
       g.strokeStyle = color; g.lineWidth = 1.4; g.beginPath();
       let pen = false;
-      curve.values.forEach((v, k) => { if (v === null) { pen = false; return; } g[pen ? "lineTo" : "moveTo"](x(this.data.times[k]), y(v)); pen = true; });
+      curve.values.forEach((v, k) => { if (v === null) { pen = false; return; } g[pen ? "lineTo" : "moveTo"](x(this.data.places[k]), y(v)); pen = true; });
       g.stroke();
       entry.style.color = color; entry.textContent = `${curve.name} ${short(at(this.data.times, curve.values, now))}`;
       legend.append(entry);
     });
-    g.strokeStyle = about.ink; g.lineWidth = 1; g.beginPath(); g.moveTo(x(now), 4); g.lineTo(x(now), h - 14); g.stroke();
+    g.strokeStyle = about.ink; g.lineWidth = 1; g.beginPath(); const here = x(at(this.data.times, this.data.places, now));
+    g.moveTo(here, 4); g.lineTo(here, h - 14); g.stroke();
   }
 }
 

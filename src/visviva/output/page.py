@@ -181,7 +181,7 @@ def changing(frames: Frames, files: RunDirectory, labels: Labels) -> dict[str, A
         "times": motion.times.tolist(),
         "camera": {"eye": eye, "target": target, "up": up, "extent": scene.extent},
         "fields": fields,
-        "plots": plots(files, labels),
+        "plots": plots(files, labels, motion),
     }
 
 
@@ -198,27 +198,46 @@ def centred(camera: Camera, cloud: NDArray[np.float64]) -> tuple[list[float], li
     return eye.tolist(), target.tolist(), up.tolist()
 
 
-def plots(files: RunDirectory, labels: Labels) -> list[dict[str, Any]]:
-    """Curves to draw beside: energies, then every probe."""
+def plots(files: RunDirectory, labels: Labels, motion: Trajectory) -> list[dict[str, Any]]:
+    """Curves to draw beside: energies, then every probe; ``places`` are where they are drawn, not always the times."""
     found = []
+    frames = motion.times if labels.clock == "state" else None
     if files.ledger.exists():
         ledger = read_table(files.ledger)
         names = [n for n in ledger if n in ("kinetic", "total") or n.startswith("potential")]
-        found.append(_plot(labels.axis("energy"), ledger, {n: n.replace("_", " ") for n in names}))
+        found.append(_plot(labels.axis("energy"), ledger, frames, {n: n.replace("_", " ") for n in names}))
     if files.probes.exists():
         probes = read_table(files.probes)
         for stem, columns in grouped(n for n in probes if n != "time").items():
             unit = labels.columns.get(columns[0], "")
             title = f"{stem} [{unit}]" if unit else stem
-            found.append(_plot(title, probes, {n: n.removeprefix(stem).lstrip("_") or stem for n in columns}))
+            found.append(
+                _plot(title, probes, frames, {n: n.removeprefix(stem).lstrip("_") or stem for n in columns})
+            )
     return found
 
 
-def _plot(title: str, table: Mapping[str, NDArray[np.float64]], shown: Mapping[str, str]) -> dict[str, Any]:
+def _plot(
+    title: str,
+    table: Mapping[str, NDArray[np.float64]],
+    frames: NDArray[np.float64] | None,
+    shown: Mapping[str, str],
+) -> dict[str, Any]:
+    """Curves of columns; with times of `frames` that count states, rows do so too, and load parameters are places."""
     rows = np.unique(np.linspace(0, max(len(table["time"]) - 1, 0), ROWS).round().astype(int))
     rows = rows[: len(table["time"])]
     curves = [{"name": name, "values": _plain(table[column][rows])} for column, name in shown.items()]
-    return {"title": title, "times": _plain(table["time"][rows]), "curves": curves}
+    places = table["time"]
+    times = places if frames is None else _counted(len(places), frames)
+    return {"title": title, "times": _plain(times[rows]), "places": _plain(places[rows]), "curves": curves}
+
+
+def _counted(n: int, frames: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Numbers of the states of `n` rows: those of the frames, or of every so many states and the last one."""
+    if len(frames) == n or not len(frames):
+        return np.resize(frames, n)
+    counted: NDArray[np.float64] = np.arange(n) * np.ceil(frames[-1] / max(n - 1, 1))
+    return np.minimum(counted, frames[-1])
 
 
 def _plain(values: NDArray[np.float64]) -> list[float | None]:

@@ -82,7 +82,7 @@ def energy_plot(
         _draw_energies(panels[0], columns, names, known)
         if error in columns:
             _draw_error(panels[1], columns, names, error)
-        panels[-1].set_xlabel(known.axis("time"))
+        panels[-1].set_xlabel(known.abscissa)
 
 
 def probes_plot(
@@ -127,7 +127,7 @@ def probes_plot(
         for panel in panels[len(groups) :]:
             panel.set_visible(False)
         for panel in panels[max(len(groups) - across, 0) : len(groups)]:
-            panel.set_xlabel(known.axis("time"))
+            panel.set_xlabel(known.abscissa)
             panel.tick_params(labelbottom=True)
 
 
@@ -143,7 +143,7 @@ def overview(
         _draw_error(panels[1], ledger, names, "imbalance")
         for panel, (stem, columns) in zip(panels[2:], groups.items(), strict=True):
             _draw_probe(panel, probes, stem, columns, known)
-        panels[-1].set_xlabel(known.axis("time"))
+        panels[-1].set_xlabel(known.abscissa)
 
 
 def grouped(names: Iterable[str]) -> dict[str, list[str]]:
