@@ -133,7 +133,9 @@ def side_by_side(panels: list[Path], target: Path) -> Path:
         return target
     from PIL import Image
 
-    Image.open(target).convert("RGB").quantize(192).save(target, optimize=True)
+    few = Image.open(target).convert("RGB")
+    few = few.quantize(255, Image.Quantize.MAXCOVERAGE, kmeans=1)  # keeps the hues of thin lines
+    few.save(target, optimize=True)
     return target
 
 
