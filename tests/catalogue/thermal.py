@@ -239,6 +239,30 @@ def sunk() -> Components:
     return [fluid, heat, box, wet, store, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
 
 
+def thin_sunk(kind: str) -> Components:
+    """A warm shell or beam in a fluid."""
+    fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
+    heat = vv.FluidHeat(fluid=fluid, conductivity=0.1, capacity=1.0, temperature=20.0)
+    body: Any
+    if kind == "shell":
+        grid = vv.RectangleMesh(size=(0.5, 0.4), counts=(1, 1), origin=(0.2, 0.3)).build()
+        X = np.column_stack([grid.points[:, :2], 0.4 + 0.2 * grid.points[:, 0]])
+        section = vv.SolidSection(
+            material=vv.NeoHooke(lame_lambda=20.0, shear=10.0), thickness=0.1, density=2.0
+        )
+        mesh = vv.Mesh(X, grid.cells, face_sets=grid.face_sets)
+        body = vv.ThermalShell(mesh=mesh, section=section, heat=HEAT, temperature=23.0)
+    else:
+        strip = vv.RectangleSection(width=0.2, height=0.5, young=10.0, density=2.0)
+        mesh = vv.LineMesh(points=[(0.2, 0.4, 0.5), (0.8, 0.5, 0.6)], count=2, cell=kind)
+        plain = vv.Heat(conductivity=0.5, capacity=2.0, expansion=0.005, reference=20.0)
+        body = vv.ThermalBeam(mesh=mesh, section=strip, heat=plain, temperature=23.0)
+    wet = vv.ImmersedThin(body=body, fluid=fluid, displaced=0.1)
+    cooling = vv.ImmersedHeat(immersed=wet, heat=heat, conductance=0.5)
+    down = vv.Gravity(acceleration=(0.3, -1.0, 0.2))
+    return [fluid, heat, body, wet, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
+
+
 def touching(**options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
@@ -338,6 +362,10 @@ THERMAL = [
     ],
     Entry("warm cube in a fluid", bathed, NOTHING, h=0.02, steps=10),
     Entry("warm rigid box in a fluid", sunk, NOTHING, h=0.02, steps=10),
+    *[
+        Entry(f"warm {kind} in a fluid", partial(thin_sunk, kind), NOTHING, h=0.02, steps=10)
+        for kind in ("shell", "line2")
+    ],
     Entry("heat links", linked, NOTHING, steps=20),
     *[
         Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)

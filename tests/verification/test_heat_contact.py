@@ -209,7 +209,15 @@ def test_refusals() -> None:
     points = vv.Contact(first=lower, second=upper, formulation="node-to-segment", **sides)
     half = vv.Contact(first=cold, second=upper, friction=0.1, **sides)
     none = vv.Contact(first=cold, second=vv.Plane(at=(0, 0, 0), normal=(0, 0, 1)), friction=0.1)
+    shell = vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+        section=vv.SolidSection(material=STIFF, thickness=0.1, density=1.0),
+        heat=vv.Heat(conductivity=2.0, capacity=1.0, reference=300.0),
+        name="skin",
+    )
+    on_shell = vv.Contact(first=shell, first_faces="upper", second=upper, second_faces="z0", friction=0.1)
     cases: list[tuple[dict[str, Any], str]] = [
+        ({"contact": on_shell, "conductance": 1.0}, "brings no heat into ThermalShell 'skin'"),
         ({"contact": contact}, "has no friction, so that nothing passes without a conductance"),
         ({"contact": contact, "conductance": -1.0}, "a conductance of -1 is not positive"),
         ({"contact": contact, "conductance": 0.0}, "a conductance of 0 is not positive"),

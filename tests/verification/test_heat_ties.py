@@ -225,6 +225,42 @@ def test_a_bolt_conducts_as_its_place_and_faces_say() -> None:
     assert 3 * left.mean() + 2 * right.mean() == pytest.approx(30.0, rel=1e-6)
 
 
+@pytest.mark.parametrize("conductance", [0.3, None])
+def test_shells_that_are_tied_even_out(conductance: float | None) -> None:
+    """``100 exp(-2 h t / c d)`` of two that are even within, and at once without a resistance; energy is kept."""
+    grid = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+    even = vv.Heat(conductivity=1e4, capacity=2.0, reference=300.0)
+    shells = []
+    for k in range(2):
+        X = np.column_stack([grid.points[:, :2], np.full(len(grid.points), 0.1 * k)])
+        shells.append(
+            vv.ThermalShell(
+                mesh=vv.Mesh(X, grid.cells, face_sets=grid.face_sets),
+                section=vv.SolidSection(
+                    material=vv.NeoHooke(young=1e4, poisson=0.0), thickness=0.1, density=1.0
+                ),
+                heat=even,
+                temperature=300.0 + 100 * k,
+            )
+        )
+    lower, upper = shells
+    tie = vv.HeatTie(
+        first=lower,
+        first_faces="upper",
+        second=upper,
+        second_faces="lower",
+        conductance=conductance,
+        reach=0.2,
+    )
+    system = vv.System([*shells, tie, *[vv.Fixed(solid=s, nodes="all") for s in shells]])
+    result = vv.simulate(system, until=0.2, step=0.01)
+    jump = upper.temperatures(system.x).mean() - lower.temperatures(system.x).mean()
+    left = 0.0 if conductance is None else 100 * np.exp(-2 * 0.3 * 0.2 / (2.0 * 0.1))
+    assert np.mean([s.temperatures(system.x) for s in shells]) == pytest.approx(350.0, abs=1e-9)
+    assert conductance is None or jump == pytest.approx(left, rel=1e-4)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12 * 2.0 * 0.1 * 400
+
+
 def test_a_turning_link_keeps_energy_and_makes_entropy() -> None:
     core, ring, _ = rings(0.3)
     strap = vv.HeatExchange(a=core, faces_a="top", b=ring, faces_b="bottom", conductance=0.4)

@@ -118,17 +118,66 @@ def test_refusals_of_rigid_bodies() -> None:
             vv.ImmersedHeat(**{**given, **options})
 
 
+def thin(kind: str, conductance: float) -> tuple[Any, ...]:
+    """A warm shell or beam, for its length or area of unit size times 0.1, in a box of resting fluid."""
+    warm = vv.Heat(conductivity=50.0, capacity=2.0, reference=300.0)
+    body: Any
+    if kind == "shell":
+        grid = vv.RectangleMesh(size=(0.4, 0.4), counts=(3, 3), origin=(0.3, 0.3)).build()
+        X = np.column_stack([grid.points[:, :2], np.full(len(grid.points), 0.45)])
+        section: Any = vv.SolidSection(material=RUBBER, thickness=0.1, density=1.0)
+        mesh: Any = vv.Mesh(X, grid.cells, face_sets=grid.face_sets)
+        body, size = vv.ThermalShell(mesh=mesh, section=section, heat=warm, temperature=350.0), 0.1
+    else:
+        section = vv.RectangleSection(width=0.2, height=0.5, young=10.0, density=1.0)
+        mesh = vv.LineMesh(points=[(0.3, 0.45, 0.5), (0.7, 0.5, 0.5)], count=3, cell=kind)
+        body, size = vv.ThermalBeam(mesh=mesh, section=section, heat=warm, temperature=350.0), 0.1
+    water = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4)), density=1.0, viscosity=0.1)
+    heat = vv.FluidHeat(fluid=water, conductivity=1.0, capacity=3.0, temperature=300.0, reference=300.0)
+    wet = vv.ImmersedThin(body=body, fluid=water, displaced=size)
+    cooling = vv.ImmersedHeat(immersed=wet, heat=heat, conductance=conductance)
+    return body, heat, water, vv.NoSlip(fluid=water, faces="all"), wet, cooling
+
+
+KINDS = ["shell", "line2", "line3"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_thin_cools_as_newton_says(kind: str) -> None:
+    """``exp(-h t / c d)`` of a shell, and ``exp(-h t / c A)`` of a beam, is left in a bath that holds much."""
+    body, heat, *others = thin(kind, 0.5)
+    bath = vv.PrescribedTemperature(body=heat, nodes="all", value=300.0)
+    system = vv.System([body, heat, *others, bath])
+    vv.simulate(system, until=0.2, step=0.02)
+    left = np.exp(-0.5 * 0.2 / (2.0 * 0.1))
+    assert (body.temperatures(system.x) - 300) / 50 == pytest.approx(left, rel=2e-3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_the_fluid_gives_takes_what_is_thin(kind: str) -> None:
+    """While it sinks: motion, strain and heat of both add up, and both become as warm as their capacities say."""
+    parts = thin(kind, 2.0)
+    system = vv.System([*parts, vv.Gravity(acceleration=(0, -0.5, 0))], vv.Newton(tolerance=1e-13))
+    result = vv.simulate(system, until=4.0, step=0.1)
+    stored = 2.0 * 0.1 * (0.16 if kind == "shell" else float(np.hypot(0.4, 0.05)))
+    common = 300 + 50 * stored / (stored + 3.0)
+    assert parts[0].temperatures(system.x) == pytest.approx(common, abs=0.02)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-11
+
+
 def test_refusals() -> None:
     water, heat, cube, immersed, _, _ = bathed()
     plain = vv.Immersed(solid=vv.Solid(mesh=cube.grid, material=RUBBER, density=1.0), fluid=water)
     other = vv.Fluid(mesh=water.grid, density=1.0, viscosity=1.0, name="oil")
     oil = vv.FluidHeat(fluid=other, conductivity=1.0, capacity=1.0, name="oil's")
+    _, bath, _, _, sheet, _ = thin("shell", 1.0)
     given: dict[str, Any] = {"immersed": immersed, "heat": heat, "conductance": 1.0}
     for options, words in (
         ({"conductance": 0.0}, "conductance = 0 is not positive"),
         ({"immersed": plain}, "carries no heat; make it a vv.ThermoelasticSolid"),
         ({"heat": oil}, "is that of Fluid 'oil'"),
         ({"faces": "north"}, "north"),
+        ({"immersed": sheet, "heat": bath, "faces": "upper"}, "heat passes all sides of ThermalShell"),
     ):
         with pytest.raises(vv.InputError, match=words):
             vv.ImmersedHeat(**{**given, **options})

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body.mesh_body import MeshBody
+from visviva.body.solid_fields import linear
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
@@ -125,7 +126,7 @@ class ImmersedThin(Carried):
         model.refresh(motion)
         pressed = follows | self._seen(places)
         model.hold(self.force, np.flatnonzero(~pressed.ravel()))
-        nodes = np.flatnonzero(pressed.any(axis=1))
+        self.followers = nodes = np.flatnonzero(pressed.any(axis=1))
         self._follow(
             model,
             self.body.node_unknowns(nodes),
@@ -181,14 +182,29 @@ class ImmersedThin(Carried):
         """Masses (m, k, k) of fluid that cells displace between their nodes, negative."""
         found = {}
         for kind, cells in self.body.grid.cells.items():
-            xi, w = mass_rule(kind)
-            N, dN = CELLS[kind].N_dN(xi)
-            J = jacobians(self.body.points, cells, dN)
-            size = np.linalg.norm(J[..., 0], axis=2)
-            if CELLS[kind].dimension == 2:
-                size = np.linalg.norm(np.cross(J[..., 0], J[..., 1]), axis=2)
-            weight = -self.fluid.density * self.displaced * w * size
+            N = CELLS[kind].N(mass_rule(kind).points)
+            weight = -self.fluid.density * self.displaced * self._sizes(kind, cells)
             found[kind] = np.einsum("mq,qa,qb->mab", weight, N, N)
+        return found
+
+    def _sizes(self, kind: str, cells: NDArray[np.int64]) -> Array:
+        """Lengths of lines or areas of surfaces (m, q) that the points of cells stand for."""
+        xi, w = mass_rule(kind)
+        J = jacobians(self.body.points, cells, CELLS[kind].dN(xi))
+        if CELLS[kind].dimension == 2:
+            return np.asarray(w * np.linalg.norm(np.cross(J[..., 0], J[..., 1]), axis=2))
+        return np.asarray(w * np.linalg.norm(J[..., 0], axis=2))
+
+    def shares(self) -> Array:
+        """Length of the line, or area of the middle, that each node (n,) at a corner of cells stands for."""
+        found = np.zeros(self.body.grid.n_nodes)
+        for kind, cells in self.body.grid.cells.items():
+            corners = linear(CELLS[kind])
+            np.add.at(
+                found,
+                cells[:, : CELLS[kind].n_corners],
+                self._sizes(kind, cells) @ corners.N(mass_rule(kind).points),
+            )
         return found
 
     def _displace(self, model: Model) -> None:

@@ -82,6 +82,12 @@ class HeatContact(Component):
                 + ("which carries no heat" if second is None else "of which none carries heat")
                 + "; make solids there vv.ThermoelasticSolid"
             )
+        thin = [body.label for body in (first, second) if isinstance(body, HeatCarrier) and body.is_thin]
+        if thin:
+            raise InputError(
+                f"{self.label}: contact brings no heat into {' and '.join(thin)}, whose temperatures are those of a "
+                "middle; make it of vv.ThermoelasticSolid, or tie it by vv.HeatTie"
+            )
         if self.conductance is None and self.contact.friction == 0:
             raise InputError(
                 f"{self.label}: {self.contact.label} has no friction, so that nothing passes without a conductance"

@@ -15,6 +15,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.flow.immersed import Immersed
 from visviva.flow.immersed_body import ImmersedBody
+from visviva.flow.immersed_thin import ImmersedThin
 from visviva.flow.marks import shares
 from visviva.model.entropies import SUPPLIED
 from visviva.thermal.carrier import HeatCarrier
@@ -34,13 +35,15 @@ class ImmersedHeat(Component):
 
     Parameters
     ----------
-    immersed : Immersed or ImmersedBody
-        Of a solid that carries heat, or of a rigid body whose heat `store` holds.
+    immersed : Immersed, ImmersedThin or ImmersedBody
+        Of a solid, beam or shell that carries heat, or of a rigid body whose heat `store` holds.
     heat : FluidHeat
         Of the same fluid.
     conductance : float
         Heat per time, area and difference of temperatures: ``conductance (T_fluid - T_solid)`` flows into every node of
-        the surface, with its share of the area in the reference, out of the fluid where the node is.
+        the surface, with its share of the area in the reference, out of the fluid where the node is. What is thin takes
+        its mean temperature, and the conductance of all its sides together: per area of a shell's middle, per length of
+        a beam.
     faces : str or Faces
         Which part of the surface of a solid.
     store : HeatStore, optional
@@ -70,7 +73,7 @@ class ImmersedHeat(Component):
 
     outside_axes = NOWHERE
 
-    immersed: Immersed | ImmersedBody
+    immersed: Immersed | ImmersedThin | ImmersedBody
     heat: FluidHeat
     conductance: Number
     faces: FaceSet = "all"
@@ -99,13 +102,19 @@ class ImmersedHeat(Component):
         if not isinstance(self.faces, str) or self.faces != "all":
             raise InputError(f"{self.label}: heat passes the whole surface of a rigid body; leave out faces")
 
-    def _areas_of(self, immersed: Immersed) -> Array:
-        """Areas (n,) of the chosen faces by nodes of the solid."""
-        solid = immersed.solid
+    def _areas_of(self, immersed: Immersed | ImmersedThin) -> Array:
+        """Areas (n,) of the chosen faces by nodes of the solid, of what is thin of its middle, or lengths."""
+        solid = immersed.carried
         if self.store is not None:
             raise InputError(f"{self.label}: store is for rigid bodies; {solid.label} carries heat itself")
         if not isinstance(solid, HeatCarrier):
-            raise InputError(f"{self.label}: {solid.label} carries no heat; make it a vv.ThermoelasticSolid")
+            raise InputError(f"{self.label}: {solid.label} carries no heat; make it a {self._kind(immersed)}")
+        if isinstance(immersed, ImmersedThin):
+            if self.faces != "all":
+                raise InputError(
+                    f"{self.label}: heat passes all sides of {solid.label} at once; leave out faces"
+                )
+            return immersed.shares()
         try:
             chosen = solid.faces(self.faces)
         except InputError as error:
@@ -115,6 +124,12 @@ class ImmersedHeat(Component):
             np.add.at(areas, p.nodes, p.size @ (p.N**2 / np.sum(p.N**2, axis=1)[:, None]))
         return areas
 
+    @staticmethod
+    def _kind(immersed: Immersed | ImmersedThin) -> str:
+        return (
+            "vv.ThermoelasticSolid" if isinstance(immersed, Immersed) else "vv.ThermalShell or vv.ThermalBeam"
+        )
+
     def _sides(self) -> tuple[Ints, Ints, Array, bool]:
         """Unknowns (n,) that balance and that tell temperatures, areas (n,), whether entropy is balanced."""
         if isinstance(self.immersed, ImmersedBody):
@@ -123,7 +138,7 @@ class ImmersedHeat(Component):
             n, marks = len(self.immersed.marks), self.immersed.marks
             areas = shares(self.immersed.shape, marks, self.immersed.distance, plane=plane)
             return np.full(n, self.store.entropy.start), np.full(n, self.store.algorithmic.start), areas, True
-        solid: Any = self.immersed.solid
+        solid: Any = self.immersed.carried
         nodes = self.immersed.followers
         balance, temperature = solid.balance_unknowns(nodes), solid.temperature_unknowns(nodes)
         return balance, temperature, self._areas[nodes], solid.balances_entropy

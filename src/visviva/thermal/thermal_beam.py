@@ -77,6 +77,7 @@ class ThermalBeam(Beam, HeatCarrier):
     heat: Heat
     temperature: NumberOrFunction | None = None
     slopes: tuple[Number, Number] | Function = (0.0, 0.0)
+    balances_entropy = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -87,6 +87,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     temperature: NumberOrFunction | None = None
     difference: NumberOrFunction = 0.0
     profile: Literal["linear", "quadratic"] = "linear"
+    balances_entropy = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
