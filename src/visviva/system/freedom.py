@@ -235,9 +235,14 @@ def refuse_swinging(system: System, scheme: Scheme) -> None:
         return
     unknown = system.free_unknowns
     force, stiffness = system.tangent(instant(system.time, theta=1.0))
-    out = np.abs(force[unknown]) > BALANCED * np.abs(stiffness.diagonal()) * system.scale[unknown]
+    scale = system.scale[unknown]
+    work, stored = np.abs(force[unknown]) * scale, np.abs(stiffness.diagonal()) * scale**2
     for body, own in light:
-        if (out & np.isin(unknown, own)).any():
+        mine = np.isin(unknown, own)
+        least = BALANCED * stored.max(
+            where=mine, initial=0.0
+        )  # what nothing stiffens is judged beside the stiffest
+        if (work[mine] > BALANCED * np.maximum(stored[mine], least)).any():
             raise InputError(
                 f"{body.label} has no density, and is not in balance at the start: {scheme}, which asks for balance in "
                 "the middle of steps, would let it swing about it at every step; give it a density, let loads grow "
