@@ -123,6 +123,12 @@ def test_shells_and_what_they_hold(tmp_path: Path) -> None:
     assert {kind: len(rows) for kind, rows in mesh.cells.items()} == {"quad4": 1, "tri3": 1}
 
 
+def test_titles_may_be_blank_and_nothing_follows_the_end(tmp_path: Path) -> None:
+    parts = f"*PART\n\n{columns([(3, 1, 1)], 10)}\nright block\n{columns([(7, 1, 1)], 10)}"
+    text = deck(parts, nodes_of(TWO), "*ELEMENT_SOLID\n" + columns(BRICKS, 8)) + "*NODE\n1,0,0,0\n"
+    assert set(built(tmp_path, text).cell_sets) == {"part3", "right block"}
+
+
 def test_included_files(tmp_path: Path) -> None:
     (tmp_path / "nodes.inc").write_text(nodes_of(TWO) + "\n")
     text = deck("*INCLUDE\nnodes.inc", "*ELEMENT_SOLID\n" + columns(BRICKS, 8))
@@ -146,6 +152,14 @@ def test_included_files(tmp_path: Path) -> None:
         ("*SET_NODE_LIST\n1\n1,77", "set 'nodes1' has 77"),
         ("*SET_SEGMENT\n1\n1,7,1,7", "a segment has the nodes"),
         ("*NODE\n1,0,0,0", "node 1 is there twice"),
+        ("*ELEMENT_SOLID\n12,1,1,2,3,4,5,6,7,8", "element 12 is there twice"),
+        (
+            "*SET_NODE_LIST_TITLE\nlow\n1\n1\n*SET_NODE_LIST_TITLE\nlow\n2\n2",
+            "two sets or parts are called 'low'",
+        ),
+        ("*PART\nlow\n3\n*SET_PART_LIST_TITLE\nlow\n1\n7", "two sets or parts are called 'low'"),
+        ("*SET_PART_LIST\n1\n99", "set 'parts1' has 99"),
+        ("*SET_SOLID\n1\n99", "set 'elements1' has 99"),
         ("*NODE\n&n,0,0,0", "invalid literal"),
         ("*INCLUDE\nnowhere.k", "includes what does not exist"),
     ],

@@ -63,13 +63,21 @@ def cards(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Ca
             if line.startswith("*"):
                 yield from _entered(now, path, within, depth)
                 keyword = line[1:].upper().strip()
+                if keyword == "END":
+                    return
                 if keyword.startswith("KEYWORD"):
                     width = 20 if "LONG=Y" in keyword else 10 if "I10=Y" in keyword else 8
                 own = {"+": 20, "-": 8, "%": 10}.get(keyword[-1:], width)
                 now = Card(keyword.rstrip("+-%").strip(), [], own)
-            elif line and not line.startswith("$"):
+            elif (line or titled(now)) and not line.startswith("$"):
                 now.lines.append(line)
     yield from _entered(now, path, within, depth)
+
+
+def titled(card: Card) -> bool:
+    """Whether the next line is a title, which may be blank."""
+    of_parts = card.keyword == "PART" and len(card.lines) % 2 == 0
+    return of_parts or (card.keyword.endswith("_TITLE") and not card.lines)
 
 
 def _entered(card: Card, path: Path, within: Path | None, depth: int) -> Iterator[Card]:
@@ -94,6 +102,7 @@ class Reader:
         self.points: list[list[float]] = []
         self.cells: dict[str, list[list[int]]] = {}  # numbers of nodes, by type
         self.elements: dict[str, list[tuple[str, int, int]]] = {}  # family, number and part of the same
+        self.numbers: set[tuple[str, int]] = set()  # family and number of every element
         self.titles: dict[int, str] = {}
         self.sets: list[tuple[str, str, list[int]]] = []  # kind, name, members
         self.ranges: set[str] = set()  # names of sets that need not have all of their members
@@ -159,7 +168,7 @@ class Reader:
             if card.keyword != "ELEMENT_SHELL":
                 list(islice(lines, 2 if middles else 1))
             if len(set(corners)) == 3 and not middles:
-                self._add("SHELL", number, part, "tri3", corners[:3])
+                self._add("SHELL", number, part, "tri3", list(dict.fromkeys(corners)))
             elif (
                 corners[2:3] == corners[3:] and middles[2:3] == middles[3:] and len({*corners, *middles}) == 6
             ):
@@ -178,6 +187,9 @@ class Reader:
             self._add("BEAM", number, part, "line2", nodes[:2])
 
     def _add(self, family: str, number: int, part: int, kind: str, nodes: list[int]) -> None:
+        if (family, number) in self.numbers:
+            raise InputError(f"element {number} is there twice")
+        self.numbers.add((family, number))
         self.cells.setdefault(kind, []).append(nodes)
         self.elements.setdefault(kind, []).append((family, number, part))
 
@@ -212,15 +224,17 @@ class Reader:
         groups = {self._name_of(part): np.flatnonzero(parts == part) for part in np.unique(parts).tolist()}
         entry = {(family, number): k for k, (family, number, _) in enumerate(listed)}
         node_sets: dict[str, Ints] = {}
+        self._refuse_same(groups)
         for kind, name, members in self.sets:
             if kind == "SET_NODE":
                 node_sets[name] = self._members(name, members, self.node_of)
             elif kind == "SET_PART":
-                groups[name] = np.flatnonzero(np.isin(parts, members))
+                there = self._members(name, members, {int(part): int(part) for part in parts})
+                groups[name] = np.flatnonzero(np.isin(parts, there))
             else:
                 family = {"SET_SHELL": "SHELL", "SET_BEAM": "BEAM"}.get(kind, "SOLID")
-                groups[name] = np.unique([entry[family, n] for n in members if (family, n) in entry]).astype(
-                    int
+                groups[name] = self._members(
+                    name, members, {n: k for (of, n), k in entry.items() if of == family}
                 )
         n = len(listed)
         for name, rows in self.segments:
@@ -233,6 +247,14 @@ class Reader:
         if not self.points:
             raise InputError("there are no nodes in it")
         return Collection(np.array(self.points), types, blocks, groups, node_sets)
+
+    def _refuse_same(self, parts: Mapping[str, Ints]) -> None:
+        """Refuse names that two sets have, or a part and a set of what is made of cells."""
+        nodes = [name for kind, name, _ in self.sets if kind == "SET_NODE"]
+        others = [name for kind, name, _ in self.sets if kind != "SET_NODE"]
+        for names in (nodes, [*parts, *others, *(name for name, _ in self.segments)]):
+            if twice := next((name for name in names if names.count(name) > 1), ""):
+                raise InputError(f"two sets or parts are called {twice!r}: give them titles of their own")
 
     def _name_of(self, part: int) -> str:
         title = self.titles.get(part, "")
