@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -104,6 +105,16 @@ def test_walls_of_joined_patches() -> None:
     assert sorted(values) == [0.0, 2.0]
     vv.simulate(system, until=50.0, step=5.0, scheme=vv.BackwardEuler())
     np.testing.assert_allclose(body.values(system.x), 0.3 + 0.2 * body.points[:, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("nodes", [[1], range(8)], ids=["a node within a span", "a part of a side"])
+def test_walls_are_held_whole(nodes: Sequence[int]) -> None:
+    """Splines that nodes depend on reach beyond them: 0.5 held at one node would be 0.625 beside it."""
+    body = mixture(vv.SplineBox(size=(8, 8), counts=(8, 8), degree=2))
+    with pytest.raises(
+        vv.InputError, match=f"to hold {len(nodes)} of its nodes would hold others beside them"
+    ):
+        vv.PrescribedConcentration(body=body, nodes=list(nodes), value=0.5)
 
 
 def test_boxes_in_space() -> None:

@@ -215,6 +215,22 @@ def test_loads_and_what_holds(dimension: int) -> None:
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
+def test_couplings_to_a_part_of_a_side(dimension: int) -> None:
+    """The whole force on them comes to the support, with its moment about the middle of these faces."""
+    body = beam(dimension, density=0.0, material=vv.LinearElastic(young=1e3, poisson=0.3))
+    side = body.faces("x1")
+    lower = side.where(side.centres(body.points)[:, 1] < 0.5)
+    coupling = vv.DistributedCoupling(solid=body, faces=lower)
+    place, force = np.array([4.0, 0.25, 0.5 * (dimension == 3)]), 1e-6 * np.array([1.0, 0.5, 0.0])
+    load = vv.Force(on=coupling.point((0, 0, 0)), force=tuple(force))
+    system = vv.System([body, coupling, load, vv.Fixed(solid=body, nodes="x0")])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    np.testing.assert_allclose(vv.SupportForce(solid=body, nodes="x0")(system), -force, atol=1e-11)
+    torque = vv.SupportTorque(solid=body, about=(0, 0, 0))(system)
+    np.testing.assert_allclose(torque, -np.cross(place, force), atol=1e-11)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
 def test_contact_by_penalty(dimension: int) -> None:
     """Momentum and energy of two blocks that collide in free flight."""
     lower = beam(dimension)

@@ -94,13 +94,12 @@ class ControlPoints(Carriers):
         return np.asarray(self._space.samples @ self.vectors(values))
 
     def held(self, nodes: Ints) -> Ints:
-        held = self._space.held(nodes)
-        if not np.all(np.isin(self._space.anchors[held], nodes)):
+        try:
+            return self._space.held(nodes)
+        except InputError as error:
             raise InputError(
-                f"{self._body.label} stands on splines: to hold {len(nodes)} of its nodes would hold others beside "
-                "them; hold whole sides of its patches, or attach a point to it"
-            )
-        return held
+                f"{self._body.label} stands on splines: {error}, or attach a point to it"
+            ) from None
 
     def places(self, nodes: Ints, places: Array) -> Array:
         return self._space.fitted_on(nodes, places)

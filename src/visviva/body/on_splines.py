@@ -93,7 +93,7 @@ class OnSplines(Solid):
     # --- points and masses ---------------------------------------------------------------------------------
     def cell_points(self) -> Iterator[Points]:
         for t in self._tables:
-            yield SplinePoints(nodes=t.numbers, N=t.N, X=t.X, size=t.size, anchors=self.splines.anchors)
+            yield SplinePoints(nodes=t.numbers, N=t.N, X=t.X, size=t.size)
 
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
         for s in self.splines.sides(faces):
@@ -105,7 +105,8 @@ class OnSplines(Solid):
                 dN=s.slopes,
                 weights=s.weights,
                 normal=s.normal,
-                anchors=self.splines.anchors,
+                drawn=s.drawn,
+                shapes=s.shapes,
             )
 
     def _packed_masses(self, table: Table) -> Array:

@@ -44,6 +44,10 @@ class Sides:
         Area; in the plane with the thickness.
     weights : array (q,)
         Of the quadrature.
+    drawn : array of int (m, a)
+        Nodes of the faces in the mesh that is drawn.
+    shapes : array (q, a)
+        Shape functions there.
     """
 
     numbers: Ints
@@ -53,6 +57,8 @@ class Sides:
     normal: Array
     size: Array
     weights: Array
+    drawn: Ints
+    shapes: Array
 
 
 class SplineSpace:
@@ -178,12 +184,15 @@ class SplineSpace:
                 own = nodes[(faces.owners[kind] >= ends[k]) & (faces.owners[kind] < ends[k + 1])]
                 if len(own):
                     rule = gauss(max(self._points[k]), patch.dimension - 1)
-                    yield self._sides(patch, self.numbers[k], kind, self._xi[k][local[own]], rule)
+                    yield self._sides(patch, self.numbers[k], kind, self._xi[k][local[own]], rule, own)
 
-    def _sides(self, patch: SplinePatch, number: Ints, kind: str, corners: Array, rule: Rule) -> Sides:
+    def _sides(
+        self, patch: SplinePatch, number: Ints, kind: str, corners: Array, rule: Rule, drawn: Ints
+    ) -> Sides:
         """Points of faces with the parameters (m, a, d) of their nodes."""
         d, (eta, w) = patch.dimension, rule
-        xi = np.einsum("mac,qa->mqc", corners, CELLS[kind].N(eta))
+        shapes = CELLS[kind].N(eta)
+        xi = np.einsum("mac,qa->mqc", corners, shapes)
         along = np.einsum("mac,qat->mqct", corners, CELLS[kind].dN(eta))
         # all points of a face see the functions of its first point, whose span is that of the face's middle
         numbers, N, dN, _ = patch.functions(xi.reshape(-1, d))
@@ -203,6 +212,8 @@ class SplineSpace:
             size=size * w * (self.thickness if d == 2 else 1.0),
             normal=outward / size[..., None],
             weights=w,
+            drawn=drawn,
+            shapes=shapes,
         )
 
     @cached_property
@@ -248,8 +259,20 @@ class SplineSpace:
         return np.asarray(spsolve((S.T @ S).tocsc(), S.T @ values))
 
     def held(self, nodes: Ints) -> Ints:
+        """Coefficients that nodes depend on.
+
+        Raises
+        ------
+        InputError
+            If some of these belong to nodes beside them.
+        """
         part = self.samples[nodes].tocoo()
-        return np.unique(part.col[np.abs(part.data) > 1e-12])
+        held = np.unique(part.col[np.abs(part.data) > 1e-12])
+        if not np.all(np.isin(self.anchors[held], nodes)):
+            raise InputError(
+                f"to hold {len(nodes)} of its nodes would hold others beside them; hold whole sides of its patches"
+            )
+        return held
 
     def fitted_on(self, nodes: Ints, values: Array) -> Array:
         held = self.held(nodes)

@@ -158,13 +158,16 @@ class PrescribedConcentration(Component):
         self._values = Values(self.label, "value", self.value)
         self._values.checked(self.body.points[self._chosen])
         try:
+            self._held = self.body.space.held(self._chosen)
+        except InputError as error:
+            raise InputError(f"{self.label}: {self.body.label} stands on splines: {error}") from None
+        try:
             self.wanted(0.0)
         except RunError as error:
             raise InputError(str(error)) from error
 
     def declare(self, model: Model) -> None:
         model.index(self.body)
-        self._held = self.body.space.held(self._chosen)
         self.inflow = model.multipliers(self, "inflow", len(self._held), instantaneous=False)
 
     def wanted(self, time: float) -> Array:
