@@ -208,6 +208,15 @@ def test_heat_that_rings_is_wrong(scheme: vv.Scheme, step: float, rings: bool) -
     assert lines(result).get("changes", "").startswith("WRONG") is rings
 
 
+def test_rounding_of_heat_does_not_ring() -> None:
+    bar = vv.RectangleMesh(size=(1, 0.1), counts=(40, 1))
+    slab = vv.ThermalBody(
+        mesh=bar, conductivity=1.0, capacity=1.0, density=1.0, temperature=lambda X: 300 + 7 * X[:, 0]
+    )
+    ends = [vv.PrescribedTemperature(body=slab, nodes=f"x{k}", value=300.0 + 7 * k) for k in (0, 1)]
+    assert "changes" not in lines(vv.simulate(vv.System([slab, *ends]), until=0.4, step=0.02))
+
+
 def test_rounding_at_rest_is_not_called_wrong() -> None:
     """Of a shell that hangs on nothing: energies of rounding alone."""
     mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2))

@@ -83,6 +83,43 @@ def test_blocks_and_sets_without_names(tmp_path: Path) -> None:
     assert {name: rows.tolist() for name, rows in mesh.node_sets.items()} == {"low": [0, 1, 2, 3]}
 
 
+def test_blocks_may_be_empty_and_stored_in_any_order(tmp_path: Path) -> None:
+    """The first of three has no cells, and the third is stored before the second."""
+    file = tmp_path / "blocks.e"
+    points = vv.BoxMesh(size=(1, 1, 2), counts=(1, 1, 2)).build()
+    with netCDF4.Dataset(file, "w") as f:
+        sizes = {
+            "len_string": 33,
+            "num_dim": 3,
+            "num_nodes": 12,
+            "num_elem": 2,
+            "num_el_blk": 3,
+            "eight": 8,
+            "one": 1,
+        }
+        for name, size in sizes.items():
+            f.createDimension(name, size)
+        f.createVariable("coord", "f8", ("num_dim", "num_nodes"))[:] = points.points.T
+        names = f.createVariable("eb_names", "S1", ("num_el_blk", "len_string"))
+        for k, name in enumerate(("EMPTY", "STEEL", "RUBBER")):
+            names[k, :] = np.array(list(name.ljust(33, "\0")), "S1")
+        for number, row in ((3, 1), (2, 0)):
+            block = f.createVariable(f"connect{number}", "i4", ("one", "eight"))
+            block[:] = points.cells["hex8"][row : row + 1] + 1
+            block.elem_type = "HEX8"
+    add_sides(file, {"top": ([2], [6])})
+    mesh = vv.MeshFile(file).build()
+    heights = {
+        name: mesh.points[mesh.cells["hex8"][rows[0]]][:, 2].mean() for name, rows in mesh.cell_sets.items()
+    }
+    assert heights == {"STEEL": 0.5, "RUBBER": 1.5}
+    assert mesh.points[mesh.face_sets["top"].nodes][:, 2].tolist() == [2.0] * 4
+    with netCDF4.Dataset(file, "a") as f:
+        f.variables["elem_ss1"][:] = 7
+    with pytest.raises(vv.InputError, match="'top' has element 7, which is not there"):
+        vv.MeshFile(file).build()
+
+
 def test_sides_that_no_cell_has_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "tet.e"
     vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="tet4").build().write(file)

@@ -57,25 +57,40 @@ def _words(file: Any, key: str) -> list[str]:
     return [b"".join(row).split(b"\0")[0].decode(errors="replace").strip() for row in file.variables[key][:]]
 
 
+def _blocks(read: Collection, file: Any) -> Iterator[tuple[int, int, int, int]]:
+    """Number of each block that has cells, its place among those of meshio, and where its cells begin in the file.
+
+    And where they begin in what is read: meshio has blocks in the order in which they are stored.
+    """
+    stored = [int(name.removeprefix("connect")) for name in file.variables if name.startswith("connect")]
+    begins, first = np.cumsum([0, *map(len, read.blocks)]).tolist(), 0
+    for number in sorted(stored):
+        place = stored.index(number)
+        yield number, place, first, begins[place]
+        first += len(read.blocks[place])
+
+
 def _add_blocks(read: Collection, file: Any) -> None:
-    start = 0
     named = _words(file, "eb_names")
-    for k, rows in enumerate(read.blocks):
-        name = named[k] if k < len(named) else ""
-        read.groups[name or f"block{k + 1}"] = np.arange(start, start + len(rows))
-        start += len(rows)
+    for number, place, _, start in _blocks(read, file):
+        name = named[number - 1] if number <= len(named) else ""
+        read.groups[name or f"block{number}"] = np.arange(start, start + len(read.blocks[place]))
 
 
 def _sides_of(read: Collection, name: str, cells: Ints, sides: Ints, file: Any) -> Iterator[tuple[Ints, int]]:
     """Cells with the number of their face; of shells the first two sides are themselves, which are left out."""
-    starts = np.cumsum([0, *map(len, read.blocks)])
-    for k, (kind, start, end) in enumerate(zip(read.types, starts, starts[1:], strict=False), 1):
-        is_shell = str(file.variables[f"connect{k}"].elem_type).upper().startswith("SHELL")
+    found = np.zeros(len(cells), dtype=bool)
+    for number, place, first, start in _blocks(read, file):
+        kind, n = read.types[place], len(read.blocks[place])
+        is_shell = str(file.variables[f"connect{number}"].elem_type).upper().startswith("SHELL")
         faces = (None, None) * is_shell + FACES.get(kind.rstrip("0123456789"), ())
-        inside = (cells >= start) & (cells < end)
+        inside = (cells >= first) & (cells < first + n)
+        found |= inside
         for side in np.unique(sides[inside]).tolist():
             if side >= len(faces):
                 raise InputError(f"its set of sides {name!r} has side {side + 1} of a {kind}")
             face = faces[side]
             if face is not None:
-                yield cells[inside & (sides == side)], face
+                yield cells[inside & (sides == side)] - first + start, face
+    if not found.all():
+        raise InputError(f"its set of sides {name!r} has element {cells[~found][0] + 1}, which is not there")

@@ -237,7 +237,7 @@ def _counted(n: int, frames: NDArray[np.float64]) -> NDArray[np.float64]:
     if len(frames) == n or not len(frames):
         return np.resize(frames, n)
     counted: NDArray[np.float64] = np.arange(n) * np.ceil(frames[-1] / max(n - 1, 1))
-    return np.minimum(counted, frames[-1])
+    return np.asarray(np.minimum(counted, frames[-1]))
 
 
 def _plain(values: NDArray[np.float64]) -> list[float | None]:

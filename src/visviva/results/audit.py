@@ -10,7 +10,7 @@ from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
-from visviva.results.swings import MANY
+from visviva.results.swings import MANY, MIDDLE
 
 if TYPE_CHECKING:
     from visviva.output.labels import Labels
@@ -126,7 +126,7 @@ def judgements(result: Result) -> list[Judgement]:
     if entropy := second_law(result):
         found.append(Judgement("entropy balance (second law)", *entropy))
     found += momentum_judgements(result)
-    if result.statistics.swings >= MANY:
+    if result.scheme.theta == MIDDLE and result.statistics.swings >= MANY:
         found.append(Judgement("changes", f"taken back by {result.statistics.swings} steps in a row", RINGS))
     if stability.equilibria:
         found.append(Judgement("equilibria", "", str(stability)))

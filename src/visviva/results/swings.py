@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 
 BACK = 0.5
 """Cosine between the changes in two steps from whose negative on the second takes the first back."""
-FADED = 1e-3
-"""Part of the largest change so far below which changes are not looked at."""
+FADED, NOISE = 1e-3, 1e-9
+"""Parts of the largest change so far, and of what there is, below which changes are not looked at."""
+MIDDLE = 0.5
+"""Where schemes evaluate that ring: in the middle of steps."""
 MANY = 4
 """Steps in a row that take back the one before them, by which a run is told to ring."""
 
@@ -49,10 +51,11 @@ class Swings:
         self._before = now
         if before is None:
             return 0
-        self._change = change = (now - before) / np.where(system.scale[own] > 0, system.scale[own], 1.0)
+        scale = np.where(system.scale[own] > 0, system.scale[own], 1.0)
+        self._change = change = (now - before) / scale
         size = float(np.linalg.norm(change))
         self._largest = max(self._largest, size)
-        if last is None or size <= FADED * self._largest:
+        if last is None or size <= max(FADED * self._largest, NOISE * float(np.linalg.norm(now / scale))):
             self._count = 0
             return 0
         takes_back = float(change @ last) < -BACK * size * float(np.linalg.norm(last))
