@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ import pytest
 
 import visviva as vv
 from visviva.base.threads import told
-from visviva.cli import main
+from visviva.cli import OPTIONAL, main
 from visviva.output import RunDirectory, Trajectory, load_state, read_table
 from visviva.scene.gallery import example, example_names
 
@@ -170,6 +171,11 @@ def test_listing_commands(cli: Run) -> None:
     assert "tangents" in out
     code, out, _ = cli("info")
     assert vv.__version__ in out
+    extras = tomllib.loads((Path(__file__).resolve().parents[1] / "pyproject.toml").read_text())["project"][
+        "optional-dependencies"
+    ]
+    assert {extra for extra, _ in OPTIONAL.values()} == extras.keys() - {"test", "lint", "docs"}
+    assert all(f"{package}: " in out for package in OPTIONAL)
     code, out, _ = cli("schema")
     assert "RigidBody" in json.loads(out)["$defs"]
     code, out, _ = cli("run", "--help")

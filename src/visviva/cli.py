@@ -180,6 +180,20 @@ def schema() -> None:
     print(json.dumps(scene_schema(), indent=2))
 
 
+OPTIONAL = {
+    "pyvista": ("view", "better pictures, meshes of results"),
+    "imageio_ffmpeg": ("view", "mp4 movies"),
+    "trimesh": ("mesh", "bodies from surface meshes"),
+    "meshio": ("mesh", "mesh files"),
+    "gmsh": ("gmsh", "CAD files"),
+    "mkl": ("mkl", "PARDISO, a faster sparse solver"),
+    "pyamg": ("amg", "iterative solvers"),
+    "sectionproperties": ("sections", "beams of any cross section"),
+    "pandas": ("tables", "tables of results"),
+}
+"""Packages that are needed for some things alone, their extra, and what for."""
+
+
 @app.command
 def info() -> None:
     """Print version, instruction set and optional packages."""
@@ -188,12 +202,13 @@ def info() -> None:
 
     from visviva import _core
     from visviva.base.threads import told
+    from visviva.linear.choice import mkl_library
 
     print(f"visviva {_version()}, Python {platform.python_version()}, {platform.platform()}")
     print(f"instruction set of the core: {_core.instruction_set()}; {told()}")
-    for package, use in (("pyvista", "viewer and better pictures"), ("imageio_ffmpeg", "mp4 movies"),
-                         ("trimesh", "bodies from surface meshes"), ("meshio", "mesh files")):  # fmt: skip
-        print(f"{package}: {'found' if find_spec(package) else 'not installed'} ({use})")
+    for package, (extra, use) in OPTIONAL.items():
+        has = bool(mkl_library()) if package == "mkl" else find_spec(package) is not None
+        print(f"{package}: {'found' if has else f'not installed, pip install visviva[{extra}]'} ({use})")
 
 
 def _version() -> str:
