@@ -35,7 +35,7 @@ def test_an_oblique_impact_of_balls(offset: float, options: Any) -> None:
 
 
 def test_what_formulation_is_taken_by_default() -> None:
-    """Balls and points have one place where they touch; edges and the middles of capsules would be passed by."""
+    """Balls and points have one place where they touch; means over facets of rigid bodies let corners sink."""
     cube = vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0)
     solid = vv.Solid(
         mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0)
@@ -44,8 +44,10 @@ def test_what_formulation_is_taken_by_default() -> None:
     for first in (ball(0.1), vv.PointMass(mass=1.0)):
         for second in (cube, solid, ball(0.2)):
             assert not vv.Contact(first=first, second=second).is_mortar
-    for other in (cube, rod, solid):
-        assert vv.Contact(first=other, second=ball(0.2)).is_mortar
+    for other in (cube, rod):
+        assert not vv.Contact(first=other, second=ball(0.2)).is_mortar
+        assert vv.Contact(first=other, second=solid).is_mortar
+    assert vv.Contact(first=solid, second=ball(0.2)).is_mortar
     assert vv.Contact(first=ball(0.1), second=solid, multipliers="dual").is_mortar
 
 
