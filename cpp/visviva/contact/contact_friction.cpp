@@ -59,17 +59,59 @@ bool ContactTerm::has_several() const {
 // As a gap closes when the step begins. Schemes whose velocities follow from the step alone throw nothing
 // back.
 bool ContactTerm::rubs_in_impact(const Context& c) const {
-    if (c.step.motion[2][1] == 0 || !has_tangential() || !rebounds() || !holds(c)) return false;
-    if (has_several() && retried_) return false;
+    if (!may_rest(c)) return false;
     for (int A = 0; A < gaps_->n(); ++A)
         if (closes(A, c)) return true;
     return false;
 }
 
+bool ContactTerm::may_rest(const Context& c) const {
+    if (c.step.motion[2][1] == 0 || !keeps_slides() || !holds(c)) return false;
+    return !has_several() || !retried_;
+}
+
+// In an impact, and in the step in which friction brings to rest what slid. Where a side turns or deforms,
+// not all that slid can be at rest after the same motion, or it gives energy: it sticks where it is.
+void ContactTerm::find_resting(const Context& c) {
+    const bool impacts = rubs_in_impact(c), slides = may_rest(c) && slides_straight();
+    for (int A = 0; A < gaps_->n(); ++A) rests_[A] = impacts || (slides && slid_.at_start()[A] != 0);
+}
+
+// Whether all that touches slid when the step begins, and neither side turns.
+bool ContactTerm::slides_straight() const {
+    constexpr double same = 1e-6;
+    if (gaps_->copies() > 1 && has_several()) return false;
+    Eigen::AlignedBox3d sides[2];
+    const int n = gaps_->n();
+    bool touches = false;
+    for (int A = 0; A < n; ++A) {
+        if (closed(A) && slid_.at_start()[A] == 0) return false;
+        touches = touches || closed(A);
+    }
+    double fastest = 0;
+    for (int v = 0; v < gaps_->skin().n_vertices(); ++v) {
+        const Eigen::Vector3d velocity = Eigen::Vector3d::Map(&V0_[3 * v]);
+        sides[v < n ? 0 : 1].extend(velocity), fastest = std::max(fastest, velocity.norm());
+    }
+    auto is_one = [&](const Eigen::AlignedBox3d& side) {
+        return !side.isEmpty() && side.diagonal().norm() <= same * fastest;
+    };
+    return touches && is_one(sides[0]) && is_one(sides[1]);
+}
+
+// What sticks without having come to rest keeps the velocity with which it slid.
+void ContactTerm::keep_slides() {
+    std::vector<double> slid(gaps_->n(), 0.0);
+    for (int A = 0; A < gaps_->n(); ++A)
+        slid[A] = active_[A] && (slips_[A] || (slid_.at_start()[A] != 0 && !rests_[A])) ? 1 : 0;
+    slid_.end_step(X0_, X1_, std::move(slid));
+}
+
 // Vertices that stick without having closed may be dragged along by the impact of others.
 bool ContactTerm::gives_energy(const Context& c) {
     constexpr double rounding = 1e-9;
-    if (!impacts_ || !has_several()) return false;
+    if (!has_several() || std::none_of(rests_.begin(), rests_.end(), [](char r) { return r != 0; }))
+        return false;
     find_gradients();
     double sum = 0, size = 0;
     Eigen::VectorXd f;
@@ -92,7 +134,7 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
     constexpr double by_traction = 1.0 / 8;
     const double k = tangential(A, c), *v1 = c.step.motion[2];
     carried_[A] = 0, free_[A].setZero();
-    if (!impacts_) return base_[A] + k * slip(A).displacement();
+    if (!rests_[A]) return base_[A] + k * slip(A).displacement();
     carried_[A] = v1[1] / v1[0];
     if (has_several()) return base_[A] + k * slip(A).displacement();
     const Eigen::Vector2d stopped = k * slip(A).displacement(), told = by_traction * base_[A] + stopped,
@@ -107,7 +149,7 @@ Eigen::Vector2d ContactTerm::trial(int A, const Context& c) {
 
 Sliding ContactTerm::slip(int A) const {
     Eigen::VectorXd way = stencil_of(A, D_);
-    if (impacts_) way += carried_[A] * stencil_of(A, V0_);
+    if (rests_[A]) way += carried_[A] * stencil_of(A, V0_);
     return sliding(A, way);
 }
 

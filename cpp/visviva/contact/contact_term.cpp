@@ -16,7 +16,7 @@ constexpr double moved = 0.03;
 }  // namespace
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
-    : TermMemory("contact", 2),
+    : TermMemory("contact", 3),
       gaps_(std::move(gaps)),
       options_(std::move(options)),
       search_(reach),
@@ -32,7 +32,8 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
     grips_.resize(n), traction_.resize(n), base_.assign(n, none), free_.assign(n, none);
-    carried_.assign(n, 0.0);
+    carried_.assign(n, 0.0), rests_.assign(n, 0);
+    if (keeps_slides()) slid_.resize(gaps_->skin().constant.size(), n, 0);
     elastic_.resize(gaps_->skin().constant.size(), 2 * n, 0.0), stored_.assign(n, 0.0);
 }
 
@@ -70,6 +71,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     search_.write(m);
     gaps_->write_memory(m);
     if (rebounds()) landings_.write(m);
+    if (keeps_slides()) slid_.write(m);
     if (has_history()) elastic_.write(m);
 }
 
@@ -81,6 +83,7 @@ bool ContactTerm::read_memory(const double*& m) {
     const bool changed = search_.read(m, *gaps_);
     gaps_->read_memory(m);
     if (rebounds()) landings_.read(m);
+    if (keeps_slides()) slid_.read(m);
     if (has_history()) elastic_.read(m);
     return changed;
 }
@@ -108,6 +111,7 @@ void ContactTerm::begin(const double* x0) {
         gaps_->values(X0_.data(), gap0_.data(), area0_.data());
     }
     if (rebounds()) landings_.begin_step(X0_);
+    if (keeps_slides()) slid_.begin_step(X0_);
     if (has_history()) elastic_.begin_step(X0_);
 }
 
@@ -159,7 +163,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
     for (int A = 0; A < gaps_->n(); ++A) press(A, c, gapt_[A]);
     if (is_discrete(c.step)) segments([&] { find_masses(gradients); });
     if (!has_friction()) return;
-    impacts_ = rubs_in_impact(c);
+    find_resting(c);
     find_rubbed(c);
     segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     parallel_for(gaps_->n(), [&](int A) { find_traction(A, c); });
@@ -209,6 +213,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
     active_.mark_tangent(), slips_at_tangent_ = slips_;
     gaps_->mark_tangent();
     if (rebounds()) landings_.mark_tangent(X0_);
+    if (keeps_slides()) slid_.mark_tangent(X0_);
     if (has_history()) elastic_.mark_tangent(X0_);
     std::vector<char> unpressed(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) unpressed[A] = active_[A] && S_[A] == 0;
@@ -272,6 +277,7 @@ void ContactTerm::accept(const Context& c) {
     }
     if (!rebounds()) return begin(c.vectors.x1);
     keep_landings();
+    if (keeps_slides()) keep_slides();
     const std::vector<double> gap = gap1_, area = area1_;
     std::vector<long> places(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);

@@ -163,6 +163,11 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
     bool rubs_in_impact(const Context&) const;
+    bool may_rest(const Context&) const;
+    void find_resting(const Context&);
+    bool slides_straight() const;
+    bool keeps_slides() const { return rebounds() && has_tangential(); }
+    void keep_slides();
     bool has_several() const;
     bool gives_energy(const Context&);
     int rubs_too_late(const Context&) const;
@@ -233,7 +238,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<Eigen::Vector2d> base_;  // tractions before the step's slip: elastic ones or multipliers
     std::vector<Eigen::Vector2d> free_;  // unit vectors along which an impact lets slip turn round, or 0
     std::vector<double> carried_;        // of the velocities before the step in what must not slip
-    bool impacts_ = false;               // whether what sticks does so in an impact
+    std::vector<char> rests_;            // whether what sticks has come to rest at the end of the step
+    GapMemory slid_;  // 1 where a velocity along the surface may be left, of gaps that slipped
     std::vector<Traction> traction_;
     GapMemory elastic_;           // tractions of elastic slip, two for each gap
     std::vector<double> stored_;  // energy of elastic slip at the end of the step last booked
