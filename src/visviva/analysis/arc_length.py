@@ -252,7 +252,7 @@ class Path:
         )
 
     def retraced(self, a: Array, b: Array) -> bool:
-        """Whether displacements and load parameter both turned: at limit points only one of them does."""
+        """True if both the displacements and the load parameter reversed: at a limit point only the load does."""
         return bool(self.metric @ (a[:-1] * b[:-1]) < 0 and a[-1] * b[-1] < 0)
 
     @property

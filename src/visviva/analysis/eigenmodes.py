@@ -69,12 +69,12 @@ class Modes(Shapes):
 
     @property
     def stable(self) -> bool:
-        """Whether no mode of those found grows: others may, so ask for more of them, those of stiff parts too."""
+        """True if none of the modes found grows. Others may: ask for more, those of stiff parts included."""
         return bool(np.all(self.roots.real <= 0))
 
     @property
     def flutters(self) -> bool:
-        """Whether a mode of those found grows while it vibrates; others may."""
+        """True if one of the modes found is a growing vibration (flutter). Modes not computed may be one as well."""
         return bool(np.any((self.roots.real > 0) & (self.roots.imag > 0)))
 
     def __str__(self) -> str:

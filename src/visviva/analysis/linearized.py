@@ -135,7 +135,7 @@ def whole(linear: Linearized) -> tuple[sp.csr_array, NDArray[np.int64]]:
 
 
 def is_symmetric(linear: Linearized) -> bool:
-    """Whether forces have a potential."""
+    """True if the tangent is symmetric: the forces then have a potential."""
     size, _ = asymmetry(whole(linear)[0])
     return size <= lack_of_rounding(linear.at.system)
 

@@ -164,7 +164,7 @@ class Equilibrium:
         return float(np.abs(d * self.system.inverse_scale).max(initial=0.0))
 
     def is_exact(self, residual: Array, size: float, last: float) -> bool:
-        """Whether the increments shrink no more because `residual`, which the present one answers to, is rounding."""
+        """True if the increments stopped shrinking because the `residual` they are solved for is rounding alone."""
         stagnates = size > 0.5 * last and size <= 1e-13
         if size >= last and size <= min(self.options.tolerance, KNOWN * self.size(self.dx)):
             return True  # no more digits of small load steps are known, as where thin shells hardly stretch

@@ -309,13 +309,13 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
 
 
 def present(system: System) -> tuple[float, Array, Array, list[Array]]:
-    """What is kept of the present state: time, unknowns, rates, and what contacts record."""
+    """The record of the present state: time, unknowns, rates and the results of contacts."""
     records = [component.record(system.x) for component in system.components]
     return system.time, system.x, system.v, [r for r in records if r is not None]
 
 
 def keep(result: Result, memory: float = np.inf) -> None:
-    """Keep the present state; beyond so many bytes in memory all kept ones go into a temporary file."""
+    """Keep the present state; beyond a limit of memory all kept states go into a temporary file."""
     result.kept.append(*present(result.system))
     if isinstance(result.kept, Kept) and result.kept.n_bytes > memory:
         result.kept = spilled(result.kept)

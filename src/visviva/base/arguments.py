@@ -412,7 +412,7 @@ def refusal(cls: type, name: Any, error: ValidationError) -> InputError:
 
 
 def worst(error: ValidationError) -> Any:
-    """What to tell of a failed validation: a name that does not exist before one that is missing in its place."""
+    """The error of a failed validation to report: unknown names before missing ones, which they may stand for."""
     found = error.errors()
     return next((each for each in found if each["type"] == UNEXPECTED), found[0])
 

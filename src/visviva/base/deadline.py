@@ -40,7 +40,7 @@ def seconds_of(text: str) -> float:
 
 
 def left_of(seconds: float | None) -> float | None:
-    """What is left of a time that counts from the start of the process; a moment at least."""
+    """Seconds left of a time limit that counts from the start of the process; always more than zero."""
     return None if seconds is None else max(seconds - (time.monotonic() - STARTED), 1e-3)
 
 

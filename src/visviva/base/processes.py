@@ -28,12 +28,12 @@ def n_launched() -> int:
 
 
 def n_told() -> int:
-    """What the launcher says, 0 if it does not: PMIx alone tells a rank, and the first of one is that of many, too."""
+    """Number of processes according to the launcher, 0 if unknown: PMIx gives the rank alone."""
     return max(map(number_in, SIZES))
 
 
 def is_first() -> bool:
-    """Whether this is the one of them that speaks for all."""
+    """True in the process that prints and writes for all."""
     return n_launched() == 1 or not any(map(number_in, RANKS))
 
 

@@ -17,7 +17,7 @@ def n_cores() -> int:
 
 
 def use_threads(n: int | None = None) -> int:
-    """Compute with so many threads from now on, whichever thread of Python runs it; returns how many there are.
+    """Set the number of threads used from now on, by whichever thread of Python; returns the number in use.
 
     They share assembly, products with matrices, contact search and factorisations, of PARDISO as well. Results are the
     same bits for any number: what threads do is divided in one way, and so is PARDISO's factorisation. Systems that
@@ -54,7 +54,7 @@ def use_threads(n: int | None = None) -> int:
 
 
 def told() -> str:
-    """How many threads there are, and what is wrong with that.
+    """Number of threads in words, with a warning if there are fewer cores.
 
     Examples
     --------

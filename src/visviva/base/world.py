@@ -37,22 +37,22 @@ class World(Protocol):
         """The largest of their numbers."""
 
     def first(self, value: Any) -> Any:
-        """What the first of them has."""
+        """The value of the first process, in all of them."""
 
     def together(self, values: Any) -> list[Any]:
-        """What they have, in their order."""
+        """The values of all processes, in the order of their ranks."""
 
     def parts(self, grid: Any) -> NDArray[np.int64]:
         """Number of the process that each cell (n_cells,) of a mesh belongs to."""
 
     def meets(self) -> bool:
-        """Whether all of them come here, to the same error, before patience ends."""
+        """True if all processes arrive here with the same error before the time limit."""
 
     def abort(self, code: int) -> None:
         """End all of them."""
 
     def of_core(self) -> Any:
-        """What the core of a system is told of them."""
+        """The object by which the core of a system communicates with the other processes."""
 
     def solver(self) -> Any:
         """Choice of linear solvers, as `Newton` takes it."""

@@ -133,7 +133,7 @@ class Beam(DirectorBody):
 
     @property
     def _across(self) -> Any:
-        """What d1 is near to."""
+        """The direction that the director d1 is chosen closest to."""
         return self.first
 
     @property

@@ -141,7 +141,7 @@ class DirectorBody(MeshBody, Limited):
 
     @property
     def density(self) -> float:  # type: ignore[override]
-        """Whether it has mass: its mass by its length or area."""
+        """Mass per length or area; zero if the body has no mass."""
         return self.mass / float(sum(part.sum() for part in self.volumes))
 
     @cached_property

@@ -42,7 +42,7 @@ def depth(points: Array, nodes: Ints, N: Array, thickness: float, axisymmetric: 
 
 
 def is_curved(points: Array, nodes: Ints, cell: str) -> bool:
-    """Whether a middle node of some element is off the middle of its corners, by more than rounding.
+    """True if a mid-side node of an element lies off the midpoint of its edge, beyond rounding.
 
     Examples
     --------

@@ -174,7 +174,7 @@ class ExtensibleShell(Shell):
 
     @property
     def _condenses(self) -> bool:
-        """Whether pressures leave the equations with the enhanced strains: if something is compressible."""
+        """True if pressures are condensed with the enhanced strains: every layer has to be compressible."""
         materials = [layer.material for stack in self._stacks for layer in stack.section.layers]
         soft = all(m.split().bulk <= STIFFEST * m.lame[1] for m in materials)
         return self.formulation == "mixed" and soft
@@ -189,7 +189,7 @@ class ExtensibleShell(Shell):
         self.add_inertia(model)
 
     def _placed(self, stack: Stack, own: Ints) -> list[Group]:
-        """What the strains of the map are made of: positions and directors, and enhanced strains (m, s)."""
+        """Variables of the strain map: positions and directors, and enhanced strains (m, s)."""
         z, (n_s, n_k) = stack.through.heights, stack.layers.volume.shape[1:]
         first = self.node_unknowns(stack.surface.cells[stack.cells])
         share = (z - stack.section.offset) / stack.section.thickness_of_all

@@ -80,7 +80,7 @@ class MeshBody(Attachable, Meshed):
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether a plane mesh stands for a revolution."""
+        """True if a plane mesh stands for a body of revolution."""
         return False
 
     @property
@@ -234,7 +234,7 @@ class MeshBody(Attachable, Meshed):
 
     @property
     def carriers(self) -> Carriers:
-        """What its places are made of, by default its nodes."""
+        """Carriers of its places: the points that they are interpolated between, by default its nodes."""
         return Carriers(self)
 
     def combination(self, nodes: Any, weights: Any) -> Vector:

@@ -1,4 +1,4 @@
-"""What solids on patches of splines have in common: the unknowns are the places of control points."""
+"""Common part of solids on spline patches, whose unknowns are the positions of control points."""
 
 from __future__ import annotations
 

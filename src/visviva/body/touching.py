@@ -151,7 +151,7 @@ def as_faces(cells: Mapping[str, Any]) -> Faces:
 
 
 def looks_up(rows: Ints, cells: Ints) -> NDArray[np.bool_]:
-    """Whether faces (m, k) run the same way round as the cells (m, k) they are."""
+    """True (m,) where a face lists its nodes in the same sense of rotation as the cell that it is."""
     n = 3 if cells.shape[1] in (3, 6) else 4
     first = np.argmax(cells[:, :n] == rows[:, :1], axis=1)
     return np.asarray(cells[np.arange(len(cells)), (first + 1) % n] == rows[:, 1])

@@ -67,7 +67,7 @@ class Conducting:
     bodies: tuple[Component, Component]
 
     def joins(self, *others: Component | None) -> bool:
-        """Whether it is between these two."""
+        """True if it is between these two bodies."""
         return {id(body) for body in self.bodies} == {id(body) for body in others}
 
 

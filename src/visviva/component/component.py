@@ -65,7 +65,7 @@ def short(value: Any) -> str:
 
 
 def is_told(component: Component, f: Field[Any]) -> bool:
-    """Whether an argument differs from its default."""
+    """True if the argument differs from its default, or has none."""
     value = getattr(component, f.name, None)
     if f.default is MISSING:
         return True
@@ -223,17 +223,17 @@ class Component(metaclass=Composed):
 
     @property
     def touches(self) -> bool:
-        """Whether it acts by an inequality, as contact does."""
+        """True if it acts by an inequality, like contact."""
         return False
 
     @property
     def rubs(self) -> bool:
-        """Whether it acts by friction, which has no potential."""
+        """True if it acts by friction: such forces have no potential."""
         return False
 
     @property
     def collides(self) -> bool:
-        """Whether velocities may jump in a step without a trace in how the motion bends before."""
+        """True if velocities may jump within a step (impact), which the motion before does not announce."""
         return False
 
     @property

@@ -34,7 +34,7 @@ def axes_along(vectors: Any) -> str:
 
 
 def by_forces(axes: str) -> Axes:
-    """What forces along axes change: of a single axis, no angular momentum about it.
+    """Momenta that forces along these axes change; a force along an axis changes no angular momentum about it.
 
     Examples
     --------
@@ -45,6 +45,6 @@ def by_forces(axes: str) -> Axes:
 
 
 def joined(*several: Axes) -> Axes:
-    """What several do together."""
+    """Union of the momenta that several components change."""
     linear, angular = ("".join(c for c in "xyz" if any(c in axes[k] for axes in several)) for k in (0, 1))
     return linear, angular

@@ -1,4 +1,4 @@
-"""What probes work out of a component once, and anew when other arguments of it have taken effect."""
+"""Values that probes compute from a component once, and again after its arguments have changed."""
 
 from __future__ import annotations
 

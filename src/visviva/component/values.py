@@ -95,7 +95,7 @@ def positive_tensor(label: str, what: str, given: Any) -> Array:
 
 
 def _is_function(value: Any) -> bool:
-    """Whether a value is to be called; a class is not, it would give an object of itself."""
+    """True for functions to be evaluated. Classes are callable too, but calling one would construct an object."""
     return callable(value) and not isinstance(value, type)
 
 

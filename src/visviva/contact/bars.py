@@ -22,7 +22,7 @@ BESIDE = np.pi
 
 
 def is_bar(component: Any) -> bool:
-    """Whether others touch points along its middle."""
+    """True if contact acts on points along its axis, as for beams."""
     return isinstance(component, MeshBody) and component.has_directions and component.dimension == 3
 
 

@@ -70,6 +70,6 @@ def insulated(label: str, conducts: bool, *bodies: Any) -> list[str]:
 
 
 def conducted(model: Model, first: Any, second: Any) -> bool:
-    """Whether something lets heat pass between two bodies."""
+    """True if some component conducts heat between the two bodies."""
     about = [body for body in (first, second) if body is not None]
     return any(c.joins(first, second) for body in about for c in model.announced(body, Conducting))

@@ -225,7 +225,7 @@ class Tie(Component):
 
     @property
     def _follows(self) -> bool:
-        """Whether points of the first surface are nodes, which can be moved and leave the equations."""
+        """True if the points of the first surface are nodes, so that they can be moved and eliminated."""
         return type(self.first).skin is MeshBody.skin
 
     @property

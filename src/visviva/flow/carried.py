@@ -91,7 +91,7 @@ class Carried(Wetting):
 
     @cached_property
     def may_be_thin(self) -> bool:
-        """Whether at the start it is anywhere as thin as a thin body, or has not much more than its thickness."""
+        """True if the body is somewhere thin at the start, or hardly thicker than the limit for thin bodies."""
         extents, _ = extents_around(self._places(), self._edge)
         return bool(thin(extents, BARELY * THIN * self._edge).any())
 
@@ -278,7 +278,7 @@ class Carried(Wetting):
         return couple
 
     def _around(self, transfer: Transfer, places: Array, ahead: Array, moves: Array) -> tuple[Ints, Ints]:
-        """First unknowns that places, so many moves `ahead` and what is around them, refer to, as `Transfer.within`."""
+        """First unknowns of the fluid's cells at and around places after `ahead` moves, see `Transfer.within`."""
         n, d = places.shape
         inside = self.fluid.find(places)[0]
         axes = np.where((inside >= 0)[:, None, None], self._axes[inside], 0.0)
@@ -290,7 +290,7 @@ class Carried(Wetting):
 
     @property
     def _tells_reach(self) -> bool:
-        """Whether elements around it are stabilised in another way."""
+        """True if the fluid's elements around it need another stabilisation."""
         return self.fluid.is_stabilised and (self.sealing > 1 or self.may_be_thin)
 
     def _reacher(self, transfer: Transfer) -> Callable[[Array], None]:

@@ -220,7 +220,7 @@ class Fluid(Meshed):
 
     @property
     def starts_at_once(self) -> bool:
-        """Whether its velocities at the start are not those that its boundary then prescribes."""
+        """True if the initial velocities differ from those prescribed at the boundary: an impulsive start."""
         v = self.initial_velocities()
         apart = [
             np.where(c.wanted(), c.velocities_at(0.0) - v, 0.0)
@@ -341,7 +341,7 @@ class Fluid(Meshed):
         return np.array(self.pressure.unknowns), flux, np.zeros(self.pressure.size)
 
     def _is_loaded(self, model: Model) -> bool:
-        """Whether a force may act on its volume."""
+        """True if body forces may act on it."""
         weighed = bool(model.announced(self, Gravity))
         return weighed or self._force is not None or bool(np.any(self.body_force))
 

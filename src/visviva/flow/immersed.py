@@ -165,7 +165,7 @@ class Immersed(Carried):
         self._compare_sizes(places.cells)
 
     def _seen(self, places: Place) -> Mask:
-        """Whether (n d,) the fluid can move along each axis where nodes are: held ones hold it there, but at walls."""
+        """True (n d,) for every axis of a node along which the fluid can move: held nodes stop it, except at walls."""
         flow, d = self.fluid.flow, self.fluid.dimension
         unknowns, weights = self.fluid.transfer.at(places)
         free = ~flow.fixed[unknowns[:, :, None] - flow.start + np.arange(d)]
@@ -180,7 +180,7 @@ class Immersed(Carried):
 
     @cached_property
     def is_thin(self) -> bool:
-        """Whether it is so at most of its nodes."""
+        """True if the body is thin at most of its nodes."""
         points = self._places()
         return self.may_be_thin and bool(np.mean(normals(points, points, self._edge).any(axis=1)) > 0.5)
 

@@ -145,7 +145,7 @@ class ImmersedThin(Carried):
         return np.asarray(first[:, None] - self.body.motion.start + np.arange(self.fluid.dimension))
 
     def _seen(self, places: Place) -> Mask:
-        """Whether (n, d) the fluid can move along each axis where nodes are."""
+        """True (n, d) for every axis of a node along which the fluid can move."""
         flow, d = self.fluid.flow, self.fluid.dimension
         unknowns, weights = self.fluid.transfer.at(places)
         free = ~flow.fixed[unknowns[:, :, None] - flow.start + np.arange(d)]

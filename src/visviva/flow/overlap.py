@@ -138,7 +138,7 @@ def swallowed(grid: Mesh, body: Owner) -> Array:
 
 
 def cure(body: Owner) -> str:
-    """What takes a component into account that lies within a fluid."""
+    """Advice in errors: the component that couples a body to the fluid in which it lies."""
     if isinstance(body, MeshBody):
         return "add vv.ImmersedThin(body=...)" if body.is_thin else "add vv.Immersed(solid=...)"
     if isinstance(body, RigidBody):

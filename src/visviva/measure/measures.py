@@ -27,14 +27,14 @@ Director = Literal[1, 2, 3]
 
 
 def remembers(system: System) -> bool:
-    """Whether materials or terms have histories, which kept states do not hold; the same for all processes."""
+    """True if materials or terms have histories, which stored states do not contain; the same in all processes."""
     return bool(world().largest(system.core.histories().size)) or any(
         term.history for term, _ in system.model.terms
     )
 
 
 def touches(system: System) -> bool:
-    """Whether there is contact, whose forces are those of a step."""
+    """True if there is contact: its forces belong to a step, not to a state."""
     return any(c.touches or c.rubs for c in system.components)
 
 
@@ -77,7 +77,7 @@ class Reading(metaclass=Validated):
         return ()
 
     def told_by_state(self, system: System) -> bool:
-        """Whether it follows from unknowns, rates and time alone, and so from kept states, or has to be recorded."""
+        """True if a stored state (unknowns, rates, time) tells it; others are recorded during the run."""
         return not remembers(system)
 
     def __call__(self, system: System) -> Any:

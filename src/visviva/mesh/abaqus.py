@@ -46,7 +46,7 @@ class Section:
 
     @property
     def words(self) -> list[list[str]]:
-        """What stands in the lines, without what is left blank."""
+        """The words of the lines, without empty ones."""
         return [[word for word in row if word] for row in self.lines]
 
 
@@ -203,7 +203,7 @@ class Reader:
             self.now.sides.setdefault(name, []).append((entries, int(label[1:]) - 1 if label else None))
 
     def part(self, section: Section) -> None:
-        """What follows belongs to a part, whose numbers and names are its own."""
+        """Begin a part: the lines that follow number and name things within it."""
         self.end()
         if section.among("NAME", self.parts) in self.parts:
             raise InputError("there is a part of this name already")

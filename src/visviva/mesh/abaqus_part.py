@@ -1,4 +1,4 @@
-"""What an Abaqus file says of one part, instance or assembly: numbers, cells and sets that hold within it."""
+"""One part, instance or assembly of an Abaqus file: its node numbers, cells and sets."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ FACES = {
 
 
 def with_names(read: Collection, path: Path) -> Collection:
-    """What meshio has read, with groups of the blocks and of the sides that the file names."""
+    """The mesh read by meshio, with a group for every named block and side set of the file."""
     import netCDF4
 
     with netCDF4.Dataset(path) as file:

@@ -18,7 +18,7 @@ Ints = NDArray[np.int64]
 
 
 class Meshed(Protocol):
-    """What has a mesh and a name."""
+    """An object with a mesh and a name."""
 
     grid: Mesh
 

@@ -1,4 +1,4 @@
-"""Whether a mesh can carry elements: what is wrong with it, by cell and place."""
+"""Checks of mesh quality: which cells cannot carry elements, where and why."""
 
 from __future__ import annotations
 

@@ -283,7 +283,7 @@ class SplinePatch(SplineSource):
 
     # --- others --------------------------------------------------------------------------------------------
     def refined(self, times: int) -> SplinePatch:
-        """The same patch with every knot span divided into so many, by knots that stand once."""
+        """The same patch with every knot span divided into this number of spans by simple knots."""
         if times < 1:
             raise InputError(f"SplinePatch: refined({times}) needs 1 at least")
         patch = self
@@ -324,7 +324,7 @@ class SplinePatch(SplineSource):
         return self._between(direction, float(b[0]), at), self._between(direction, at, float(b[-1]))
 
     def is_clamped(self, k: int) -> bool:
-        """Whether control points lie on both sides that a direction ends in."""
+        """True if the sides at both ends of a direction consist of control points."""
         p, t = self.degrees[k], self.knots[k]
         return bool(t[1] == t[p] and t[-2] == t[-p - 1])
 
@@ -363,7 +363,7 @@ class SplinePatch(SplineSource):
         return (self.clamped(k for k in range(self.dimension) if k not in periodic),)
 
     def sampled(self, samples: int) -> tuple[Mesh, Array]:
-        """A mesh of plain cells, so many along each knot span, and the parameters (n_nodes, d) of its nodes."""
+        """A mesh with this number of cells along each knot span, and the parameters (n_nodes, d) of its nodes."""
         counts = [samples * n for n in self.counts]
         grid = Grid(counts, "quad4" if self.dimension == 2 else "hex8")
         xi = np.empty_like(grid.places)

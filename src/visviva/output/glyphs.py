@@ -1,4 +1,4 @@
-"""What pictures show beside surfaces: arrows of vectors, crosses of principal values, diagrams along beams."""
+"""Glyphs of pictures: arrows of vectors, crosses of principal values, diagrams along beams."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class MotionGlyphs:
 
     @property
     def text(self) -> str:
-        """What the longest glyphs stand for."""
+        """Legend: the value of the longest glyph."""
         labels, pairs = self._motion.labels, zip(self._kinds, self._largest, strict=True)
         said = [f"{kind.called} {labels.valued(kind.name, largest)}" for kind, largest in pairs]
         return "".join(f"    {text}" for text in said)

@@ -93,7 +93,7 @@ def _link(k: int, name: str) -> str:
 
 
 def _write_still(block: Any, surface: Surface, times: Any) -> None:
-    """What stays: cells, and where the values of every step begin."""
+    """Write the parts that do not change: cells, and where the values of every step begin."""
     n, n_steps = len(surface.points), len(times)
     sizes = np.concatenate([np.full(len(cells), cells.shape[1]) for cells in surface.cells])
     kinds = [np.full(len(c), kind) for c, kind in zip(surface.cells, surface.types, strict=True)]

@@ -1,4 +1,4 @@
-"""How the pictures and the movie of a run look, in Python and in scene files."""
+"""Appearance of the pictures and the movie of a run, in Python and in scene files."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ WIDTHS = {"field": (1, 3), "vectors": (3, 6)}
 
 @dataclass(frozen=True)
 class Pictures(metaclass=Validated):
-    """What the pictures and the movie that a run draws show, and from where.
+    """Contents and viewpoint of the pictures and the movie of a run.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class Pictures(metaclass=Validated):
 
 
 def can_show(what: str, name: str, width: int) -> bool:
-    """Whether a field with so many components can be shown as colours (`field`), glyphs (`vectors`) or a diagram."""
+    """True if a field of this number of components can be colours (`field`), glyphs (`vectors`) or a diagram."""
     return name.startswith(DIAGRAM) if what == "diagram" else width in WIDTHS[what]
 
 

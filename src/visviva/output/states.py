@@ -100,7 +100,7 @@ class StateFile:
 
     @classmethod
     def written(cls, path: str | Path, n: int, shapes: Sequence[tuple[int, ...]], extent: Extent) -> Self:
-        """What another process has written, to be read."""
+        """The file of states of a run in another process, opened for reading."""
         kept = cls.__new__(cls)
         kept._describe(path, n, shapes)
         (kept.count, kept.checksum), kept._known = extent, ()

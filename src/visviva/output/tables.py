@@ -96,7 +96,7 @@ class Table:
 
     @classmethod
     def written(cls, path: str | Path, columns: Sequence[str], extent: tuple[int, int]) -> Self:
-        """What another process has written, to be read."""
+        """The tables of a run in another process, opened for reading."""
         table = cls.__new__(cls)
         table.path, table.columns = Path(path).absolute(), _clocked(columns)
         (table._end, table.checksum), table._last_time, table._descriptor = extent, None, -1

@@ -56,7 +56,7 @@ class Judgement:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether something is to be done about it."""
+        """True if the user has to act."""
         return self.verdict.startswith("WRONG")
 
     def __str__(self) -> str:
@@ -141,7 +141,7 @@ def told(error: float) -> str:
 
 
 def constraint_judgements(result: Result) -> list[Judgement]:
-    """Whether constraints hold at the ends of steps, and their rates where the scheme sees to them."""
+    """Judge the violation of constraints at the ends of steps, and of their rates where the scheme enforces them."""
     figures, scheme = result.conservation(), result.scheme
     held, rates = figures["constraints"], figures["constraint rates"]
     found = [Judgement("constraints", f"hold to {told(held)} of their reach", fulfilled(held))]
@@ -170,7 +170,7 @@ def fulfilled(error: float) -> str:
 
 
 def energy_verdict(result: Result) -> str:
-    """Whether the energy balance closes as the scheme promises.
+    """Judge the defect of the energy balance by what the scheme promises.
 
     Conserved, dissipated by the scheme, not meant to be conserved by it, or wrong.
     """
@@ -243,7 +243,7 @@ def placed(verdict: str, axes: str) -> str:
 
 
 def reason(result: Result, kind: str, axis: str, change: float) -> str:
-    """What to think of a momentum that changed along an axis by this relative amount."""
+    """Judge the relative change of a momentum along an axis."""
     if change <= CONSERVED:
         return "conserved"
     place = 0 if kind == "momentum" else 1

@@ -1,4 +1,4 @@
-"""Whether heat, flow and concentrations swing back in every step, as they do in steps that are too long for a jump."""
+"""Detect oscillations from step to step of heat, flow and concentrations: steps too long for a jump cause them."""
 
 from __future__ import annotations
 

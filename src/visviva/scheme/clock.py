@@ -91,7 +91,7 @@ class Clock:
         return h if whole else left
 
     def has_reached(self, until: float) -> bool:
-        """Whether nothing but rounding is left of the way to `until`."""
+        """True if the time is `until`, but for rounding."""
         return until - self.time <= self.rounding(until)
 
     def rounding(self, until: float) -> float:

@@ -69,17 +69,17 @@ class Scheme(metaclass=Validated):
 
     @property
     def dissipates(self) -> bool:
-        """Whether it is meant to take energy from what moves fast."""
+        """True if the scheme damps fast vibrations on purpose."""
         return False
 
     @property
     def keeps_swinging(self) -> bool:
-        """Whether new velocities are twice the mean rate of the step less the old ones: a wrong one never dies out."""
+        """True if new velocities are twice the mean rate less the old ones, so that errors alternate for ever."""
         return self.has_inertia and bool(self.motion(1.0)[2][1] == -1)
 
     @property
     def solves_means(self) -> bool:
-        """Whether its multipliers are means over a step, and not those of its end."""
+        """True if multipliers are means over the step rather than values at its end."""
         return self.has_inertia and self.theta < 1
 
     def refuse(self, state: State) -> None:

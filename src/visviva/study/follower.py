@@ -1,4 +1,4 @@
-"""What processes other than the first do while it writes the files of a run."""
+"""The other processes' part in writing the files of a run, which the first process does."""
 
 from __future__ import annotations
 

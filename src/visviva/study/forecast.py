@@ -1,4 +1,4 @@
-"""What the files of a run will take, told before its first step."""
+"""Forecast of the size of a run's files, told before the first step."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Forecast:
 
     @property
     def is_large(self) -> bool:
-        """Whether there is something to tell."""
+        """True if the files are large, or writing takes long, so that the user is told."""
         return self.total > min(LARGE, self.free) or self.seconds > LONG
 
     def __str__(self) -> str:

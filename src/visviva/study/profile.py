@@ -31,7 +31,7 @@ class Profile:
 
     @contextmanager
     def writing(self) -> Iterator[None]:
-        """What is done inside is output."""
+        """Count the time spent in the block as output."""
         start = perf_counter()
         try:
             yield

@@ -77,7 +77,7 @@ class Cadence:
 
     @staticmethod
     def all(every: int) -> Cadence:
-        """Everything every so many steps."""
+        """A cadence that writes everything at this interval of steps."""
         every = whole("run", "every", every)
         return Cadence(every, every, every)
 
@@ -358,7 +358,7 @@ class Recorder:
         self.saved_time, self._cost = now, time.perf_counter() - start
 
     def forecast(self) -> Forecast:
-        """What the files will take, from the first frame, state and row."""
+        """Forecast of the size of the files, from the first frame, state and row."""
         assert self.states is not None
         assert self.ledger is not None
         assert self.probes is not None

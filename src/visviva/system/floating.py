@@ -1,4 +1,4 @@
-"""What projections of rates take into account where bodies lie in a fluid, which moves along in their place."""
+"""Mass of the fluid displaced by bodies, which moves along with them, for projections of rates."""
 
 from __future__ import annotations
 

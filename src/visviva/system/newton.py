@@ -62,7 +62,7 @@ class Newton(metaclass=Validated):
 
 @dataclass(frozen=True)
 class GivenUp:
-    """What is reported of a step that went where something has no value."""
+    """Report of a step that was abandoned because a term had no value at a trial state."""
 
     reason: str
     worst_unknown: int = -1

@@ -1,4 +1,4 @@
-"""Whether an equilibrium is stable: the negative eigenvalues of its tangent, less those that constraints bring.
+"""Stability of equilibria: negative eigenvalues of the tangent, less those due to constraints.
 
 The tangent ``[[K, G^T], [G, 0]]`` of n coordinates and m independent constraints has m negative eigenvalues, and one
 more for each direction that the constraints leave free in which energy falls (Sylvester's law of inertia). A direct

@@ -76,7 +76,7 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
 
 
 def invalid(system: System) -> str:
-    """What makes equations of components mean nothing at the trial state, in words; empty if nothing does."""
+    """Reason why the equations of some component are meaningless at the trial state; empty if there is none."""
     limited = [c for c in system.components if isinstance(c, Limited)]
     if not limited:
         return ""

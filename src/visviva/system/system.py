@@ -300,7 +300,7 @@ class System(metaclass=Named):
 
     @property
     def has_lasting_constraints(self) -> bool:
-        """Whether there are some."""
+        """True if some unknown that is not fixed is a multiplier of a constraint that holds at every instant."""
         fixed = np.concatenate([f.fixed for f in self.model.fields])
         return bool((self.is_lasting_constraint & ~fixed).any())
 

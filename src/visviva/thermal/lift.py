@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 
 
 class StabilisedLift(Term):
-    """What `Buoyancy` is in the residual of the momentum balance, which SUPG and PSPG weigh.
+    """The force of `Buoyancy` within the residual of momentum that SUPG and PSPG weight.
 
     With the force f per volume, the velocity c that carries and the fluid's own tau,
 
