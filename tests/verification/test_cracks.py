@@ -99,6 +99,23 @@ def test_toughness_with_what_the_cells_add(model: Any) -> None:
     surfing.check(vv.simulate(study.system, until=study.until, step=study.step, scheme=study.scheme))
 
 
+@pytest.mark.parametrize("scheme", [vv.AlternateMinimization(), vv.Static()], ids=str)
+@pytest.mark.parametrize(("cell", "added"), [("quad4", 1 / 32), ("quad9", 0.0)])
+@pytest.mark.parametrize("ratio", [8, 32])
+def test_profile_of_a_crack_on_a_line_of_nodes(
+    cell: str, added: float, ratio: int, scheme: vv.Static
+) -> None:
+    """AT1's (1 - x / 2l)^2 over cells of l / 8 and l / 32: Gc, and what its parabola takes in straight ones."""
+    solid = plate(
+        mesh=vv.RectangleMesh(size=(1, 0.2), counts=(10 * ratio, 2), cell=cell),
+        damage=lambda X: 1.0 * (np.abs(X[:, 0] - 0.5) < 1e-9),
+        model="AT1",
+    )
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="all")])
+    vv.quasi_static(system, until=1.0, step=1.0, scheme=scheme)
+    assert solid.crack_energy(system.x) / (0.2 * TOUGHNESS) == pytest.approx(1 + added / ratio**2, abs=1e-9)
+
+
 def test_tip_area_and_energy_of_a_crack_that_is_there_from_the_start() -> None:
     """The profile exp(-|y| / l) of AT2 costs Gc per length, and where it ends the tip is."""
     mesh = vv.RectangleMesh(size=(1, 2), counts=(40, 200), origin=(0, -1)).build()

@@ -1,7 +1,5 @@
 #include "visviva/system/monotone.hpp"
 
-#include <algorithm>
-
 namespace visviva {
 
 void Monotone::set(std::vector<int> unknowns) {
@@ -24,27 +22,53 @@ bool Monotone::project(double* dx) {
     for (int u : unknowns_) {
         if (halted_[u]) continue;
         if (!rests_[u] && dx[u] < 0) {
-            changed_ |= dx[u] < -rounding;
             rests_[u] = dx[u] < -rounding;
+            if (rests_[u]) changed_ = true, ++returns_[u];
             dx[u] = 0, moved = true;
         } else if (rests_[u] && dx[u] != 0) {
             dx[u] = 0, moved = true;
         }
     }
+    if (changed_) advances_ = 0;
     return moved;
 }
 
-void Monotone::release(const double* r, const double* diagonal) {
-    int worst = -1;
+bool Monotone::is_pressed(int u, const double* r, const double* diagonal) const {
+    return rests_[u] && !halted_[u] && -r[u] > rounding * std::max(diagonal[u], 0.0);
+}
+
+void Monotone::release(const double* r, const double* diagonal, const Csr& csr, const Total& total) {
+    std::vector<char> freed(rests_.size(), 0);
+    int worst = -1, n = 0;
     double largest = 0;
-    const bool all = changes_ < patience;
     for (int u : unknowns_) {
-        if (!rests_[u] || halted_[u] || !(-r[u] > rounding * std::max(diagonal[u], 0.0))) continue;
-        if (all) rests_[u] = 0, changed_ = true;
+        if (!is_pressed(u, r, diagonal)) continue;
+        if (returns_[u] < patience) freed[u] = 1, ++n;
         if (-r[u] > largest * diagonal[u]) largest = diagonal[u] > 0 ? -r[u] / diagonal[u] : 1e300, worst = u;
     }
-    if (!all && worst >= 0) rests_[worst] = 0, changed_ = true;
-    changes_ += changed_;
+    if (n == 0 && worst >= 0) freed[worst] = 1, ++n;
+    if (n == 0) return;
+    for (int u : unknowns_)
+        if (freed[u]) rests_[u] = 0;
+    const int layers = advances_ < waits ? 0 : 1 << std::min(advances_ - waits, 20);
+    for (int layer = 0; layer < layers && spread(freed, csr, total); ++layer);
+    changed_ = true, ++advances_;
+}
+
+// A front that went too far comes back by itself: what would shrink comes to rest again.
+bool Monotone::spread(std::vector<char>& freed, const Csr& csr, const Total& total) {
+    std::vector<double> reached(rests_.size(), 0.0);
+    for (int i = 0; i < csr.n; ++i)
+        if (freed[csr.unknown[i]])
+            for (auto k = csr.row[i]; k < csr.row[i + 1]; ++k) reached[csr.unknown[csr.col[k]]] = 1;
+    total(reached);
+    bool any = false;
+    for (int u : unknowns_) {
+        const bool follows = rests_[u] && !halted_[u] && returns_[u] < doubt && reached[u] > 0;
+        freed[u] = follows;
+        if (follows) rests_[u] = 0, any = true;
+    }
+    return any;
 }
 
 void Monotone::mask(const Csr& csr, double* values) const {

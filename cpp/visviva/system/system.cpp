@@ -203,7 +203,7 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     agree(failure, any(failure != nullptr));
     for (auto k : held_zero_) values_[k] = 0;
     for (auto k : held_one_) values_[k] = 1;
-    if (monotone_.any()) monotone_.release(r_.data(), diagonal().data());
+    if (monotone_.any()) monotone_.release(r_.data(), diagonal().data(), csr_, [this](auto& v) { total(v); });
     monotone_.mask(csr_, values_.data());
     weigh_constraints();
     factored_ = step, factored_revision_ = revision_;

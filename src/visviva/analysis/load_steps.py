@@ -214,7 +214,7 @@ class Equilibrium:
             last = size
         raise self.failure(
             time,
-            f"no equilibrium in {o.max_iterations} iterations (last relative increment {size:.1e})",
+            f"no equilibrium in max_iterations = {o.max_iterations} (last relative increment {size:.1e})",
         )
 
     def _search(self, time: float, d: Array, g0: float) -> Array | None:
