@@ -40,7 +40,8 @@ class PlaneBeam(Beam):
     """A beam in the plane z = 0, as plane solids are there: four unknowns at each node and one constraint.
 
     Nodes have a position and the director d2 across the line in the plane. Of the other directors d1 is the normal of
-    the plane, and d3 is d2 turned by a quarter. What the plane has no part in joints and loads is left out.
+    the plane, and d3 is d2 turned by a quarter. What the plane has no part in joints and loads is left out. It touches
+    others and itself (`Contact`) by its sides, half the height of its section to the 'left' and 'right' of its line.
 
     Parameters
     ----------

@@ -59,7 +59,8 @@ class Contact(Component):
         What it touches; if left out the first surface touches itself, by vertices and with a penalty.
     first_faces, second_faces : str or Faces
         Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape, of shells
-        'upper' or 'lower', or an edge for the rim there; 'all' for the whole boundary, of shells both sides and rim.
+        'upper' or 'lower', or an edge for the rim there, of a `PlaneBeam` 'left', 'right' or 'ends'; 'all' for the
+        whole boundary, of shells both sides and rim.
     formulation : {'mortar', 'node-to-segment'}, optional
         By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, and between rigid
         bodies, of which the check says it, else 'mortar'.
