@@ -1,5 +1,6 @@
 """Plots and pictures."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -183,3 +184,14 @@ def test_pictures_of_what_a_system_has_not_are_refused_before_the_first_step(giv
     with pytest.raises(InputError, match=message):
         vv.run(study, tmp_path / "run")
     assert study.system.time == 0.0
+
+
+def test_runs_of_heat_hold_and_show_temperatures(tmp_path: Path) -> None:
+    """Without being told: a picture of one colour tells nothing."""
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    wall = vv.ThermalBody(mesh=mesh, conductivity=1.0, temperature=lambda X: 300 + 50 * X[:, 0])
+    study = vv.Study(vv.System([wall]), until=0.02, step=0.01)
+    assert study.stored[-1] == "temperature"
+    vv.run(study, tmp_path / "wall", progress=False)
+    with Trajectory(tmp_path / "wall" / "trajectory.vtkhdf") as motion:
+        assert "temperature" in motion.fields

@@ -65,7 +65,7 @@ def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, m
 
     with Trajectory(files.trajectory) as motion:
         options: dict[str, Any] = {
-            "field": next((name for name in study.fields if name in motion.fields), ""),
+            "field": next((name for name in study.stored if name in motion.fields), ""),
             "trails": [s.name for s in motion.surfaces if s.name in study.trails],
             **study.pictures.options,
         }

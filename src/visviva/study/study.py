@@ -10,6 +10,7 @@ from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import Named, finite, positive, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.component.component import refuse_absent
+from visviva.component.meshed import Meshed
 from visviva.measure.names import columns_of, units_of
 from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.output.pictures import ALWAYS, Pictures
@@ -21,6 +22,8 @@ Probe = Form | Vector | Strain | Callable[[System], Any]
 
 FIELDS = ("von_mises", "pressure", "cauchy", "energy")
 """Fields of solids that trajectories hold unless others are chosen."""
+LEADING = ("temperature", "concentration", "order", "damage")
+"""And of what has them."""
 
 
 TYPES: tuple[tuple[str, Any, str], ...] = (
@@ -52,7 +55,8 @@ class Study(metaclass=Named):
         Probes of positions whose path is drawn.
     fields : sequence of str
         Fields of solids that the trajectory holds beside displacements, velocities and what contacts show
-        (``contact_pressure``, ``contact_gap``, ``contact_state``, ``contact_traction``); pictures show the first.
+        (``contact_pressure``, ``contact_gap``, ``contact_state``, ``contact_traction``); pictures show the first. By
+        default stresses, and temperatures, concentrations and damages of what has them.
     moments : sequence of float
         Times of which `run` draws pictures, beside the end.
     movie : bool
@@ -105,7 +109,11 @@ class Study(metaclass=Named):
     def stored(self) -> tuple[str, ...]:
         """Fields that the trajectory holds because they are asked for, by name or by what pictures show."""
         shown = (name for name in self.pictures.named.values() if name not in ALWAYS)
-        return tuple(dict.fromkeys([*self.fields, *shown]))
+        meshed = [c for c in self.system.components if isinstance(c, Meshed)]
+        leading = [
+            n for n in LEADING if tuple(self.fields) == FIELDS and any(n in c.widths() for c in meshed)
+        ]
+        return tuple(dict.fromkeys([*self.fields, *leading, *shown]))
 
 
 def measure(system: System, probe: Probe) -> Any:
