@@ -263,6 +263,27 @@ def thin_sunk(kind: str) -> Components:
     return [fluid, heat, body, wet, cooling, vv.NoSlip(fluid=fluid, faces="all"), down]
 
 
+def ball_rubs(**options: Any) -> Components:
+    """A rigid ball that rubs and turns on a warm solid, which takes all heat."""
+    block = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 0.5), counts=(1, 1, 1)),
+        material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        heat=HEAT,
+        temperature=22.0,
+    )
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=0.2),
+        density=2.0,
+        position=(0.4, 0.45, 0.699),
+        velocity=(0.5, 0.1, -0.3),
+        angular_velocity=(0.3, 0.6, 1.0),
+    )
+    given: Any = {"initial": "press", "enforcement": "penalty", "friction": 0.3, **options}
+    contact = vv.Contact(first=ball, second=block, second_faces="z1", **given)
+    return [block, ball, contact, vv.HeatContact(contact=contact)]
+
+
 def touching(**options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
@@ -375,6 +396,19 @@ THERMAL = [
             ("rubbing", RUBS),
             ("sticking", {"enforcement": "multipliers", "friction": 0.3}),
             ("by vertices", {**RUBS, "formulation": "node-to-segment"}),
+        )
+    ],
+    *[
+        Entry(
+            f"ball that rubs on a warm solid, {name}",
+            partial(ball_rubs, **options),
+            MOMENTA,
+            h=0.01,
+            steps=20,
+        )
+        for name, options in (
+            ("penalty", {"tangential": "penalty"}),
+            ("multipliers", {"enforcement": "multipliers"}),
         )
     ],
     Entry("warm box without functions", warm_box, NOTHING, steps=20),

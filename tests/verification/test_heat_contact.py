@@ -138,6 +138,79 @@ def test_heat_of_friction_on_a_plane_without_temperatures() -> None:
     assert result.conservation()["energy"] < 1e-11
 
 
+def rider(kind: str) -> Any:
+    """A body without temperatures just above z = 0, that goes along x."""
+    goes: dict[str, Any] = {"velocity": (1.0, 0, 0)}
+    place = (-0.05, 0.01, 0.0505)
+    if kind == "ball":
+        return vv.RigidBody(shape=vv.Sphere(radius=0.05), density=2000.0, position=place, **goes)
+    if kind == "box":
+        return vv.RigidBody(
+            shape=vv.Box(size=(0.1, 0.1, 0.1)),
+            density=2000.0,
+            position=place,
+            angular_velocity=(3, 2, 0),
+            **goes,
+        )
+    if kind == "point":
+        return vv.PointMass(mass=2.0, position=(-0.05, 0.01, 0.0005), **goes)
+    if kind == "beam":
+        section = vv.TubeSection(radius=0.02, young=1e6, density=1200.0)
+        line = vv.LineMesh(points=[(-0.13, 0.01, 0.0205), (0.13, 0.012, 0.0207)], count=4)
+        return vv.Beam(mesh=line, section=section, **goes)
+    block = vv.BoxMesh(size=(0.26, 0.04, 0.04), counts=(4, 1, 1), origin=(-0.13, 0, 0.0005))
+    return vv.Solid(mesh=block, material=vv.NeoHooke(young=1e5, poisson=0.3), density=1200.0, **goes)
+
+
+def ride(kind: str, scheme: Any = None, step: float = 1e-3, until: float = 0.03, **options: Any) -> Any:
+    """That body pressed on a warm block over which it rubs: the block and the result."""
+    heat = vv.Heat(conductivity=5.0, capacity=2e3, reference=300.0)
+    mesh = vv.BoxMesh(size=(0.4, 0.4, 0.2), counts=(3, 3, 1), origin=(-0.2, -0.2, -0.2))
+    block = vv.ThermoelasticSolid(
+        mesh=mesh, material=vv.NeoHooke(young=1e5, poisson=0.3), density=1e3, heat=heat, temperature=300.0
+    )
+    upper = rider(kind)
+    contact = vv.Contact(first=upper, second=block, second_faces="z1", friction=0.3, **options)
+    system = vv.System(
+        [
+            block,
+            upper,
+            vv.Fixed(solid=block, nodes="z0"),
+            contact,
+            vv.HeatContact(contact=contact),
+            vv.Gravity(acceleration=(0, 0, -50.0)),
+        ],
+        vv.Newton(tolerance=1e-12),
+    )
+    return block, vv.simulate(system, until=until, step=step, scheme=scheme or vv.EnergyMomentum())
+
+
+BY_VERTICES: dict[str, Any] = {"formulation": "node-to-segment"}
+PENALTY: dict[str, Any] = {"enforcement": "penalty", "tangential": "penalty"}
+MULTIPLIERS: dict[str, Any] = {"enforcement": "multipliers", "tangential": "multipliers"}
+
+
+@pytest.mark.parametrize("enforced", [PENALTY, MULTIPLIERS], ids=["penalty", "multipliers"])
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("ball", {}),
+        ("box", {}),
+        ("point", {}),
+        ("beam", {}),
+        ("solid", {"formulation": "mortar"}),
+        ("solid", BY_VERTICES),
+    ],
+    ids=["ball", "box", "point", "beam", "mortar", "vertices"],
+)
+def test_all_heat_goes_into_the_body_with_temperatures(kind: str, options: Any, enforced: Any) -> None:
+    """Whatever rubs on it, first or not: all that friction takes is heat of the one body that has temperatures."""
+    _, result = ride(kind, **options, **enforced)
+    rubbed = -result.ledger["work_friction"]
+    assert rubbed[-1] > 0.01
+    assert result.ledger["heat_friction"] == pytest.approx(rubbed, abs=1e-9 * rubbed[-1])
+
+
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint()])
 @pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
 def test_two_lumps_even_out_by_the_exponential(scheme: Any, enforcement: Any) -> None:
@@ -226,6 +299,10 @@ def test_refusals() -> None:
         ({"contact": contact, "conductance": [(1, 1, 1)]}, "expected a number, rows of two numbers"),
         ({"contact": contact, "conductance": 1.0, "share": 1.5}, "share = 1.5 is not between 0 and 1"),
         ({"contact": points, "conductance": 1.0}, "by vertices conducts where it rubs alone"),
+        (
+            {"contact": half, "share": 1.0},
+            "share = 1 brings all heat of friction to Solid, which has no temp",
+        ),
         ({"contact": half, "conductance": 1.0}, "do not both carry heat"),
         ({"contact": none, "conductance": 1.0}, "of which none carries heat"),
     ]

@@ -62,8 +62,9 @@ ContactHeat::Flow ContactHeat::flow(int A, const Context& c, bool gradients) con
     Flow f;
     Eigen::VectorXd T = Eigen::VectorXd::Zero(k);
     each_warm(A, [&](int v, int form, int side) { T[v] += skin.weight[form] * temperature(form, side, c); });
+    const double sign = warmth_.carries[0] ? -1 : 1;
     for (Eigen::Index v = 0; v < k; ++v)
-        if (is_first(stencil[v])) f.area -= p.weight[v];
+        if (is_heated(stencil[v])) f.area += sign * p.weight[v];
     f.share = p.weight.cwiseAbs() / f.area;
     for (Eigen::Index v = 0; v < k; ++v) {
         if (is_first(stencil[v]) == (p.weight[v] > 0)) f.share[v] *= -1;
@@ -78,7 +79,7 @@ ContactHeat::Flow ContactHeat::flow(int A, const Context& c, bool gradients) con
 
     Eigen::RowVectorXd area_by = Eigen::RowVectorXd::Zero(3 * k);
     for (Eigen::Index v = 0; v < k; ++v)
-        if (is_first(stencil[v])) area_by -= p.weight_by_place.row(v);
+        if (is_heated(stencil[v])) area_by += sign * p.weight_by_place.row(v);
     f.share_by.resize(k, 3 * k);
     for (auto* by : {&f.theta_by[0], &f.theta_by[1], &f.heat_by[0], &f.heat_by[1]}) by->setZero(n);
     for (Eigen::Index v = 0; v < k; ++v) {
@@ -99,18 +100,27 @@ ContactHeat::Flow ContactHeat::flow(int A, const Context& c, bool gradients) con
     return f;
 }
 
-// What was elastic in the slip where surfaces part heats the vertex of the first: f(form, heat per time,
+// What was elastic in the slip where surfaces part heats the vertex of the first, or, where that carries no
+// heat, evenly the vertices of the second that are near: f(forms with their parts, heat per time,
 // temperature).
 template <class F>
 void ContactHeat::each_parted(const Context& c, F f) const {
     const Skin& skin = contact_->gaps().skin();
+    const int side = warmth_.carries[0] ? 0 : 1;
+    const double own = side == 0 ? warmth_.share : 1 - warmth_.share;
+    const double taken = warmth_.carries[0] && warmth_.carries[1] ? 1 : own;
     for (int A = 0; A < contact_->n(); ++A) {
-        const double taken = warmth_.carries[1] ? 1 : warmth_.share,
-                     heat = taken * rate(c) * passages_[A].rubbed;
-        if (passages_[A].active || heat == 0 || !warmth_.carries[0]) continue;
-        double T = 0;
-        for (int k = skin.first[A]; k < skin.first[A + 1]; ++k) T += skin.weight[k] * temperature(k, 0, c);
-        for (int k = skin.first[A]; k < skin.first[A + 1]; ++k) f(A, k, heat, T);
+        const double heat = taken * rate(c) * passages_[A].rubbed;
+        if (passages_[A].active || heat == 0) continue;
+        std::vector<std::pair<int, double>> parts;
+        double sum = 0, T = 0;
+        const auto& stencil = contact_->gaps().stencil(A);
+        each_warm(A, [&](int v, int form, int of) {
+            if (of != side || (side == 0 && stencil[v] != A)) return;
+            parts.emplace_back(form, skin.weight[form]), sum += skin.weight[form];
+        });
+        for (auto& [form, part] : parts) part /= sum, T += part * temperature(form, side, c);
+        f(parts, heat, T);
     }
 }
 
@@ -119,8 +129,9 @@ double ContactHeat::rate(const Context& c) { return c.step.h != 0 && c.step.has_
 void ContactHeat::residual(const Context& c, double* r) {
     evaluate(c, false);
     const Skin& skin = contact_->gaps().skin();
-    each_parted(c, [&](int, int form, double heat, double T) {
-        r[warmth_.balance[form]] -= skin.weight[form] * heat / (warmth_.entropy[0] ? T : 1);
+    const bool entropy = warmth_.entropy[warmth_.carries[0] ? 0 : 1];
+    each_parted(c, [&](const auto& parts, double heat, double T) {
+        for (const auto& [form, part] : parts) r[warmth_.balance[form]] -= part * heat / (entropy ? T : 1);
     });
     for (int A = 0; A < contact_->n(); ++A) {
         if (!passages_[A].active) continue;
@@ -136,11 +147,15 @@ void ContactHeat::residual(const Context& c, double* r) {
 void ContactHeat::tangent(const Context& c, double* values) {
     evaluate(c, true);
     const Skin& skin = contact_->gaps().skin();
-    each_parted(c, [&](int A, int form, double heat, double T) {
-        for (int k = skin.first[A]; warmth_.entropy[0] && k < skin.first[A + 1]; ++k)
-            if (const std::int64_t at = pattern_->position(warmth_.balance[form], warmth_.temperature[k]);
-                at >= 0)
-                values[at] += skin.weight[form] * skin.weight[k] * heat / (T * T);
+    const bool entropy = warmth_.entropy[warmth_.carries[0] ? 0 : 1];
+    each_parted(c, [&](const auto& parts, double heat, double T) {
+        if (!entropy) return;
+        for (const auto& [form, part] : parts)
+            for (const auto& [other, share] : parts)
+                if (const std::int64_t at =
+                        pattern_->position(warmth_.balance[form], warmth_.temperature[other]);
+                    at >= 0)
+                    values[at] += part * share * heat / (T * T);
     });
     for (int A = 0; A < contact_->n(); ++A) {
         if (!passages_[A].active) continue;
@@ -176,9 +191,8 @@ void ContactHeat::tangent(const Context& c, double* values) {
 void ContactHeat::ledger(const Context& c, const double*, LedgerSums& sums) {
     evaluate(c, false);
     if (!c.backwards) conducted_.assign(contact_->n(), 0.0);
-    const Skin& skin = contact_->gaps().skin();
-    each_parted(c, [&](int A, int k, double heat, double) {
-        if (k == skin.first[A]) sums.work[work_account] += c.step.h * heat;
+    each_parted(c, [&](const auto& parts, double heat, double) {
+        if (!parts.empty()) sums.work[work_account] += c.step.h * heat;
     });
     for (int A = 0; A < contact_->n(); ++A) {
         if (!passages_[A].active) continue;

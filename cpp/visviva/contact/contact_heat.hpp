@@ -28,6 +28,7 @@ class ContactHeat : public Term {
     ContactHeat(std::shared_ptr<ContactTerm> contact, ContactWarmth warmth)
         : contact_(std::move(contact)), warmth_(std::move(warmth)) {
         is_lasting = false;
+        surfaces_ = static_cast<int>(warmth_.balance.size());
         const std::size_t n = contact_->gaps().skin().unknown.size();  // frames behind the surfaces have none
         warmth_.balance.resize(n, -1), warmth_.temperature.resize(n, -1);
     }
@@ -49,6 +50,11 @@ class ContactHeat : public Term {
     Flow flow(int A, const Context&, bool gradients) const;
     double temperature(int form, int side, const Context&) const;
     bool is_first(int vertex) const { return vertex < contact_->n(); }
+    /// Whether the vertex is of the surface that carries heat, the first one of two; weights of what turns
+    /// are those of its frame, which is behind the surfaces.
+    bool is_heated(int vertex) const {
+        return is_first(vertex) == warmth_.carries[0] && contact_->gaps().skin().first[vertex] < surfaces_;
+    }
     static double rate(const Context&);
     template <class F>
     void each_warm(int A, F f) const;
@@ -58,6 +64,7 @@ class ContactHeat : public Term {
     std::shared_ptr<ContactTerm> contact_;
     ContactWarmth warmth_;
     Conductance conductance_;
+    int surfaces_;  // forms of both surfaces
     std::optional<Pattern> pattern_;
     std::vector<Passage> passages_;
     std::vector<double> pressure_, conductances_, conducted_;

@@ -35,9 +35,10 @@ class HeatContact(Component):
     conductance : float, table, or function, optional
         Heat per time, area and difference of temperatures of surfaces that touch: a number, rows of pressures that grow
         and conductances, or a function of pressures (n,) with values (n,). Where the surfaces are apart nothing passes.
-    share : float
+    share : float, optional
         Of the heat of friction, between 0 and 1, that the first surface of the contact takes; the second takes the
-        rest. What goes to a body without temperatures is lost.
+        rest. Where not given: half, and all of it in the body with temperatures where the other has none. What a given
+        share brings to a body without temperatures is lost.
 
     Notes
     -----
@@ -66,12 +67,12 @@ class HeatContact(Component):
 
     contact: Contact
     conductance: Curve | None = None
-    share: Number = 0.5
+    share: Number | None = None
 
     contributes_last = True
 
     def __post_init__(self) -> None:
-        if not 0 <= self.share <= 1:
+        if self.share is not None and not 0 <= self.share <= 1:
             raise InputError(f"{self.label}: share = {self.share:g} is not between 0 and 1")
         first, second = self.contact.first, self.contact.second
         carriers = [isinstance(body, HeatCarrier) for body in (first, second)]
@@ -81,6 +82,11 @@ class HeatContact(Component):
                 f"{self.label}: {self.contact.label} is between {labels}, "
                 + ("which carries no heat" if second is None else "of which none carries heat")
                 + "; make solids there vv.ThermoelasticSolid"
+            )
+        if not all(carriers) and self._share_of_first(carriers) == (0 if carriers[0] else 1):
+            raise InputError(
+                f"{self.label}: share = {self.share:g} brings all heat of friction to "
+                f"{(second if carriers[0] else first).label}, which has no temperatures; leave it out"
             )
         thin = [body.label for body in (first, second) if isinstance(body, HeatCarrier) and body.is_thin]
         if thin:
@@ -106,6 +112,12 @@ class HeatContact(Component):
             least = self.conductance[:, 1].min()
         if least < 0 or (isinstance(self.conductance, float) and least == 0):
             raise InputError(f"{self.label}: a conductance of {least:g} is not positive")
+
+    def _share_of_first(self, carries: list[bool]) -> float:
+        """Share of the first surface, of bodies that carry heat or not."""
+        if self.share is not None:
+            return self.share
+        return 0.5 if all(carries) else float(carries[0])
 
     def _values(self, pressure: Array) -> Array:
         """Conductances (n,) of pressures (n,)."""
@@ -151,7 +163,7 @@ class HeatContact(Component):
             np.concatenate(temperature).astype(np.int32),
             np.array(carries, dtype=np.int32),
             np.array(entropy, dtype=np.int32),
-            self.share,
+            self._share_of_first(carries),
         )
         self.term.name = self.label
         if self.conductance is not None:
