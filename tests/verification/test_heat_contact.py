@@ -104,6 +104,16 @@ def test_a_sliding_block_turns_its_motion_into_heat(options: dict[str, Any], sha
     assert np.min(np.diff(entropy)) > 0
 
 
+@pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(), vv.BDF2(), vv.BackwardEuler()])
+@pytest.mark.parametrize("kind", ["solid", "ball"])
+def test_schemes_that_balance_ends_book_the_heat_that_friction_takes(scheme: Any, kind: str) -> None:
+    """Half of the work at both ends of a step in both columns, and the elastic part of the slip from its ends."""
+    _, result = ride(kind, scheme, **PENALTY)
+    rubbed = -result.ledger["work_friction"]
+    assert rubbed[-1] > 0.01
+    assert result.ledger["heat_friction"] == pytest.approx(rubbed, abs=1e-9 * rubbed[-1])
+
+
 def test_the_share_decides_who_gets_the_heat() -> None:
     """Without conduction: what the block takes is its share of what friction takes."""
     gained = []

@@ -124,7 +124,8 @@ void ContactHeat::each_parted(const Context& c, F f) const {
     }
 }
 
-double ContactHeat::rate(const Context& c) { return c.step.h != 0 && c.step.has_length() ? 1 / c.step.h : 0; }
+// Of steps the books go back too, where h, slips and what they have made are negative.
+double ContactHeat::rate(const Context& c) { return std::abs(c.step.h) > Step::no_length ? 1 / c.step.h : 0; }
 
 void ContactHeat::residual(const Context& c, double* r) {
     evaluate(c, false);

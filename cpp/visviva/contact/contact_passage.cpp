@@ -18,7 +18,7 @@ void ContactTerm::find_passages(const Context& c, bool gradients, std::vector<Pa
     out.assign(n, {});
     for (std::size_t A = 0; A < n; ++A) {
         Passage& p = out[A];
-        if (has_friction()) p.rubbed = rubbed(static_cast<int>(A));
+        if (has_friction()) p.rubbed = rubbed(static_cast<int>(A), c);
         if (!active_[A]) continue;
         p.active = true, p.pressure = std::max(S_[A], 0.0), p.weight = grips_[A].weight;
         if (!gradients) continue;
@@ -31,11 +31,12 @@ void ContactTerm::find_passages(const Context& c, bool gradients, std::vector<Pa
 }
 
 // What slip takes over the step, less what its elastic part stores; that is lost where surfaces part.
-double ContactTerm::rubbed(int A) const {
+double ContactTerm::rubbed(int A, const Context& c) const {
     const Eigen::Vector2d t = traction_[A].value;
     const double work = active_[A] ? slip_work(A, D_) : 0;
     if (!has_history()) return -work;
-    return -work - 0.5 * (t.squaredNorm() - base_[A].squaredNorm()) / options_.friction.stiffness[A];
+    const double k = options_.friction.stiffness[A], before = 0.5 * base_[A].squaredNorm() / k;
+    return -work - 0.5 * t.squaredNorm() / k + (c.backwards ? stored_[A] : before);
 }
 
 void ContactTerm::differentiate_rubbed(int A, const Context& c, const Eigen::RowVectorXd& pressure,

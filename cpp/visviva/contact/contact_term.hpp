@@ -195,7 +195,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Sliding sliding(int A) const { return sliding(A, stencil_of(A, D_)); }
     Sliding sliding(int A, const Eigen::VectorXd& D) const;
     double slip_work(int A, const std::vector<double>& way) const;
-    double rubbed(int A) const;
+    double rubbed(int A, const Context&) const;
     void differentiate_rubbed(int A, const Context&, const Eigen::RowVectorXd& pressure, Passage&) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     static Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& a) {
