@@ -114,6 +114,32 @@ def test_schemes_that_balance_ends_book_the_heat_that_friction_takes(scheme: Any
     assert result.ledger["heat_friction"] == pytest.approx(rubbed, abs=1e-9 * rubbed[-1])
 
 
+@pytest.mark.parametrize("scheme", [vv.GeneralizedAlpha(), vv.BDF2()])
+def test_temperatures_get_the_booked_heat_to_second_order(scheme: Any) -> None:
+    """Internal energy against the heat of a friction that grows: elastic slip, of first order, is next to none."""
+    missing = []
+    for step in (2e-3, 1e-3):
+        heat = vv.Heat(conductivity=5.0, capacity=2e3, reference=300.0)
+        neo = vv.NeoHooke(young=1e5, poisson=0.3)
+        mesh = vv.BoxMesh(size=(0.4, 0.4, 0.2), counts=(3, 3, 1), origin=(-0.2, -0.2, -0.2))
+        lower = vv.ThermoelasticSolid(mesh=mesh, material=neo, density=1e3, heat=heat, temperature=300.0)
+        slab = vv.BoxMesh(size=(0.26, 0.04, 0.04), counts=(4, 1, 1), origin=(-0.13, 0, 0))
+        upper = vv.Solid(mesh=slab, material=neo, density=1200.0, velocity=(1.0, 0, 0))
+        stiff: dict[str, Any] = {**PENALTY, "tangential_stiffness": 1e9}
+        contact = vv.Contact(
+            first=upper, first_faces="z0", second=lower, second_faces="z1", friction=0.3, **stiff
+        )
+        rubbing = vv.HeatContact(contact=contact)
+        push = vv.Pressure(solid=upper, faces="z1", pressure="4e5 * t * t")
+        held = vv.Fixed(solid=lower, nodes="z0")
+        system = vv.System([lower, upper, held, contact, rubbing, push], vv.Newton(tolerance=1e-12))
+        ledger = vv.simulate(system, until=0.04, step=step, scheme=scheme).ledger
+        assert ledger["heat_friction"][-1] == pytest.approx(0.023, rel=0.01)
+        missing.append(abs(ledger["imbalance"][-1]))
+    assert missing[1] < 2e-4 * 0.023
+    assert missing[0] / missing[1] == pytest.approx(4, rel=0.1)
+
+
 def test_the_share_decides_who_gets_the_heat() -> None:
     """Without conduction: what the block takes is its share of what friction takes."""
     gained = []

@@ -46,8 +46,8 @@ double ContactHeat::temperature(int form, int side, const Context& c) const {
     return warmth_.entropy[side] ? end : c.vectors.x0[u] + c.step.theta * (end - c.vectors.x0[u]);
 }
 
-void ContactHeat::evaluate(const Context& c, bool gradients) {
-    contact_->find_passages(c, gradients, passages_);
+void ContactHeat::evaluate(const Context& c, bool gradients, bool by_rates) {
+    contact_->find_passages(c, gradients, by_rates, passages_);
     pressure_.resize(passages_.size());
     for (std::size_t A = 0; A < passages_.size(); ++A) pressure_[A] = passages_[A].pressure;
     conductances_.assign(pressure_.size(), 0.0);
@@ -190,7 +190,7 @@ void ContactHeat::tangent(const Context& c, double* values) {
 }
 
 void ContactHeat::ledger(const Context& c, const double*, LedgerSums& sums) {
-    evaluate(c, false);
+    evaluate(c, false, false);
     if (!c.backwards) conducted_.assign(contact_->n(), 0.0);
     each_parted(c, [&](const auto& parts, double heat, double) {
         if (!parts.empty()) sums.work[work_account] += c.step.h * heat;

@@ -46,7 +46,7 @@ class ContactHeat : public Term {
 
   private:
     struct Flow;
-    void evaluate(const Context&, bool gradients);
+    void evaluate(const Context&, bool gradients, bool by_rates = true);
     Flow flow(int A, const Context&, bool gradients) const;
     double temperature(int form, int side, const Context&) const;
     bool is_first(int vertex) const { return vertex < contact_->n(); }

@@ -91,8 +91,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     /// Steps in which two rigid bodies sink into each other beside their gaps fail from now on.
     void watch(Piercing piercing) { piercing_ = std::move(piercing); }
 
-    /// Data of all gaps for the heat that passes in the step under way.
-    void find_passages(const Context&, bool gradients, std::vector<Passage>& out);
+    /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
+    /// of the rates of a scheme with a history at its end, which increments lag behind by half a step.
+    void find_passages(const Context&, bool gradients, bool by_rates, std::vector<Passage>& out);
     /// Multipliers of a gap, of pressure and then of traction, and which of a passage's three one is.
     std::vector<int> multipliers(int A) const { return scatter_.multipliers(A); }
     int multiplier_place(std::size_t m) const { return static_cast<int>(m) + (has_multipliers() ? 0 : 1); }
@@ -195,8 +196,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Sliding sliding(int A) const { return sliding(A, stencil_of(A, D_)); }
     Sliding sliding(int A, const Eigen::VectorXd& D) const;
     double slip_work(int A, const std::vector<double>& way) const;
-    double rubbed(int A, const Context&) const;
-    void differentiate_rubbed(int A, const Context&, const Eigen::RowVectorXd& pressure, Passage&) const;
+    double rubbed(int A, const Context&, const std::vector<double>& way) const;
+    void differentiate_rubbed(int A, const Context&, const Eigen::RowVectorXd& pressure,
+                              const std::vector<double>& along, double by_step, Passage&) const;
     Eigen::VectorXd stencil_of(int A, const std::vector<double>& X) const;
     static Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& a) {
         return {a.data(), static_cast<Eigen::Index>(a.size())};
