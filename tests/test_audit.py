@@ -424,3 +424,22 @@ def test_fluids_without_periods_are_judged() -> None:
         ]
     )
     assert "linear momentum" in vv.simulate(system, until=0.2, step=0.1).audit()
+
+
+def test_what_rings_is_found_beside_what_grows_smoothly() -> None:
+    """A rod whose end is cooled at once, beside a body that is heated by much more."""
+    rod, block = (
+        vv.ThermalBody(
+            mesh=vv.BoxMesh(size=size, counts=counts, origin=at), conductivity=1.0, temperature=300.0
+        )
+        for size, counts, at in (((1, 0.2, 0.2), (20, 1, 1), (0, 0, 0)), ((1, 1, 1), (4, 4, 4), (3, 0, 0)))
+    )
+    system = vv.System(
+        [
+            rod,
+            block,
+            vv.PrescribedTemperature(body=rod, nodes="x0", value=400.0),
+            vv.HeatSource(body=block, power=1000.0),
+        ]
+    )
+    assert vv.simulate(system, until=1.0, step=0.1).statistics.swings > 6

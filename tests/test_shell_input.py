@@ -172,3 +172,21 @@ def test_the_work_of_a_moment_at_an_edge_is_what_a_strip_stores() -> None:
     system = vv.System([shell, vv.Clamped(solid=shell, nodes="x0"), moment])
     ledger = vv.quasi_static(system, until=1.0, step=0.05).ledger
     assert ledger.last("potential_stored") == pytest.approx(25 * np.pi / 3 * np.pi / 2, rel=2e-3)
+
+
+def test_edges_have_no_area_for_a_conductance() -> None:
+    section = vv.SolidSection(material=vv.NeoHooke(young=1e4, poisson=0.3), thickness=0.02, density=10.0)
+    heat = vv.Heat(conductivity=1.0, capacity=10.0, expansion=1e-3, reference=300.0)
+    one, two = (
+        vv.ThermalShell(
+            mesh=vv.QuadrilateralMesh(
+                corners=[(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)], counts=(2, 2)
+            ),
+            section=section,
+            heat=heat,
+            temperature=300.0,
+        )
+        for x in (0.0, 1.0)
+    )
+    with pytest.raises(vv.InputError, match="have no area that a conductance could be of"):
+        vv.HeatTie(first=one, first_faces="x1", second=two, second_faces="x0", conductance=1.0)

@@ -187,6 +187,8 @@ def energy_verdict(result: Result) -> str:
             "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
             "discrete gradient of its energy"
         )
+    if not scheme.has_inertia and ledger.entropy:
+        return "not meant to be exact: load steps take no time, and heat that bodies give away in them is not booked"
     if not scheme.has_inertia and max(gained, lost) > SNAPPED:
         return (
             "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "

@@ -15,6 +15,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.contact.tying import THIN, with_neighbours
+from visviva.mesh.cells import CELLS
 from visviva.mesh.periodic import refuse_periodic
 from visviva.thermal.boundaries import PrescribedTemperature
 from visviva.thermal.carrier import HeatCarrier
@@ -97,6 +98,14 @@ class HeatTie(Component):
             skins = [body.heat_skin(chosen) for body, chosen in sides]
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
+        edges = any(
+            CELLS[kind].dimension < self.first.dimension - 1 for skin in skins for kind in skin.faces.cells
+        )
+        if edges and self.conductance is not None:
+            raise InputError(
+                f"{self.label}: edges of {self.first.label} have no area that a conductance could be of; leave it out, "
+                "which ties temperatures, or give vv.HeatExchange the conductance of the whole edge"
+            )
         self._nodes = skins[0].used, skins[1].used
         self._pair = MortarSurfaces((self.first, skins[0]), (self.second, skins[1]), self.reach)
         share = self._pair.integrals.covered / self._pair.first.areas
