@@ -179,9 +179,7 @@ def test_edges_have_no_area_for_a_conductance() -> None:
     heat = vv.Heat(conductivity=1.0, capacity=10.0, expansion=1e-3, reference=300.0)
     one, two = (
         vv.ThermalShell(
-            mesh=vv.QuadrilateralMesh(
-                corners=[(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)], counts=(2, 2)
-            ),
+            mesh=vv.QuadrilateralMesh(corners=[(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)], counts=(2, 2)),
             section=section,
             heat=heat,
             temperature=300.0,

@@ -161,3 +161,20 @@ def test_what_overlaps_from_the_start_is_not_looked_at() -> None:
     system = vv.System([pin, base, contact])
     vv.simulate(system, until=0.1, step=0.01)
     assert vv.Position(of=pin)(system)[2] == pytest.approx(0.5 - SPEED * 0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("height", "thick", "step"),
+    [(1.0, 0.01, 0.002), (1.0, 0.01, 0.005), (0.098, 0.1, 0.002), (0.12, 0.1, 0.002)],
+)
+def test_bars_across_each_other_do_not_pass(height: float, thick: float, step: float) -> None:
+    """In one step from one side to the other, from inside at the start, or by and by."""
+    ground = vv.Ground()
+    lower, upper = (
+        vv.RigidBody(shape=vv.Box(size=size), density=1000.0, position=(0, 0, z))
+        for size, z in (((1, thick, thick), 0.0), ((thick, 1, thick), height))
+    )
+    contact = vv.Contact(first=upper, second=lower, stiffness=1e6)
+    bodies = [ground, lower, upper, vv.Rigid(a=ground, b=lower, at=(0, 0, 0))]
+    with pytest.raises(vv.StepFailure, match="sink into each other"):
+        vv.simulate(vv.System([*bodies, contact, vv.Gravity()]), until=0.5, step=step)

@@ -173,12 +173,12 @@ def node_to_segment(u: Units) -> Figures:
 
 
 def thrown(u: Units) -> Figures:
-    """A rigid box onto an obstacle's edge."""
+    """A rigid box onto an obstacle, corners first: edges on edges are not seen."""
     L = u.length
     box = vv.RigidBody(
         shape=vv.Box(size=(L, L, L)),
         density=10 * u.density,
-        position=(0.8 * L, 0.1 * L, 1.3 * L),
+        position=(0.3 * L, 0.1 * L, 1.3 * L),
         velocity=(0, 0, -3 * u.speed),
         angular_velocity=(0.5 / u.time, 1.0 / u.time, 0),
     )

@@ -205,10 +205,10 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
                                  int energy) { t.friction_account = work, t.slip_energy_account = energy; })
         .def(
             "watch",
-            [](ContactTerm& t, const Skin& skin, double limit, const std::string& cure) {
-                t.watch({skin, limit, cure});
+            [](ContactTerm& t, const Skin& skin, double limit, double least, const std::string& cure) {
+                t.watch({skin, limit, least, cure});
             },
-            nb::arg("skin"), nb::arg("limit"), nb::arg("cure"))
+            nb::arg("skin"), nb::arg("limit"), nb::arg("least"), nb::arg("cure"))
         .def_prop_ro("costs",
                      [](const ContactTerm& t) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};

@@ -1,5 +1,6 @@
 #include "visviva/contact/piercing.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -87,8 +88,8 @@ struct Body {
 
 }  // namespace
 
-Piercing::Piercing(Skin skin, double limit, std::string cure)
-    : skin_(std::move(skin)), limit_(limit), cure_(std::move(cure)) {
+Piercing::Piercing(Skin skin, double limit, double least, std::string cure)
+    : skin_(std::move(skin)), limit_(limit), least_(least), cure_(std::move(cure)) {
     for (int f = 0; f < skin_.n_facets(); ++f) add(f, sides_[f < skin_.second_begin ? 0 : 1]);
     for (Side& side : sides_) {
         std::sort(side.edges.begin(), side.edges.end());
@@ -105,17 +106,61 @@ void Piercing::add(int facet, Side& side) const {
 }
 
 bool Piercing::sinks(const double* q0, const double* q1, double seen, Piece& worst) {
-    if (!begun_) begun_ = true, overlaps_ = deepest(q0).depth > limit_;
-    if (overlaps_) return false;
-    worst = deepest(q1);
-    if (worst.depth <= limit_ + 2 * seen) return false;
-    const double before = deepest(q0).depth;
-    return before > limit_ && worst.depth > before;
+    constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
+    std::vector<double> X0, X1;
+    skin_.positions(q0, X0), skin_.positions(q1, X1);
+    if (!begun_) begun_ = true, given_ = deepest(X0).depth;
+    const int parts = parts_of(X0, X1);
+    if (parts == 0) return false;
+    const double unseen = std::max(limit_, given_ * (1 + 1e-6)) + 2 * seen, before = deepest(X0).depth;
+    worst = deepest(X1);
+    const double after = worst.depth;
+    if (after > unseen && after > before && (before > limit_ || after > unseen + deep * least_)) return true;
+    std::vector<double> X(X0.size());
+    const double sag = parts > 1 ? sagitta(X0, X1, 0) + sagitta(X0, X1, 1) : 0;
+    for (int part = 1; part < parts; ++part) {
+        const double s = static_cast<double>(part) / parts;
+        for (std::size_t i = 0; i < X.size(); ++i) X[i] = (1 - s) * X0[i] + s * X1[i];
+        worst = deepest(X);
+        if (worst.depth > unseen + sag && worst.depth > std::max(before, after) + limit_ + sag) return true;
+    }
+    return false;
 }
 
-Piercing::Piece Piercing::deepest(const double* q) const {
-    std::vector<double> X;
-    skin_.positions(q, X);
+// How far places on straight ways are beside those of a body that turns: chords lead inwards.
+double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const {
+    Vector3 from = Vector3::Zero(), to = Vector3::Zero();
+    for (const auto& [a, b] : sides_[side].edges)
+        for (int v : {a, b}) from += At(&X0[3 * v]), to += At(&X1[3 * v]);
+    const double n = 2.0 * static_cast<double>(sides_[side].edges.size());
+    from /= n, to /= n;
+    double most = 0;
+    for (const auto& [a, b] : sides_[side].edges)
+        for (int v : {a, b}) {
+            const Vector3 arm = At(&X0[3 * v]) - from, turn = At(&X1[3 * v]) - to - arm;
+            if (arm.norm() > 0) most = std::max(most, turn.squaredNorm() / (8 * arm.norm()));
+        }
+    return most;
+}
+
+// Looks on the way, so many that between them no body passes half of the least width of the other; none where
+// they stay apart.
+int Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const {
+    constexpr double most = 64;
+    using Bounds = Eigen::AlignedBox<double, 3>;
+    Bounds swept[2], ways[2];
+    for (int side : {0, 1})
+        for (const auto& [a, b] : sides_[side].edges)
+            for (int v : {a, b}) {
+                const Vector3 x0 = At(&X0[3 * v]), x1 = At(&X1[3 * v]);
+                swept[side].extend(x0), swept[side].extend(x1), ways[side].extend(Vector3(x1 - x0));
+            }
+    if (!swept[0].intersects(swept[1])) return 0;
+    const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
+    return static_cast<int>(std::clamp(std::ceil(2 * way.norm() / least_), 1.0, most));
+}
+
+Piercing::Piece Piercing::deepest(const std::vector<double>& X) const {
     const Piece one = deepest(X, sides_[0].edges, sides_[1].triangles),
                 two = deepest(X, sides_[1].edges, sides_[0].triangles);
     return one.depth > two.depth ? one : two;

@@ -11,9 +11,9 @@ namespace visviva {
 
 class Piercing {
   public:
-    /// Two closed surfaces, `limit` the depth from which on they may not be in each other unseen, and what
-    /// cures that.
-    Piercing(Skin skin, double limit, std::string cure);
+    /// Two closed surfaces, `limit` the depth from which on they may not be in each other unseen, the `least`
+    /// of their widths, and what cures that.
+    Piercing(Skin skin, double limit, double least, std::string cure);
 
     /// Depth of the deepest piece of an edge that lies in the other body, and where.
     struct Piece {
@@ -21,9 +21,10 @@ class Piercing {
         Eigen::Vector3d place = Eigen::Vector3d::Zero();
     };
 
-    /// Whether bodies that are in each other when a step begins go deeper in it than `seen`, a depth that
-    /// gaps have, allows for; never those that were from the start. Then `worst` says where. What comes in
-    /// within a step may have met what its gaps hold from the next one on.
+    /// Whether bodies come deeper into each other in a step than `seen`, a depth that gaps have, allows for,
+    /// and than they were given: those that are in each other already, those that come in by a quarter of
+    /// their width, and those that pass through. Then `worst` says where. What comes in by less may have met
+    /// what its gaps hold from the next step on.
     bool sinks(const double* q0, const double* q1, double seen, Piece& worst);
 
     const std::string& cure() const { return cure_; }
@@ -34,15 +35,18 @@ class Piercing {
         Edges edges;
         std::vector<int> triangles;  // three vertices each
     };
-    Piece deepest(const double* q) const;
+    Piece deepest(const std::vector<double>& X) const;
+    double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
+    int parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
     Piece deepest(const std::vector<double>& X, const Edges& edges, const std::vector<int>& triangles) const;
     void add(int facet, Side& side) const;
 
     Skin skin_;
-    double limit_;
+    double limit_, least_;
     std::string cure_;
     Side sides_[2];
-    bool begun_ = false, overlaps_ = false;
+    bool begun_ = false;
+    double given_ = 0;  // depth at the start
 };
 
 }  // namespace visviva

@@ -44,8 +44,8 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         other = surface_of(second, contact.second_faces, contact.label)
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = _surface(contact, first), _surface(contact, second)
-    limit = UNSEEN * min(float(np.ptp(side.places, axis=0).min()) for side in sides)
-    term.watch(skin(*sides, sees=False), limit, _cure(contact, pairing))
+    least = min(float(np.ptp(side.places, axis=0).min()) for side in sides)
+    term.watch(skin(*sides, sees=False), UNSEEN * least, least, _cure(contact, pairing))
 
 
 def _surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
