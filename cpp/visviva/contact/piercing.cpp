@@ -112,9 +112,11 @@ bool Piercing::sinks(const double* q0, const double* q1, double seen, Piece& wor
     if (!begun_) begun_ = true, given_ = deepest(X0).depth;
     const int parts = parts_of(X0, X1);
     if (parts == 0) return false;
-    const double unseen = std::max(limit_, given_ * (1 + 1e-6)) + 2 * seen, before = deepest(X0).depth;
+    const double unseen = std::max(limit_, given_ * (1 + 1e-6)) + 2 * seen;
     worst = deepest(X1);
     const double after = worst.depth;
+    if (parts == 1 && after <= unseen) return false;
+    const double before = deepest(X0).depth;
     if (after > unseen && after > before && (before > limit_ || after > unseen + deep * least_)) return true;
     std::vector<double> X(X0.size());
     const double sag = parts > 1 ? sagitta(X0, X1, 0) + sagitta(X0, X1, 1) : 0;
