@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import visviva as vv
 from visviva.mesh.cells import CELLS, Cell
 from visviva.mesh.generate import MeshSource
+from visviva.mesh.geometry import cell_axes
 from visviva.mesh.quadrature import corner_rule, gauss, mass_rule, rule, simplex_rule, stiffness_rule
 
 SOLIDS = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6"]
@@ -608,3 +609,17 @@ def test_lines_and_surfaces_in_space_must_not_fold_back(cell: str, points: list[
     if cell == "line3":
         with pytest.raises(vv.InputError, match=f"Beam 'rod': 1 cell of type {cell} is inverted"):
             vv.Beam(mesh=mesh, section=vv.GivenSection(stiffness=(1,) * 6), name="rod")
+
+
+@pytest.mark.parametrize("cell", ["hex8", "tet4", "wedge6"])
+def test_axes_of_cells_turn_with_the_mesh(cell: str) -> None:
+    """What lies around a place in a fluid is told by them: along axes of space it changed with the frame."""
+    box = vv.BoxMesh(size=(1, 2, 3), counts=(2, 2, 2), cell=cell).build()
+    turn = box.rotated(0.7, axis=(1, 2, 3))
+    axis, angle = np.array([1.0, 2.0, 3.0]) / np.sqrt(14), 0.7
+    K = np.cross(np.eye(3), axis)
+    R = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    assert np.allclose(turn.points, box.points @ R.T)
+    axes = cell_axes(box)
+    assert np.allclose(cell_axes(turn), R @ axes)
+    assert np.allclose(np.abs(np.linalg.det(axes)), box.volumes)
