@@ -14,7 +14,7 @@ from visviva.base.errors import InputError
 from visviva.mesh.abaqus_part import AbaqusPart, found, matching
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import Collection
-from visviva.mesh.source_files import existing, refuse_outside
+from visviva.mesh.source_files import included
 from visviva.mesh.write_abaqus import PLACES, PLANE, SOLID, WRITTEN
 
 PATTERNS = (
@@ -23,7 +23,6 @@ PATTERNS = (
     (re.compile(r"B[23]([123])"), {"1": "line2", "2": "line3", "3": "line2"}),
     (re.compile(r"T[23]D([23])"), {"2": "line2", "3": "line3"}),
 )
-MAX_DEPTH = 20  # of files that include each other
 UNREAD = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPORT")
 """Keywords that make or move nodes and elements, without which a mesh would be another one."""
 
@@ -52,8 +51,6 @@ class Section:
 
 def sections(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Section]:
     """Keywords of a file in order, names and parameters in capitals; included files of a folder are entered."""
-    if depth > MAX_DEPTH:
-        raise InputError(f"{path} is included more than {MAX_DEPTH} deep: does it include itself?")
     now: Section | None = None
     continued = False
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -85,11 +82,7 @@ def _entered(section: Section, path: Path, within: Path | None, depth: int) -> I
         yield section
         return
     target = path.parent / section.parameters.get("INPUT", "")
-    try:
-        refuse_outside(existing(target), within)
-    except InputError as error:
-        raise InputError(f"{path} includes what does not exist or is outside: {error}") from None
-    yield from sections(target, within, depth + 1)
+    yield from sections(included(target, path, within, depth + 1), within, depth + 1)
 
 
 class Reader:

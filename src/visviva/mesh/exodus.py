@@ -12,7 +12,6 @@ from visviva.base.errors import InputError
 from visviva.mesh.cells import Ints
 from visviva.mesh.collect import Collection
 
-ENDINGS = (".e", ".ex2", ".exo")
 FACES = {
     "hex": (2, 3, 4, 5, 0, 1),
     "tet": (1, 2, 3, 0),

@@ -12,10 +12,9 @@ import numpy as np
 from visviva.base.errors import InputError
 from visviva.mesh.cells import Ints
 from visviva.mesh.collect import Collection
-from visviva.mesh.source_files import existing, refuse_outside
+from visviva.mesh.source_files import included
 
 ENDINGS = (".k", ".key", ".dyn")
-MAX_DEPTH = 20  # of files that include each other
 IGNORED = ("MASS", "DISCRETE", "INERTIA", "SEATBELT", "DIRECT", "TRIM")
 """Elements, by how their keywords go on, that are no cells."""
 ELEMENTS = ("SET_SOLID", "SET_SHELL", "SET_BEAM", "SET_TSHELL")
@@ -54,8 +53,6 @@ def split(line: str, widths: list[int]) -> list[str]:
 
 def cards(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Card]:
     """Keywords of a file in order, in capitals; included files are entered."""
-    if depth > MAX_DEPTH:
-        raise InputError(f"{path} is included more than {MAX_DEPTH} deep: does it include itself?")
     now, width = Card(""), 8
     with path.open(encoding="utf-8", errors="replace") as file:
         for raw in file:
@@ -85,12 +82,7 @@ def _entered(card: Card, path: Path, within: Path | None, depth: int) -> Iterato
         yield card
         return
     for line in card.lines:
-        target = path.parent / line.strip()
-        try:
-            refuse_outside(existing(target), within)
-        except InputError as error:
-            raise InputError(f"{path} includes what does not exist or is outside: {error}") from None
-        yield from cards(target, within, depth + 1)
+        yield from cards(included(path.parent / line.strip(), path, within, depth + 1), within, depth + 1)
 
 
 class Reader:

@@ -21,12 +21,12 @@ from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
 from visviva.mesh.generate import CONFIG, Length, MeshSource
 from visviva.mesh.mesh import Mesh
-from visviva.mesh.node_orders import read_order
+from visviva.mesh.node_orders import EXODUS_ENDINGS, read_order
 from visviva.mesh.source_files import existing, refuse_outside
 from visviva.mesh.write_mesh import load_meshio
 
 NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
-CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", ".e", ".ex2", ".exo", ".nc")
+CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", *EXODUS_ENDINGS, ".nc")
 """Endings of formats whose files can name other files to be read with them."""
 NASTRAN = (".bdf", ".fem", ".nas")
 
@@ -144,7 +144,7 @@ class MeshFile(MeshSource):
             read_order(suffix, kind, rows, made.points)
             for kind, rows in zip(made.types, made.blocks, strict=True)
         ]
-        return exodus.with_names(made, self.path) if suffix in exodus.ENDINGS else made
+        return exodus.with_names(made, self.path) if suffix in EXODUS_ENDINGS else made
 
     def _cad(self) -> Collection:
         with tempfile.TemporaryDirectory() as folder:

@@ -6,6 +6,7 @@ import numpy as np
 
 from visviva.mesh.cells import CELLS, Array, Ints
 
+EXODUS_ENDINGS = (".e", ".ex2", ".exo")
 HEX20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)
 EXODUS = {"hex20": HEX20, "hex27": (*HEX20, 23, 24, 25, 26, 21, 22, 20)}
 MED = {
@@ -15,7 +16,7 @@ MED = {
     "hex8": (0, 3, 2, 1, 4, 7, 6, 5),
     "hex20": (0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17),
 }
-ORDERS = {**dict.fromkeys((".e", ".ex2", ".exo"), EXODUS), ".med": MED}
+ORDERS = {**dict.fromkeys(EXODUS_ENDINGS, EXODUS), ".med": MED}
 """By endings of files: which of the file's nodes each node of a cell is."""
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from visviva.base.errors import InputError
 
+MAX_DEPTH = 20  # of files that include each other
+
 
 def existing(file: Path) -> Path:
     """The file if there is one, else `InputError`; names that no file can have are none."""
@@ -29,3 +31,14 @@ def refuse_outside(file: Path, folder: Path | None) -> None:
             f"{file} is outside the scene's folder {folder}: move it there, or allow it by --allow-outside (in "
             "Python read_scene(..., allow_outside=True))"
         )
+
+
+def included(file: Path, by: Path, folder: Path | None, depth: int) -> Path:
+    """A file that another one includes, refused if that goes too deep or leads out of a folder."""
+    if depth > MAX_DEPTH:
+        raise InputError(f"{file} is included more than {MAX_DEPTH} deep: does it include itself?")
+    try:
+        refuse_outside(existing(file), folder)
+    except InputError as error:
+        raise InputError(f"{by} includes what does not exist or is outside: {error}") from None
+    return file

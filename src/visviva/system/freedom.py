@@ -186,7 +186,7 @@ def refuse_massless(system: System) -> None:
     >>> mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
     >>> refuse_massless(vv.System([vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1, poisson=0.3), density=1.0)]))
     """
-    bodies: list[Attachable] = [c for c in system.components if isinstance(c, MeshBody) and c.density == 0]
+    bodies = [body for body, _ in massless(system)]
     if found := free_bodies(system, bodies, EnergyMomentum().step(system.time, 1.0)):
         raise InputError(
             f"{', and '.join(found)} has no mass, and nothing holds it: forces, such as those of a contact, would move "
