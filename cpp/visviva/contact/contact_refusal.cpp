@@ -75,9 +75,10 @@ int ContactTerm::rubs_too_late(const Context& c) const {
 }
 
 bool ContactTerm::sinks(const Context& c, Piercing::Piece& worst) {
+    if (!piercing_) return false;
     double seen = 0;
     for (int A = 0; A < gaps_->n(); ++A) seen = std::max(seen, depth(A, gap1_, area1_));
-    return piercing_ && piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
+    return piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
 }
 
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {

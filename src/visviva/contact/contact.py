@@ -248,6 +248,7 @@ class Contact(Component):
         rubs = self.friction > 0
         gaps = self._gaps(model.length)
         self.size, self._facing, self._turns = gaps.size, gaps.opposite, gaps.turns
+        self._width = self._find_width()
         spans = float(np.ptp(self.places, axis=0).max())
         alone = spans or self._radius or model.length  # of points that have no facets
         self.extent = self.size or alone  # by which overlaps at the start are judged
@@ -316,8 +317,7 @@ class Contact(Component):
         bodies = [body for body in (self.first, self.second) if body is not None]
         return Layer(self.label, bodies, self._surface, self._width)
 
-    @property
-    def _width(self) -> float:
+    def _find_width(self) -> float:
         """Largest diameter of a facet of what deforms: those of rigid bodies say nothing of how stiff it is."""
         sides = ((self.first, self._surface), (self.second, self._facing))
         widths = [side.size for body, side in sides if side is not None and mesh_bodies(body)]

@@ -32,7 +32,7 @@ class Swings:
     """
 
     def __init__(self) -> None:
-        self._own: NDArray[np.bool_] | None = None
+        self._own: NDArray[np.int64] | None = None
         self._before: Array | None = None
         self._change: Array | None = None
         self._largest = 0.0
@@ -41,14 +41,11 @@ class Swings:
     def look(self, system: System) -> int:
         """After a step: how many in a row took back the one before, of the unknown of which they are most."""
         if self._own is None:
-            self._own = system.order == 1
-            for _, unknowns in massless(system):
-                self._own[unknowns] = True
-        own = self._own
-        if not own.any():
+            self._own = watched(system)
+            self._scale = np.where(system.scale[self._own] > 0, system.scale[self._own], 1.0)
+        if not len(self._own):
             return 0
-        scale = np.where(system.scale[own] > 0, system.scale[own], 1.0)
-        now, before, last = system.x[own] / scale, self._before, self._change
+        now, before, last = system.x[self._own] / self._scale, self._before, self._change
         self._before = now
         if before is None:
             self._counts = np.zeros(len(now), dtype=np.int64)
@@ -62,3 +59,11 @@ class Swings:
         takes_back = counts & (change * last < 0) & (size > BACK * np.abs(last))
         self._counts = np.where(takes_back, self._counts + 1, 0)
         return int(self._counts.max())
+
+
+def watched(system: System) -> NDArray[np.int64]:
+    """Unknowns of first order in time, or without mass."""
+    own = system.order == 1
+    for _, unknowns in massless(system):
+        own[unknowns] = True
+    return np.flatnonzero(own)
