@@ -95,6 +95,25 @@ def test_cycles_heat_by_the_loss_modulus() -> None:
     assert found == pytest.approx(np.pi * loss * amplitude**2, rel=3e-3)
 
 
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha()])
+def test_heat_is_of_second_order_where_forces_balance_at_ends(scheme: vv.Scheme) -> None:
+    """Of logarithmic strain a sin(w t), the integral of s^2 / (3 eta) with s' + s / tau = 3 mu_v e' in the branch."""
+    amplitude, omega, end = 1e-3, 1.0, 4.0
+    z = 3 * BRANCH * amplitude * 1j * omega / (1j * omega + 1 / TIME)  # s = Re(z (e^(i w t) - e^(-t / tau)))
+    t = np.linspace(0, end, 4001)
+    stress = (z * np.exp(1j * omega * t) - z * np.exp(-t / TIME)).imag
+    exact = float(np.trapezoid(stress**2, t)) / (3 * ETA)
+
+    def error(n: int) -> float:
+        system, body = bar(f"exp({amplitude!r}*sin({omega!r}*t))-1", 1.0)
+        vv.simulate(system, until=end, step=end / n, scheme=scheme)
+        return float(body.temperatures(system.x).mean()) - 300.0 - exact
+
+    errors = np.array([error(n) for n in (20, 40, 80)])
+    assert np.all(errors[:-1] / errors[1:] > 3.9)
+    assert abs(errors[-1]) < 3e-4 * exact
+
+
 SHIFTS = [
     (vv.WLF(reference=300.0, c1=5.0, c2=80.0), 10 ** (-5 * 20 / 100)),
     (vv.Arrhenius(energy=60e3, reference=300.0), np.exp(60e3 / 8.31446261815324 * (1 / 320 - 1 / 300))),

@@ -60,7 +60,7 @@ VISVIVA_INLINE void elastic_strain(const T* c, const T* a, T* e) {
 struct BranchEnergy : ViscousEnergy {
     static constexpr int max_par = branch::n_par;
     const V* p;
-    explicit BranchEnergy(const V* par) : p(par) {}
+    explicit BranchEnergy(const V* par, V by_temperature = V{}) : p(par) { warms = by_temperature; }
 
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {

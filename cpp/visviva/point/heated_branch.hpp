@@ -63,59 +63,52 @@ struct HeatedBranchEnergy : PlainEnergy {
     }
 };
 
+/// A branch as it is at a temperature.
+struct BranchAt {
+    V par[branch::n_par], slope;
+    BranchAt(const V* p, V theta) {
+        constexpr int shift = HeatedBranchEnergy::shift;
+        V factor;
+        faster(static_cast<TimeShift>(static_cast<int>(p[shift][0])), p[shift + 1], p[shift + 2],
+               p[shift + 3], theta, factor, slope);
+        for (int k = 0; k < branch::n_par; ++k) par[k] = p[k];
+        par[branch::fluidity] *= factor;
+    }
+    BranchEnergy energy() const { return BranchEnergy(par, slope); }
+};
+
 /// The end of a step at a point, see `evolve`: the branch's own, with the heat and what it changes by. What
-/// the branch loses is heat, so that its internal variables leave no stress behind.
+/// the branch loses is heat, so that its internal variables leave no stress behind. Heat per time is that of
+/// the last stage: where forces balance at the end of a step, so does entropy.
 template <bool tangent>
 VI evolve(const HeatedBranchEnergy& energy, const Step& step, int active, const V* z0, V* z1, V* zt, V* s,
-          V* T) {
-    constexpr int n = HeatedBranchEnergy::n, shift = HeatedBranchEnergy::shift;
-    const V* p = energy.p;
-    V par[branch::n_par], factor, slope;
-    for (int k = 0; k < branch::n_par; ++k) par[k] = p[k];
-    faster(static_cast<TimeShift>(static_cast<int>(p[shift][0])), p[shift + 1], p[shift + 2], p[shift + 3],
-           z1[6], factor, slope);
-    par[branch::fluidity] *= factor;
-    const BranchEnergy own(par);
-    V e0[12], e1[12], et[12], stress[12], moduli[144], change[6];
+          V* T, V& lost) {
+    constexpr int n = HeatedBranchEnergy::n;
+    const BranchAt early(energy.p, z0[6] + first_stage * (z1[6] - z0[6])), late(energy.p, z1[6]);
+    const BranchEnergy own = late.energy();
+    V e0[12], e1[12], et[12], stress[12], moduli[144];
     HeatedBranchEnergy::without_temperature(z0, e0), HeatedBranchEnergy::without_temperature(z1, e1);
     HeatedBranchEnergy::without_temperature(zt, et);
-    for (int k = 6; k < 12; ++k) e1[k] = e0[k];
-    Evolution<BranchEnergy> at{own, step, e0, e1, et, stress, moduli, {}, {}, {}};
-    VI done;
-    for (int l = 0; l < W; ++l) done[l] = l < active ? 0 : -1;
-    const double dt = step.h > 0 ? step.h : 0, per_time = dt > 0 ? 1 / dt : 0;
-    done = at.solve_by_parts(dt, done);
-    V heat{};
-    for (int k = 0; k < 6; ++k) {
-        change[k] = e1[6 + k] - e0[6 + k], heat -= per_time * stress[6 + k] * change[k];
+    Evolution<BranchEnergy> at{own, step, e0, e1, et, stress, moduli, step.h > 0 ? step.h : 0};
+    const VI done = evolve<tangent>(early.energy(), at, active, lost);
+    const double per_time = at.dt > 0 ? 1 / at.dt : 0;
+    for (int k = 0; k < 6; ++k)
         s[k] = stress[k], s[7 + k] = V{}, z1[7 + k] = e1[6 + k], zt[7 + k] = et[6 + k];
-    }
-    s[6] = heat;
+    s[6] = per_time * at.lost(), lost = V{};  // it becomes heat
     if constexpr (tangent) {
-        // the internal variables change by -X (dC, dtheta)
-        V X[42];
-        for (int k = 0; k < 6; ++k) {
-            for (int j = 0; j < 6; ++j) {
-                V sum{};
-                for (int m = 0; m < 6; ++m) sum += at.slope[6 * k + m] * moduli[12 * (6 + m) + j];
-                X[7 * k + j] = sum;
-            }
-            X[7 * k + 6] = -slope * change[k];
-        }
-        solve_at_point<6>(at.A, X, 7);
         const double share = at.ends() ? 1.0 : step.theta;
         for (int k = 0; k < n * n; ++k) T[k] = V{};
-        for (int j = 0; j < 7; ++j) {
-            for (int i = 0; i < 6; ++i) {
-                V sum = j < 6 ? moduli[12 * i + j] : V{}, inner = j < 6 ? moduli[12 * (6 + i) + j] : V{};
+        for (int i = 0; i < 6; ++i)
+            for (int j = 0; j < 7; ++j) {
+                V sum{}, inner = j < 6 ? moduli[12 * (6 + i) + j] : V{};
                 for (int m = 0; m < 6; ++m) {
-                    sum -= share * moduli[12 * i + 6 + m] * X[7 * m + j];
-                    inner -= share * moduli[12 * (6 + i) + 6 + m] * X[7 * m + j];
+                    sum -= share * moduli[12 * i + 6 + m] * at.X[7 * m + j];
+                    inner -= share * moduli[12 * (6 + i) + 6 + m] * at.X[7 * m + j];
                 }
-                T[n * i + j] = sum;
-                T[n * 6 + j] += per_time * (stress[6 + i] * X[7 * i + j] - inner * change[i]);
+                T[n * i + j] = j < 6 ? moduli[12 * i + j] : sum;  // by strains it is condensed
+                const V moved = at.X[7 * i + j] - at.by_ahead[7 * i + j];
+                T[n * 6 + j] += per_time * (stress[6 + i] * moved - inner * at.change(i));
             }
-        }
     }
     return done;
 }

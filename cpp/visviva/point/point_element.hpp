@@ -122,6 +122,7 @@ struct PointElement {
         V z0[n_z], z1[n_z], zt[n_z];  // strains of the energy, internal ones last
         V e0[n_e], e1[n_e], et[n_e], B1[Rows::n_entries], Bt[Rows::n_entries];  // of the map
         V s[n_f], T[n_f * n_f], par[Energy::max_par > 0 ? Energy::max_par : 1];
+        V lost{};  // by internal ones
     };
 
     template <bool tangent>
@@ -200,7 +201,7 @@ struct PointElement {
                 return energy.template discrete_gradient<tangent>(p.z0, p.z1, p.s, p.T);
         }
         if constexpr (n_h > 0) {
-            const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T);
+            const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T, p.lost);
             for (int l = 0; l < W; ++l)
                 if (!found[l]) v.lost_way[block * P8 + lane + l] = 1;
             for (int k = 0; k < n_h; ++k)
@@ -390,7 +391,7 @@ struct PointElement {
                 Energy(p.par).template evaluate<false>(p.z1, end);
                 row[0] += w * end.W;
             }
-            for (int k = n_s; !v.called_W && k < n_z; ++k) row[9] -= w * p.s[k] * (p.z1[k] - p.z0[k]);
+            row[9] += w * p.lost;
             if constexpr (!Pairing::is_gradient)
                 row[2] += w * Pairing::dissipated(PointState<PointElement, false>(*this, p, p.s));
         }

@@ -59,8 +59,8 @@ class ViscoelasticSolid(Branched, Solid):
     stress drives the dashpots, so that with the energy-momentum scheme what they dissipate, a quadratic form of that
     force, is exactly what the energy loses; the ledger has it as "dissipated", the energy of the springs as "stored".
     Branches see the strains of displacements: they have no volumetric stress, so that 'F-bar' and 'mixed' go with them.
-    Fields of stress are those of the material alone, without the branches. Under `quasi_static`, `BDF2` and
-    `GeneralizedAlpha` branches follow by backward Euler: creep and relaxation are of first order in the step.
+    Fields of stress are those of the material alone, without the branches. Creep and relaxation are of
+    second order in the step, but for `BackwardEuler`.
 
     Examples
     --------

@@ -43,8 +43,7 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
     -----
     Every branch has a viscous strain of its own at every quadrature point. What its dashpots dissipate, a quadratic
     form of the discrete force that drives them, is heat that arises at the temperature of the step: the total energy
-    of an isolated body is kept to round-off, and its entropy never falls. Under `BDF2` and `GeneralizedAlpha` branches
-    follow by backward Euler, of first order in the step.
+    of an isolated body is kept to round-off, and its entropy never falls.
 
     Examples
     --------
