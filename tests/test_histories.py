@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from instances.points import Block, Damaged, UserViscoelastic, Viscoelastic
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 import visviva as vv
 from visviva.model.model import Model

@@ -130,7 +130,7 @@ def test_harmonic_moduli_are_those_of_a_zener_solid(omega: float, storage: float
 
 @pytest.mark.parametrize("scheme", [None, vv.BDF2(), vv.GeneralizedAlpha(), vv.GeneralizedAlpha(rho=0.5)])
 def test_creep_is_of_second_order_where_forces_balance_at_ends(scheme: vv.Scheme | None) -> None:
-    """A bar under a load that swings, Zener's model with a branch as stiff as the material: errors fall with squares."""
+    """A bar under swinging load, Zener's model with a branch as stiff as the material: errors fall by squares."""
     K, mu, relaxation, load, omega = 1 / 3, 0.5, 0.3, 1e-8, 3.0
     retardation = relaxation * (mu + mu) / mu
     swing = np.exp(1j * omega)
