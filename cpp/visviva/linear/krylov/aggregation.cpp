@@ -1,7 +1,9 @@
 #include "visviva/linear/krylov/aggregation.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "visviva/base/parallel.hpp"
 #include "visviva/linear/sparse_dispatch.hpp"
 
 namespace visviva {
@@ -29,35 +31,22 @@ struct Row {
     }
 };
 
-// Columns of P^T A P by rows, ascending.
-BlockRows<double> coarse_pattern(const BlockRows<double>& a, const Prolongation& p) {
-    std::vector<std::vector<int>> rows_of(p.n_coarse);  // of P, by columns
-    for (int i = 0; i < p.n(); ++i)
-        for (auto k = p.row[i]; k < p.row[i + 1]; ++k) rows_of[p.col[k]].push_back(i);
-    BlockRows<double> c;
-    c.rows = c.cols = p.cols;
-    std::vector<int> seen(p.n_coarse, -1), met(p.n(), -1), cols;
-    for (int big = 0; big < p.n_coarse; ++big) {
-        cols.clear();
-        for (int i : rows_of[big])
-            for (auto k = a.row[i]; k < a.row[i + 1]; ++k) {
-                if (met[a.col[k]] == big) continue;
-                met[a.col[k]] = big;
-                for (auto q = p.row[a.col[k]]; q < p.row[a.col[k] + 1]; ++q)
-                    if (seen[p.col[q]] != big) seen[p.col[q]] = big, cols.push_back(p.col[q]);
-            }
-        std::sort(cols.begin(), cols.end());
-        c.col.insert(c.col.end(), cols.begin(), cols.end());
-        c.row.push_back(static_cast<std::int64_t>(c.col.size()));
-    }
-    c.allocate();
-    return c;
-}
+// Pieces of 0 .. n of which each thread keeps marks for all columns: few of them.
+int piece_of(int n) { return std::max(64, (n + 63) / 64); }
 
-void transpose_blocks(BlockRows<double>& a) {
-    for (std::size_t k = 0; k < a.col.size(); ++k)
-        for (int r = 0; r < a.rows; ++r)
-            for (int c = 0; c < r; ++c) std::swap(a.block(k)[c * a.rows + r], a.block(k)[r * a.rows + c]);
+// Rows of pieces, one after another; what has been copied is let go.
+template <class Rows, class Values>
+void join(std::vector<Rows>& parts, Rows& whole, Values values) {
+    std::size_t n = 0, size = 0;
+    for (const Rows& part : parts) n += part.col.size(), size += (part.*values).size();
+    whole.col.reserve(n), (whole.*values).reserve(size + BlockRows<double>::padding);
+    for (Rows& one : parts) {
+        const Rows part = std::move(one);
+        const std::int64_t before = whole.row.back();
+        for (std::size_t i = 1; i < part.row.size(); ++i) whole.row.push_back(before + part.row[i]);
+        whole.col.insert(whole.col.end(), part.col.begin(), part.col.end());
+        (whole.*values).insert((whole.*values).end(), (part.*values).begin(), (part.*values).end());
+    }
 }
 
 }  // namespace
@@ -93,51 +82,80 @@ BlockRows<float> Prolongation::down() const {
 
 Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
                       const Aggregates& tentative) {
-    const int m = a.rows, size = m * tentative.cols;
+    const int m = a.rows, size = m * tentative.cols, piece = piece_of(a.n());
     const auto add = sparse_kernels().add_product;
-    Prolongation p{tentative.n, m, tentative.cols, {0}, {}, {}};
-    Row sum(tentative.n, size);
-    std::vector<double> d(static_cast<std::size_t>(m) * m);
-    for (int i = 0; i < a.n(); ++i) {
-        for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
-            if (const int j = tentative.of[a.col[k]]; j >= 0)
-                add(a.block(k), &tentative.block[static_cast<std::size_t>(a.col[k]) * size], sum.place(j), m,
-                    m, tentative.cols);
-        std::transform(inverse.block(i), inverse.block(i) + m * m, d.begin(),
-                       [factor](float value) { return -factor * static_cast<double>(value); });
-        p.col.insert(p.col.end(), sum.col.begin(), sum.col.end());
-        p.block.resize(p.col.size() * size, 0.0);
-        for (std::size_t k = 0; k < sum.col.size(); ++k) {
-            double* to = p.at(p.row.back() + static_cast<std::int64_t>(k));
-            if (sum.col[k] == tentative.of[i])
-                std::copy_n(&tentative.block[static_cast<std::size_t>(i) * size], size, to);
-            add(d.data(), &sum.block[k * size], to, m, m, tentative.cols);
+    const Prolongation empty{tentative.n, m, tentative.cols, {0}, {}, {}};
+    std::vector<Prolongation> parts((a.n() + piece - 1) / piece, empty);
+    in_pieces(a.n(), piece, [&](int begin, int end) {
+        Prolongation& p = parts[begin / piece];
+        Row sum(tentative.n, size);
+        std::vector<double> d(static_cast<std::size_t>(m) * m);
+        for (int i = begin; i < end; ++i) {
+            for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
+                if (const int j = tentative.of[a.col[k]]; j >= 0)
+                    add(a.block(k), &tentative.block[static_cast<std::size_t>(a.col[k]) * size], sum.place(j),
+                        m, m, tentative.cols);
+            std::transform(inverse.block(i), inverse.block(i) + m * m, d.begin(),
+                           [factor](float value) { return -factor * static_cast<double>(value); });
+            p.col.insert(p.col.end(), sum.col.begin(), sum.col.end());
+            p.block.resize(p.col.size() * size, 0.0);
+            for (std::size_t k = 0; k < sum.col.size(); ++k) {
+                double* to = p.at(p.row.back() + static_cast<std::int64_t>(k));
+                if (sum.col[k] == tentative.of[i])
+                    std::copy_n(&tentative.block[static_cast<std::size_t>(i) * size], size, to);
+                add(d.data(), &sum.block[k * size], to, m, m, tentative.cols);
+            }
+            p.row.push_back(static_cast<std::int64_t>(p.col.size()));
+            sum.clear();
         }
-        p.row.push_back(static_cast<std::int64_t>(p.col.size()));
-        sum.clear();
-    }
-    return p;
+    });
+    Prolongation whole = empty;
+    join(parts, whole, &Prolongation::block);
+    return whole;
 }
 
+// A coarse row I is (A^T P_I)^T P with the column I of P.
 BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p) {
-    const int m = p.rows, n = p.cols;
+    const int m = p.rows, n = p.cols, piece = piece_of(p.n_coarse);
     const auto add = sparse_kernels().add_product;
-    BlockRows<double> c = coarse_pattern(a, p);
-    Row ap(p.n_coarse, m * n);
-    for (int i = 0; i < a.n(); ++i) {
-        if (p.row[i] == p.row[i + 1]) continue;
-        for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
-            for (auto q = p.row[a.col[k]]; q < p.row[a.col[k] + 1]; ++q)
-                add(a.block(k), p.at(q), ap.place(p.col[q]), m, m, n);
-        for (auto q = p.row[i]; q < p.row[i + 1]; ++q) {
-            const auto first = c.col.begin() + c.row[p.col[q]], last = c.col.begin() + c.row[p.col[q] + 1];
-            for (std::size_t k = 0; k < ap.col.size(); ++k)
-                add(p.at(q), &ap.block[k * m * n],
-                    c.block(std::lower_bound(first, last, ap.col[k]) - c.col.begin()), n, m, n);
+    std::vector<std::vector<std::pair<int, std::int64_t>>> column(p.n_coarse);  // rows and places in P
+    for (int i = 0; i < p.n(); ++i)
+        for (auto k = p.row[i]; k < p.row[i + 1]; ++k) column[p.col[k]].push_back({i, k});
+    BlockRows<double> c;
+    c.rows = c.cols = n;
+    std::vector<BlockRows<double>> parts((p.n_coarse + piece - 1) / piece, c);
+    in_pieces(p.n_coarse, piece, [&](int begin, int end) {
+        BlockRows<double>& part = parts[begin / piece];
+        Row fine(a.n(), m * n), coarse(p.n_coarse, n * n);
+        std::vector<double> turned(static_cast<std::size_t>(m) * m);
+        std::vector<int> order;
+        for (int big = begin; big < end; ++big) {
+            for (const auto& [i, q] : column[big])
+                for (auto k = a.row[i]; k < a.row[i + 1]; ++k) {
+                    const double* block = a.block(k);
+                    for (int r = 0; r < m; ++r)
+                        for (int j = 0; j < m; ++j) turned[j * m + r] = block[r * m + j];
+                    add(turned.data(), p.at(q), fine.place(a.col[k]), m, m, n);
+                }
+            for (std::size_t k = 0; k < fine.col.size(); ++k)
+                for (auto q = p.row[fine.col[k]]; q < p.row[fine.col[k] + 1]; ++q)
+                    add(&fine.block[k * m * n], p.at(q), coarse.place(p.col[q]), n, m, n);
+            order = coarse.col;
+            std::sort(order.begin(), order.end());
+            for (int j : order) {
+                const double* from = &coarse.block[static_cast<std::size_t>(coarse.at[j]) * n * n];
+                part.col.push_back(j);
+                part.value.resize(part.n_values());
+                double* to = &part.value[part.n_values() - static_cast<std::size_t>(n) * n];
+                for (int r = 0; r < n; ++r)
+                    for (int k = 0; k < n; ++k) to[r * n + k] = from[k * n + r];  // by columns
+            }
+            part.row.push_back(static_cast<std::int64_t>(part.col.size()));
+            fine.clear(), coarse.clear();
         }
-        ap.clear();
-    }
-    transpose_blocks(c);
+    });
+    join(parts, c, &BlockRows<double>::value);
+    c.value.resize(c.n_values() + c.padding, 0.0);
     return c;
 }
 

@@ -1,12 +1,14 @@
 // Smoothing is a Chebyshev polynomial in the matrix with its diagonal blocks inverted: rows are independent,
-// so results do not depend on who computes them. The cycle runs in single precision, which is all a
-// preconditioner needs and half the memory traffic.
+// so results do not depend on who computes them. Threads take rows in pieces, and what a product is for is
+// done while its rows are at hand. The cycle runs in single precision, which is all a preconditioner needs
+// and half the memory traffic.
 #include "visviva/linear/krylov/multigrid.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "visviva/base/parallel.hpp"
 #include "visviva/linear/krylov/aggregation.hpp"
 #include "visviva/linear/scaled.hpp"
 #include "visviva/linear/sparse_dispatch.hpp"
@@ -23,9 +25,22 @@ constexpr int power_steps = 12;
 constexpr double prolongation_weight = 4.0 / 3;  // over the largest eigenvalue
 constexpr double singular_ratio = 1e-12;
 constexpr std::size_t largest_coarsest = 4000;  // equations
+constexpr int piece = 1024;                     // block rows of a task
+
+// y = A x, and then work(i) for every number i of a piece of y.
+template <class F>
+void multiply(const BlockRows<float>& a, const Vector& x, Vector& y, F work) {
+    in_pieces(a.n(), piece, [&](int begin, int end) {
+        sparse_kernels().block_multiply_single(a.view(), x.data(), y.data(), begin, end);
+        for (std::size_t i = static_cast<std::size_t>(begin) * a.rows,
+                         n = static_cast<std::size_t>(end) * a.rows;
+             i < n; ++i)
+            work(i);
+    });
+}
 
 void multiply(const BlockRows<float>& a, const Vector& x, Vector& y) {
-    sparse_kernels().block_multiply_single(a.view(), x.data(), y.data(), 0, a.n());
+    multiply(a, x, y, [](std::size_t) {});
 }
 
 BlockRows<float> single(const BlockRows<double>& a, double factor) {
@@ -79,19 +94,17 @@ class Smoother {
             defect(b, x);
         float rho = half / middle;
         for (int k = 0; k < degree; ++k) {
-            multiply(inverse_, residual_, scaled_);
             const float next = 1 / (2 * middle / half - rho);
             const float old = k == 0 ? 0 : next * rho, add = k == 0 ? 1 / middle : 2 * next / half;
             if (k > 0) rho = next;
-            for (std::size_t i = 0; i < x.size(); ++i)
-                step_[i] = old * step_[i] + add * scaled_[i], x[i] += step_[i];
+            multiply(inverse_, residual_, scaled_,
+                     [&](std::size_t i) { step_[i] = old * step_[i] + add * scaled_[i], x[i] += step_[i]; });
             if (k + 1 < degree) subtract(step_);
         }
     }
 
     const Vector& defect(const Vector& b, const Vector& x) {
-        multiply(a_, x, residual_);
-        for (std::size_t i = 0; i < b.size(); ++i) residual_[i] = b[i] - residual_[i];
+        multiply(a_, x, residual_, [&](std::size_t i) { residual_[i] = b[i] - residual_[i]; });
         return residual_;
     }
 
@@ -103,8 +116,7 @@ class Smoother {
 
   private:
     void subtract(const Vector& step) {
-        multiply(a_, step, scaled_);
-        for (std::size_t i = 0; i < step.size(); ++i) residual_[i] -= scaled_[i];
+        multiply(a_, step, scaled_, [&](std::size_t i) { residual_[i] -= scaled_[i]; });
     }
 
     // Largest eigenvalue of D^-1 A by the power method.
@@ -199,8 +211,8 @@ class Aggregated : public Grids {
         multiply(l.restriction, l.smoother.defect(l.b, l.x),
                  k + 1 < levels_.size() ? levels_[k + 1].b : coarse_b_);
         cycle(k + 1);
-        multiply(l.prolongation, k + 1 < levels_.size() ? levels_[k + 1].x : coarse_x_, l.correction);
-        for (std::size_t i = 0; i < l.x.size(); ++i) l.x[i] += l.correction[i];
+        multiply(l.prolongation, k + 1 < levels_.size() ? levels_[k + 1].x : coarse_x_, l.correction,
+                 [&](std::size_t i) { l.x[i] += l.correction[i]; });
         l.smoother.smooth(l.b, l.x, false);
     }
 
