@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from verification.shell_cases import CASES, bent, corner, part_of_cylinder, sheet, symmetric
+from verification.shell_cases import (
+    CASES,
+    bent,
+    corner,
+    part_of_cylinder,
+    pinched_hemisphere,
+    sheet,
+    symmetric,
+)
+from verification.shell_tables import HEMISPHERE, OPEN_CYLINDER, open_cylinder
 
 import visviva as vv
 
@@ -59,6 +68,26 @@ def slit_plate(n: int, kind: str) -> None:
     for share in path(system, list(table), 0.1):
         found = shell.displacements(system.x)[ends, 2]
         show(f"slit annular plate, {n} x {10 * n} {kind}, at {share} of the load", found, table[share])
+
+
+def hemisphere(n: int, kind: str) -> None:
+    """3.4."""
+    shell, others, ends = pinched_hemisphere(n, kind, 200.0)
+    system = vv.System([shell, *others])
+    for share in path(system, list(HEMISPHERE), 0.05):
+        u = shell.displacements(system.x)
+        found = u[ends[0], 0], -u[ends[1], 1]
+        show(f"hemisphere, {n} x {n} {kind}, at {share} of the load", found, HEMISPHERE[share])
+
+
+def pulled_cylinder(counts: tuple[int, int], kind: str) -> None:
+    """3.5, with its snap at half the load by the path's length."""
+    system, found = open_cylinder(counts, kind)
+    for share in path(system, [share for share in OPEN_CYLINDER if share < 0.5], 0.05):
+        show(f"open cylinder, {counts} {kind}, at {share} of the load", found(system.x), OPEN_CYLINDER[share])
+    vv.arc_length(system, step=0.01, until=0.53)
+    for share in path(system, [share for share in OPEN_CYLINDER if share > 0.53], 0.05):
+        show(f"open cylinder, {counts} {kind}, at {share} of the load", found(system.x), OPEN_CYLINDER[share])
 
 
 def reached(rows: Sequence[tuple[float, ...]], deflection: float) -> Array:
@@ -152,6 +181,10 @@ def main(arguments: Sequence[str] = ()) -> int:
         return 0
     for n, kind in ((6, "quad9"), (8, "quad9"), (10, "quad4")):
         slit_plate(n, kind)
+    for n, kind in ((16, "quad9"), (32, "quad9"), (32, "quad4"), (32, "tri6")):
+        hemisphere(n, kind)
+    for counts, kind in (((16, 24), "quad9"), ((24, 36), "quad9"), ((24, 36), "quad4"), ((24, 36), "tri6")):
+        pulled_cylinder(counts, kind)
     for angles in HALF:
         pinched_half(32, "quad4", angles)
     pinched_tube(40, "quad4")

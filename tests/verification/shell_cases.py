@@ -82,6 +82,15 @@ def pinched_cylinder(n: int, cell: str, **options: Any) -> float:
 
 def hemisphere(n: int, cell: str, **options: Any) -> float:
     """With a hole, pulled and pushed at its rim, it bends without stretching: 0.0940 (MacNeal & Harder)."""
+    shell, others, (pulled, _) = pinched_hemisphere(n, cell, 1e-3, **options)
+    system = linear(shell, *others)
+    return 1e3 * float(shell.displacements(system.x)[pulled, 0]) / 0.0940
+
+
+def pinched_hemisphere(
+    n: int, cell: str, force: float, **options: Any
+) -> tuple[vv.Shell, list[Any], tuple[int, int]]:
+    """A quarter of a hemisphere with a hole, what acts on it, and the nodes that are pulled and pushed."""
 
     def to(a: Array, b: Array) -> Array:
         return 10.0 * np.stack([np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)], axis=1)
@@ -89,14 +98,13 @@ def hemisphere(n: int, cell: str, **options: Any) -> float:
     mesh = bent((np.pi / 2, np.radians(72)), (n, n), to, cell)
     shell = vv.Shell(mesh=mesh, section=sheet(0.04, 6.825e7, 0.3), **options)
     pulled, pushed = corner(shell, "x0", "y0"), corner(shell, "x1", "y0")
-    system = linear(
-        shell,
+    others = [
         *symmetric(shell, y="x0", x="x1"),
         vv.Fixed(solid=shell, nodes=[pulled], directions=(False, False, True)),
-        vv.Force(on=shell.point(shell.points[pulled]), force=(1e-3, 0, 0)),
-        vv.Force(on=shell.point(shell.points[pushed]), force=(0, -1e-3, 0)),
-    )
-    return 1e3 * float(shell.displacements(system.x)[pulled, 0]) / 0.0940
+        vv.Force(on=shell.point(shell.points[pulled]), force=(force, 0, 0), times="t"),
+        vv.Force(on=shell.point(shell.points[pushed]), force=(0, -force, 0), times="t"),
+    ]
+    return shell, others, (pulled, pushed)
 
 
 def twisted(n: int, cell: str, axis: int, thickness: float = 0.32, **options: Any) -> float:
