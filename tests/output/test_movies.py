@@ -64,6 +64,16 @@ def test_viewer_needs_a_screen(tmp_path, monkeypatch):
             show(tmp_path / "t.vtkhdf")
 
 
+def test_viewer_needs_opengl(tmp_path, monkeypatch):
+    """VTK ended the process with a fault of memory where there was a screen and no libEGL."""
+    pytest.importorskip("pyvista")
+    write(tmp_path / "t.vtkhdf", [0.0])
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(stage, "can_render", lambda: False)
+    with pytest.raises(InputError, match=r"libegl1.*visviva view without --window"):
+        show(tmp_path / "t.vtkhdf")
+
+
 @pytest.mark.skipif(not stage.can_render(), reason="no OpenGL here")
 def test_viewer_follows_its_slider(tmp_path):
     from visviva.output.viewer import build_viewer

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
+import platform
 import subprocess
 import sys
 from contextlib import suppress
@@ -81,7 +82,7 @@ def can_render() -> bool:
 def _note() -> Path:
     """A file whose existence says that rendering works under these circumstances."""
     boot = Path("/proc/sys/kernel/random/boot_id")
-    circumstances = [sys.prefix, sys.version, os.uname().nodename, boot.read_text() if boot.exists() else ""]
+    circumstances = [sys.prefix, sys.version, platform.node(), boot.read_text() if boot.exists() else ""]
     circumstances += [os.environ.get(name, "") for name in ("DISPLAY", "VTK_DEFAULT_OPENGL_WINDOW")]
     key = hashlib.sha256("\n".join(circumstances).encode()).hexdigest()[:16]
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")

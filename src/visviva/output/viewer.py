@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from visviva.base.errors import InputError
+from visviva.output import stage
 from visviva.output.coloring import Coloring, fluids_of
 from visviva.output.picture import trails_until
 from visviva.output.standing import Standing
@@ -35,10 +37,15 @@ def show(
     Raises
     ------
     InputError
-        If there is no screen, or PyVista is not installed.
+        If there is no screen or no OpenGL, or PyVista is not installed.
     """
     if not has_screen():
         raise InputError("there is no screen to show the motion on; write a picture or a movie instead")
+    if find_spec("pyvista") and not stage.can_render():  # VTK would end the process
+        raise InputError(
+            "a window needs OpenGL, which does not work here (Debian: apt install libegl1 libgl1-mesa-dri); a page "
+            "in the browser needs none: visviva view without --window"
+        )
     with Standing(trajectory) as motion:
         plotter = build_viewer(motion, trails, colors, off_screen=False, field=field)
         plotter.show(title=str(trajectory))
