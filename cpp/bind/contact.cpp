@@ -238,12 +238,14 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
 
 // The function writes conductances of pressures, both arrays; Python keeps it.
 Conductance conductance_of(const nb::object& function) {
-    return [f = nb::weakref(function)](const std::vector<double>& p, std::vector<double>& h) {
+    return [f = nb::weakref(function)](const std::vector<double>& p, std::vector<double>& h,
+                                       std::vector<double>& slopes) {
         nb::gil_scoped_acquire gil;
         nb::object call = f();
         if (call.is_none())
             throw std::runtime_error("a conductance was asked for after its system was released");
-        call(handed_over(p), view(h.data(), h.size(), nb::none()));
+        call(handed_over(p), view(h.data(), h.size(), nb::none()),
+             view(slopes.data(), slopes.size(), nb::none()));
     };
 }
 

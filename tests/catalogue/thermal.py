@@ -284,7 +284,7 @@ def ball_rubs(**options: Any) -> Components:
     return [block, ball, contact, vv.HeatContact(contact=contact)]
 
 
-def touching(**options: Any) -> Components:
+def touching(conductance: Any = 2.0, **options: Any) -> Components:
     """Two solids, one hot, that touch and slide on each other."""
     solids = [
         vv.ThermoelasticSolid(
@@ -299,10 +299,11 @@ def touching(**options: Any) -> Components:
     ]
     given: Any = {"initial": "press", "enforcement": "penalty", **options}
     contact = vv.Contact(first=solids[0], first_faces="z1", second=solids[1], second_faces="z0", **given)
-    heat = vv.HeatContact(contact=contact, conductance=2.0, share=0.3)
+    heat = vv.HeatContact(contact=contact, conductance=conductance, share=0.3)
     return [*solids, contact, heat]
 
 
+GROWING = [(0.0, 0.0), (1e4, 1e4)]
 RUBS: Any = {"friction": 0.3, "tangential": "penalty"}
 
 
@@ -396,6 +397,12 @@ THERMAL = [
             ("rubbing", RUBS),
             ("sticking", {"enforcement": "multipliers", "friction": 0.3}),
             ("by vertices", {**RUBS, "formulation": "node-to-segment"}),
+            ("penalty, by pressure", {"conductance": GROWING}),
+            ("rubbing, by pressure", {**RUBS, "conductance": GROWING}),
+            (
+                "sticking, by pressure",
+                {"enforcement": "multipliers", "friction": 0.3, "conductance": GROWING},
+            ),
         )
     ],
     *[

@@ -50,8 +50,8 @@ void ContactHeat::evaluate(const Context& c, bool gradients, bool by_rates) {
     contact_->find_passages(c, gradients, by_rates, passages_);
     pressure_.resize(passages_.size());
     for (std::size_t A = 0; A < passages_.size(); ++A) pressure_[A] = passages_[A].pressure;
-    conductances_.assign(pressure_.size(), 0.0);
-    if (conductance_) conductance_(pressure_, conductances_);
+    conductances_.assign(pressure_.size(), 0.0), slopes_.assign(pressure_.size(), 0.0);
+    if (conductance_) conductance_(pressure_, conductances_, slopes_);
 }
 
 ContactHeat::Flow ContactHeat::flow(int A, const Context& c, bool gradients) const {
@@ -90,6 +90,11 @@ ContactHeat::Flow ContactHeat::flow(int A, const Context& c, bool gradients) con
     }
     Eigen::RowVectorXd by = h * f.area * (f.theta_by[1] - f.theta_by[0]);
     by.head(3 * k) += h * jump * area_by;
+    if (both) {
+        const double by_pressure = slopes_[A] * f.area * jump;
+        by.head(3 * k) += by_pressure * p.pressure_by_place;
+        by[4 * k] += by_pressure * p.pressure_by_multiplier;
+    }
     f.heat_by[0] = by, f.heat_by[1] = -by;
     if (p.rubbed_by_place.size() == 0) return f;
     for (int side = 0; side < 2; ++side) {

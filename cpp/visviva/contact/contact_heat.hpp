@@ -9,9 +9,9 @@
 
 namespace visviva {
 
-// Conductances of pressures. Tangents do not know how they depend on them: pressures of impacts grow a
-// hundredfold within an iteration, beyond where a slope says anything, and what warms does not push back.
-using Conductance = std::function<void(const std::vector<double>& pressure, std::vector<double>& values)>;
+// Conductances of pressures, and their slopes.
+using Conductance = std::function<void(const std::vector<double>& pressure, std::vector<double>& values,
+                                       std::vector<double>& slopes)>;
 
 /// Per form of the contact's vertices the unknown whose equation balances heat, or entropy, and that of the
 /// temperature; -1 for what carries no heat.
@@ -67,7 +67,7 @@ class ContactHeat : public Term {
     int surfaces_;  // forms of both surfaces
     std::optional<Pattern> pattern_;
     std::vector<Passage> passages_;
-    std::vector<double> pressure_, conductances_, conducted_;
+    std::vector<double> pressure_, conductances_, slopes_, conducted_;
 };
 
 }  // namespace visviva

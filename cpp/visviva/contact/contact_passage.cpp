@@ -11,7 +11,7 @@ void ContactTerm::find_passages(const Context& c, bool gradients, bool by_rates,
         find_rubbed(c), grips_.resize(n);
         segments([&] { gaps_->grips(Xr_.data(), active_.flags(), gradients, grips_); });
     }
-    std::vector<Gap> by_place(gradients && has_friction() ? n : 0);
+    std::vector<Gap> by_place(gradients ? n : 0);
     const bool at_theta = !has_multipliers() && !is_discrete(c.step);
     if (!by_place.empty())
         segments([&] { gaps_->gradients((at_theta ? Xt_ : X1_).data(), active_.flags(), by_place); });
@@ -30,10 +30,12 @@ void ContactTerm::find_passages(const Context& c, bool gradients, bool by_rates,
         p.active = true, p.pressure = std::max(S_[A], 0.0), p.weight = grips_[A].weight;
         if (!gradients) continue;
         p.weight_by_place = c.step.theta * grips_[A].weight_gradient;
-        if (!has_friction()) continue;
-        Eigen::RowVectorXd gap = as_vector(by_place[A].gradient).transpose();
-        if (at_theta) gap *= c.step.theta;
-        differentiate_rubbed(static_cast<int>(A), c, dS_gap_[A] * gap, way, by_step, p);
+        p.pressure_by_place = dS_gap_[A] * as_vector(by_place[A].gradient).transpose();
+        if (at_theta) p.pressure_by_place *= c.step.theta;
+        if (has_friction())
+            differentiate_rubbed(static_cast<int>(A), c, p.pressure_by_place, way, by_step, p);
+        if (S_[A] < 0) p.pressure_by_place.setZero();
+        p.pressure_by_multiplier = has_multipliers() && S_[A] >= 0 ? 1 : 0;
     }
 }
 

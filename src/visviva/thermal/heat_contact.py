@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
+SLOPE_STEP = 1e-6
+"""By which slopes of conductances are found, of the highest pressure."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -131,9 +133,13 @@ class HeatContact(Component):
             )
         return np.broadcast_to(found, pressure.shape)
 
-    def _conduct(self, pressure: Array, values: Array) -> None:
-        """Write conductances for the core."""
+    def _conduct(self, pressure: Array, values: Array, slopes: Array) -> None:
+        """Write conductances and their slopes for the core."""
         values[:] = self._values(pressure)
+        d = SLOPE_STEP * np.max(pressure, initial=0.0)
+        if d > 0 and not isinstance(self.conductance, float):
+            above, below = pressure + d, np.maximum(pressure - d, 0.0)
+            slopes[:] = (self._values(above) - self._values(below)) / (above - below)
 
     # --- part in the system --------------------------------------------------------------------------------
     def announce(self, model: Model) -> None:
