@@ -83,6 +83,20 @@ def test_factors_of_pardiso_are_the_same_bits(kind: str, restored: None) -> None
     assert len(found) == 1
 
 
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="no list of loaded libraries")
+@pytest.mark.skipif(bool(missing_pardiso()), reason="PARDISO is not installed")
+def test_the_process_has_one_openmp_runtime() -> None:
+    """PARDISO on two threads takes that of the core, also of a repaired wheel."""
+    loaded = 'for line in open("/proc/self/maps"): print("lib", line.split()[-1])'
+    code = RUN.format(linear="vv.Direct(library='pardiso')") + loaded
+    environment = {**os.environ, "OMP_NUM_THREADS": "2", "OMP_WAIT_POLICY": "passive"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    libraries = {line.split("/")[-1] for line in done.stdout.splitlines() if line.startswith("lib /")}
+    assert any("mkl_gnu_thread" in name for name in libraries)
+    assert len([name for name in libraries if re.match(r"lib(g|i|)omp[\d.-]", name)]) == 1
+
+
 def test_the_number_holds_for_all_threads_of_python(restored: None) -> None:
     """It was that of the calling thread: what another one computed took as many as there are cores."""
     found = []
