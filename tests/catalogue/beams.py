@@ -128,6 +128,11 @@ def ballooned(bulk: float) -> Components:
     return stretching(section, formulation="mixed")
 
 
+def stretched_star(kinks: Any) -> Components:
+    """The three panels, of tissue on a gel."""
+    return stretching(tissue(), mesh=star(kinks)[0].mesh, kinks=kinks)
+
+
 def bent_tissue() -> Components:
     """Layers of tissue that hang at an edge, with a moment at the other."""
     shell = vv.ExtensibleShell(mesh=vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 2)), section=tissue())
@@ -285,6 +290,20 @@ BEAMS = [
         lambda: stretching(tissue(), mesh=sheet_of("tri3")[0].mesh),
         ALL,
         h=0.01,
+        steps=60,
+    ),
+    Entry(
+        "shell of three panels that stretch across, rigid",
+        lambda: stretched_star("rigid"),
+        ALL,
+        h=0.005,
+        steps=60,
+    ),
+    Entry(
+        "shell of three panels that stretch across, hinged",
+        lambda: stretched_star("hinged"),
+        ALL,
+        h=0.005,
         steps=60,
     ),
     Entry("shell of tissue under pressure", lambda: blown_tissue(True), NOTHING, h=0.01, steps=60),

@@ -20,6 +20,12 @@ def sheet(thickness: float, young: float, poisson: float = 0.0, **options: Any) 
     return vv.HomogeneousSection(thickness=thickness, young=young, poisson=poisson, **options)
 
 
+def stretching(thickness: float, young: float, poisson: float = 0.0, **options: Any) -> vv.SolidSection:
+    """The same for directors that stretch."""
+    material = vv.SaintVenantKirchhoff(young=young, poisson=poisson)
+    return vv.SolidSection(material=material, thickness=thickness, **options)
+
+
 def bent(size: tuple[float, float], counts: tuple[int, int], to: Any, cell: str = "quad4") -> vv.Mesh:
     """A rectangle whose points (n, 2) are taken to space; `counts` of nodes between nodes, whatever the cells."""
     order = 2 if cell in ("quad9", "tri6") else 1

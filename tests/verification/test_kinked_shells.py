@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from verification.shell_cases import linear, sheet
+from verification.shell_cases import linear, sheet, stretching
 
 Array = NDArray[np.float64]
 
@@ -39,10 +39,17 @@ T_SHAPE = {0.05: (0.198, 0.168), 0.25: (0.823, 0.615), 0.5: (1.085, 0.755), 1.0:
 """Neunteufel & Schoeberl (2024): by P / 3000, the way of one end along x and the other down."""
 
 
-@pytest.mark.parametrize(("cell", "n"), [("quad4", 8), ("quad9", 4), ("tri3", 8), ("tri6", 4)])
-def test_t_shaped_cantilever(cell: str, n: int) -> None:
+@pytest.mark.parametrize(
+    ("kind", "cell", "n"),
+    [
+        *((vv.Shell, cell, n) for cell, n in (("quad4", 8), ("quad9", 4), ("tri3", 8), ("tri6", 4))),
+        (vv.ExtensibleShell, "quad4", 8),
+    ],
+)
+def test_t_shaped_cantilever(kind: Any, cell: str, n: int) -> None:
     """Clamped below, pulled at one end: within one per cent of their largest values."""
-    shell = vv.Shell(mesh=tee(n, cell), section=sheet(0.1, 6e6), kinks="rigid")
+    section = sheet(0.1, 6e6) if kind is vv.Shell else stretching(0.1, 6e6)
+    shell = kind(mesh=tee(n, cell), section=section, kinks="rigid")
     border = shell.faces("all")
     end = border.where(border.centres(shell.points)[:, 0] < -0.5 + 1e-9)
     load = vv.Traction(solid=shell, faces=end, traction=(3e3, 0, 3e3), times="t")
@@ -57,16 +64,23 @@ def test_t_shaped_cantilever(cell: str, n: int) -> None:
 
 @pytest.mark.parametrize(("kinks", "sway"), [("rigid", 5 / 84), ("hinged", 1 / 6)])
 @pytest.mark.parametrize(
-    ("cell", "n", "tolerance"), [("quad4", 16, 5e-3), ("quad9", 3, 1e-3), ("tri6", 8, 7e-3)]
+    ("kind", "cell", "n", "tolerance"),
+    [
+        (vv.Shell, "quad4", 16, 5e-3),
+        (vv.Shell, "quad9", 3, 1e-3),
+        (vv.Shell, "tri6", 8, 7e-3),
+        (vv.ExtensibleShell, "quad4", 16, 5e-3),
+    ],
 )
-def test_portal(kinks: Any, sway: float, cell: str, n: int, tolerance: float) -> None:
+def test_portal(kind: Any, kinks: Any, sway: float, cell: str, n: int, tolerance: float) -> None:
     """Two legs and a lintel, all alike, pushed aside by P: 5 / 84 P h^3 / E I with rigid corners, 1 / 6 with hinges."""
     mesh = welded(
         plate(lambda s, y: np.stack([0 * s, 0.1 * y, s], axis=1), (n, 1), cell),
         plate(lambda s, y: np.stack([s, 0.1 * y, 0 * s + 1], axis=1), (n, 1), cell),
         plate(lambda s, y: np.stack([0 * s + 1, 0.1 * y, 1 - s], axis=1), (n, 1), cell),
     )
-    shell = vv.Shell(mesh=mesh, section=sheet(0.01, 1e9), kinks=kinks)
+    section = sheet(0.01, 1e9) if kind is vv.Shell else stretching(0.01, 1e9)
+    shell = kind(mesh=mesh, section=section, kinks=kinks)
     foot = np.flatnonzero(shell.points[:, 2] < 1e-9)
     push = vv.Force(on=shell.point((0.0, 0.05, 1.0)), force=(1e-6, 0, 0))
     system = linear(shell, vv.Clamped(solid=shell, nodes=foot), push)
@@ -74,7 +88,8 @@ def test_portal(kinks: Any, sway: float, cell: str, n: int, tolerance: float) ->
     assert found / (1e-6 / (1e9 * 0.1 * 0.01**3 / 12)) == pytest.approx(sway, rel=tolerance)
 
 
-def test_flight_of_a_kinked_shell() -> None:
+@pytest.mark.parametrize("kind", [vv.Shell, vv.ExtensibleShell])
+def test_flight_of_a_kinked_shell(kind: Any) -> None:
     """A star of three panels and a lid on them, with two and three directors at nodes: all books are balanced."""
     panels = [
         plate(lambda s, y, a=a: np.stack([s * np.cos(a), s * np.sin(a), y], axis=1), (2, 2), "quad4")
@@ -82,9 +97,10 @@ def test_flight_of_a_kinked_shell() -> None:
     ]
     along, across = np.array([np.cos(0.2), np.sin(0.2), 0.0]), np.array([-np.sin(0.2), np.cos(0.2), 0.1])
     lid = plate(lambda s, y: np.outer(s, along) + np.outer(y, across) + (0, 0, 1), (2, 2), "quad4")
-    shell = vv.Shell(
+    made = sheet if kind is vv.Shell else stretching
+    shell = kind(
         mesh=welded(*panels, lid),
-        section=sheet(0.05, 1e4, 0.3, density=10.0),
+        section=made(0.05, 1e4, 0.3, density=10.0),
         kinks="rigid",
         velocity=lambda X: np.stack([0.3 * np.sin(3 * X[:, 1]), 0 * X[:, 0], 0.5 * X[:, 0]], axis=1),
         angular_velocity=(0.5, 1.0, -0.7),

@@ -285,6 +285,7 @@ BAD = [
     (lambda: vv.ThermalBeam(mesh=line(), section=SECTION, heat=HEAT, rigid=("shear",)), "no rigid strains"),
     (lambda: plate(difference=700.0), "not above absolute zero"),
     (lambda: plate(formulation="mixed"), "does not conduct heat"),
+    (lambda: plate(kinks="rigid"), "faces of parts that meet there"),
 ]
 
 

@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.formulation import STIFFEST
-from visviva.body.shell import FIELDS, Shell
+from visviva.body.shell import FIELDS, Shell, at_their_angles
 from visviva.body.shell_layers import (
     CORNERS,
     N_RAW,
@@ -31,6 +31,7 @@ from visviva.component.component import settings
 from visviva.material.material import OF_BLATZ_KO, Material
 from visviva.model.callback import Function
 from visviva.model.field import Role
+from visviva.model.form import Form, Strain, Vector
 from visviva.model.points import Group, PhysicsKind, add_points
 
 if TYPE_CHECKING:
@@ -59,8 +60,10 @@ class ExtensibleShell(Shell):
 
     Parameters
     ----------
-    mesh : of quadrilaterals of four nodes and triangles of three, without kinks
-    first, velocity, angular_velocity
+    mesh : of quadrilaterals of four nodes and triangles of three
+    kinks : {'refused', 'rigid', 'hinged'}
+        As for `Shell`; directors of rigid ones keep their angles and stretch alike, as if they were one.
+    first, slits, velocity, angular_velocity
         As for `Shell`.
     section : SolidSection or SolidLaminate, or one for each cell
     formulation : {'displacement', 'mixed'}
@@ -96,10 +99,10 @@ class ExtensibleShell(Shell):
         if self.membrane != "compatible":
             raise InputError(f"{self.label}: membrane='enhanced' is for vv.Shell, whose energy is quadratic")
         others = [part.kind for part in self.parts if part.kind not in CORNERS]
-        if others or self.kinks != "refused":
+        if others:
             raise InputError(
-                f"{self.label}: directors stretch in smooth surfaces of quad4 and tri3 alone: nothing keeps "
-                f"{'those of ' + ', '.join(others) if others else 'kinks'} from locking yet; take vv.Shell for others"
+                f"{self.label}: directors stretch in surfaces of quad4 and tri3 alone: nothing keeps those of "
+                f"{', '.join(others)} from locking yet; take vv.Shell for others"
             )
         for stack in self._stacks:
             for layer in stack.section.layers:
@@ -186,18 +189,25 @@ class ExtensibleShell(Shell):
         self._terms = [
             self._added(model, stack, own) for stack, own in zip(self._stacks, self._enhanced, strict=True)
         ]
+        self._join(model, self.clamped(model))
         self.add_inertia(model)
+
+    def joined(self, d: list[Vector], reference: Array) -> list[Strain | Form]:
+        """Directors of a rigid kink stretch alike, those at a hinge each on its own."""
+        return at_their_angles(d, reference, stretch=True) if self.kinks == "rigid" else []
 
     def _placed(self, stack: Stack, own: Ints) -> list[Group]:
         """Variables of the strain map: positions and directors, and enhanced strains (m, s)."""
         z, (n_s, n_k) = stack.through.heights, stack.layers.volume.shape[1:]
-        first = self.node_unknowns(stack.surface.cells[stack.cells])
+        surface = stack.surface
+        places = self.node_unknowns(surface.cells[stack.cells])
+        directors = self.turn_unknowns(surface.turns[stack.cells])
         share = (z - stack.section.offset) / stack.section.thickness_of_all
         enhanced = np.zeros((n_s, n_k, n_s, 1))
         enhanced[range(n_s), :, range(n_s), 0] = 2 * share  # each point of the surface has its own
-        places = np.tile(at_corners(stack.surface.kind, z), (n_s, 1, 1))
+        weights = np.tile(at_corners(surface.kind, z), (n_s, 1, 1))
         return [
-            Group(np.hstack([first, first + 3]), places, None, True),
+            Group(np.hstack([places, directors]), weights, None, True),
             Group(own, enhanced.reshape(n_s * n_k, n_s, 1)),
         ]
 
@@ -253,12 +263,14 @@ class ExtensibleShell(Shell):
     # --- strains and stresses ------------------------------------------------------------------------------
     def green(self, x: Array) -> list[Array]:
         """Right Cauchy-Green tensors (m, s, k, 6) of each stack, in the directions of the material."""
-        phi, d = self.positions(x), self.directors(x)
+        phi, directors = self._positions_directors(x)
         found = []
         for stack, own in zip(self._stacks, self._enhanced, strict=True):
-            nodes = stack.surface.cells[stack.cells][:, CORNERS[stack.surface.kind]]
-            at = phi[nodes][:, None] + stack.through.heights[:, None, None] * d[nodes][:, None]
-            raw = raw_strains(at, np.broadcast_to(d[nodes][:, None], at.shape))
+            corners = CORNERS[stack.surface.kind]
+            d = directors[stack.surface.turns[stack.cells]][:, None, corners]
+            at = phi[stack.surface.cells[stack.cells]][:, None, corners]
+            at = at + stack.through.heights[:, None, None] * d
+            raw = raw_strains(at, np.broadcast_to(d, at.shape))
             change = raw[:, None] - stack.layers.reference
             share = (stack.through.heights - stack.section.offset) / stack.section.thickness_of_all
             change[..., -1] = 2 * share * x[own][:, :, None]
@@ -303,8 +315,11 @@ class ExtensibleShell(Shell):
     def at_points(self, name: str, x: Array) -> Array:
         if name != "thickness":
             return super().at_points(name, x)
-        length, rest = np.linalg.norm(self.directors(x), axis=1), self.by_cell(lambda s: s.thickness_of_all)
+        length, rest = (
+            np.linalg.norm(self._positions_directors(x)[1], axis=1),
+            self.by_cell(lambda s: s.thickness_of_all),
+        )
         parts = zip(self.parts, self.by_type(rest), strict=True)
-        return np.concatenate([(t[:, None] * (length[part.cells] @ part.N.T)).ravel() for part, t in parts])[
+        return np.concatenate([(t[:, None] * (length[part.turns] @ part.N.T)).ravel() for part, t in parts])[
             :, None
         ]

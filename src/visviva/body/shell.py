@@ -185,8 +185,7 @@ class Shell(DirectorBody):
             d = Vector.of(self.motion.start + 6 * k + 3)
             model.constrain(self, self._multipliers, [0.5 * dot(d, d) - 0.5], first=k)
             model.reductions.eliminate_director(self.motion.start + 6 * k + 3, self._multipliers.start + k)
-        if len(self._kinked):
-            self._join(model, clamped)
+        self._join(model, clamped)
         unknowns = self.vector_unknowns()
         every = zip(self.parts, self._stiffness_of_parts, self._strains_of_samples, strict=True)
         for number, (part, C, A) in enumerate(every):
@@ -202,11 +201,17 @@ class Shell(DirectorBody):
         for node in np.unique(nodes[~clamped[nodes]]).tolist():
             numbers = [2 * node + 1, *(len(reference) - len(nodes) + np.flatnonzero(nodes == node))]
             d = [Vector.of(int(unknowns[k])) for k in numbers]
-            strains += joined(d, reference[numbers], rigid=self.kinks == "rigid")
+            strains += self.joined(d, reference[numbers])
         if strains:
             multipliers = model.multipliers(self, "kinks", len(strains))
             for k, strain in enumerate(strains):
                 model.constrain(self, multipliers, [strain], first=k)
+
+    def joined(self, d: list[Vector], reference: Array) -> list[Strain | Form]:
+        """Constraints that hold the directors of a node beyond the first, by their values (k, 3) in the reference."""
+        if self.kinks == "rigid":
+            return at_their_angles(d, reference)
+        return [0.5 * dot(other, other) - 0.5 for other in d[1:]]
 
     # --- strains -------------------------------------------------------------------------------------------
     def strains_of_parts(self, x: Array) -> list[Array]:
@@ -431,20 +436,24 @@ def reversed_nodes(kind: str) -> Ints:
     return np.asarray(np.argmin(away, axis=1))
 
 
-def joined(d: list[Vector], reference: Array, *, rigid: bool) -> list[Strain | Form]:
-    """Constraints that hold the directors of a node beyond the first, by their values (k, 3) in the reference."""
+def at_their_angles(d: list[Vector], reference: Array, *, stretch: bool = False) -> list[Strain | Form]:
+    """Constraints by which directors keep the angles of their values (k, 3) in the reference, and lengths of one.
+
+    If they stretch, they do so alike: all are as long as the first one, whose length is free.
+    """
+    length = dot(d[0], d[0])
     strains: list[Strain | Form] = []
     for k in range(1, len(d)):
         across = np.cross(reference[0], reference[1])
-        if rigid and k > 1 and abs(across @ reference[k]) < 0.05 * np.linalg.norm(across):  # in their plane
+        if k > 1 and abs(across @ reference[k]) < 0.05 * np.linalg.norm(across):  # in their plane
             a, b = np.linalg.lstsq(reference[:2].T, reference[k], rcond=None)[0].tolist()
             strains += [
                 z - a * x - b * y for x, y, z in zip(*(v.components for v in (d[0], d[1], d[k])), strict=True)
             ]
             continue
-        strains.append(0.5 * dot(d[k], d[k]) - 0.5)
-        for j in range(min(k, 2) if rigid else 0):
-            strains.append(dot(d[k], d[j]) - float(reference[k] @ reference[j]))
+        for other, share in [(k, 1.0), *((j, float(reference[k] @ reference[j])) for j in range(min(k, 2)))]:
+            factor = 0.5 if other == k else 1.0
+            strains.append(factor * dot(d[k], d[other]) - factor * share * (length if stretch else 1.0))
     return strains
 
 

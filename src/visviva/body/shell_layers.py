@@ -119,7 +119,7 @@ def layers(surface: ShellSurface, cells: Ints, heights: Array, weights: Array, a
     xi, w = surface.rule
     N, dN = CELLS[surface.kind].N_dN(xi)
     nodes = surface.cells[cells]
-    d = surface.directors[nodes][:, None]
+    d = surface.directors[surface.turns[cells]][:, None]
     x = surface.points[nodes][:, None] + heights[:, None, None] * d  # (m, k, n, 3)
     corners = CORNERS[surface.kind]
     raw = raw_strains(x[:, :, corners], np.broadcast_to(d, x.shape)[:, :, corners])

@@ -109,6 +109,11 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             raise InputError(
                 f"{self.label}: formulation = {self.formulation!r} does not conduct heat; take 'displacement'"
             )
+        if self.kinks != "refused":
+            raise InputError(
+                f"{self.label}: kinks = {self.kinks!r}: faces of parts that meet there have temperatures of their own; "
+                "give each part a ThermalShell, and join them by Tie and HeatTie"
+            )
         for material in self._materials():
             if material.small or material.energy is not None:
                 raise InputError(
