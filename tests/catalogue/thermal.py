@@ -386,7 +386,7 @@ THERMAL = [
     Entry("warm rigid box in a fluid", sunk, NOTHING, h=0.02, steps=10),
     *[
         Entry(f"warm {kind} in a fluid", partial(thin_sunk, kind), NOTHING, h=0.02, steps=10)
-        for kind in ("shell", "line2")
+        for kind in ("shell", "line2", "line3")
     ],
     Entry("heat links", linked, NOTHING, steps=20),
     *[
