@@ -284,6 +284,34 @@ def test_resultants_balance_the_load() -> None:
     np.testing.assert_allclose(space[1], np.stack([0 * s + 2e-4, 0 * s, 1e-4 * (2 - s)], axis=1), atol=1e-8)
 
 
+def test_resultants_of_a_closed_ring_are_asked_for_by_places() -> None:
+    """Pulled apart by P at both ends of a diameter: P / 2 and P R (1/2 - 1/pi) a quarter around, P R / pi under it."""
+    a = 2 * np.pi * np.arange(64) / 64
+    cells = np.stack([np.arange(64), np.roll(np.arange(64), -1)], axis=1)
+    ring = vv.Beam(
+        mesh=vv.Mesh(np.stack([np.cos(a), np.sin(a), 0 * a], axis=1), {"line2": cells}),
+        section=vv.RectangleSection(width=0.01, height=0.01, young=1e9, poisson=0.3),
+    )
+    ends = [
+        vv.Force(on=ring.frame(ring.points[k]), force=(sign * 1e-3, 0, 0), times="t")
+        for k, sign in ((0, 1.0), (32, -1.0))
+    ]
+    held = [
+        vv.Fixed(solid=ring, nodes="all", directions=(False, False, True)),
+        vv.Fixed(solid=ring, nodes=[0, 32], directions=(False, True, False)),
+        vv.Fixed(solid=ring, nodes=[16, 48], directions=(True, False, False)),
+    ]
+    system = vv.System([ring, *ends, *held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    aside = vv.Resultants(beam=ring, at=(0.0, 1.0, 0.0))(system)
+    assert aside[2] == pytest.approx(0.5e-3, rel=5e-3)
+    assert np.linalg.norm(aside[3:]) == pytest.approx(1e-3 * (0.5 - 1 / np.pi), rel=0.02)
+    under = vv.Resultants(beam=ring, at=0.5 * (ring.points[0] + ring.points[1]))(system)
+    assert np.linalg.norm(under[3:]) == pytest.approx(1e-3 * (1 / np.pi - 0.5 * np.sin(np.pi / 64)), rel=0.02)
+    with pytest.raises(vv.InputError, match="say places by their positions"):
+        vv.Resultants(beam=ring, at=0.5)
+
+
 def test_probes_of_a_clamped_beam() -> None:
     """Support and section carry the same, at rest and, of the support, with the inertia of what swings."""
     beam = bar(8, "line3")

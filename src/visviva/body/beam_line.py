@@ -80,19 +80,28 @@ class BeamLine:
         InputError
             If it lies beyond an end.
         """
+        cell, xi, away = self._foot(X, label)
+        N = shape_of(self.kind).N(np.array([[xi]]))[0]
+        directors = np.einsum("k,kij->ij", N, self.own[cell])
+        return Place(self.cells[cell], N, np.linalg.solve(directors.T, away))
+
+    def cell_near(self, X: Array, label: str) -> tuple[int, float]:
+        """The cell nearest to the reference position `X` (3,), and the share of its parameter from its first node."""
+        cell, xi, _ = self._foot(X, label)
+        return cell, (xi + 1) / 2
+
+    def _foot(self, X: Array, label: str) -> tuple[int, float, Array]:
+        """Cell and parameter of the nearest place, and the vector (3,) from there to `X`."""
         xi, away = self._feet(X)
         distance = np.linalg.norm(away, axis=1)
         cell = int(np.argmin(distance))
-        N, slope, _ = self.slopes(xi[cell : cell + 1, None])
-        tangent = slope[cell, 0] @ self.points[self.cells[cell]]
-        beyond = abs(away[cell] @ tangent)
+        slope = self.slopes(xi[cell : cell + 1, None])[1]
+        beyond = abs(away[cell] @ (slope[cell, 0] @ self.points[self.cells[cell]]))
         if beyond > 1e-6 * max(np.linalg.norm(np.ptp(self.points, axis=0)), distance[cell]):
             raise InputError(
                 f"{label}: {X.tolist()} lies {beyond:.3g} beyond its end; attach a rigid body there if an arm is meant"
             )
-        nodes = self.cells[cell]
-        directors = np.einsum("k,kij->ij", N[0], self.own[cell])
-        return Place(nodes, N[0], np.linalg.solve(directors.T, away[cell]))
+        return cell, float(xi[cell]), away[cell]
 
     def _feet(self, X: Array) -> tuple[Array, Array]:
         """Parameters (m,) of the nearest place of every cell, and the vectors (m, 3) from there to `X`."""

@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.body.beam import Beam
 from visviva.component.component import settings
-from visviva.component.values import Number
+from visviva.component.values import Number, Vector3
 from visviva.measure.measures import Reading
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Resultants(Reading):
-    """Probe: forces and moments (6,) in a section of a beam, at an arc length from the start of its line.
+    """Probe: forces and moments (6,) in a section of a beam, at an arc length from the start of its line or a position.
 
     Shear forces along the directors d1 and d2, normal force, bending moments about d1 and d2, torsion moment; positive
     as the part beyond acts on the part before. They are polynomials through the values at the points of a cell,
@@ -30,12 +30,13 @@ class Resultants(Reading):
     Parameters
     ----------
     beam : Beam
-    at : float
-        Arc length in the reference.
+    at : float or (3,)
+        Arc length, or position, in the reference: positions alone of lines that are closed or branch. Where cells meet
+        it is the one of them that comes first.
     """
 
     beam: Beam
-    at: Number
+    at: Number | Vector3
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -47,10 +48,18 @@ class Resultants(Reading):
         return ("shear_1", "shear_2", "normal", "bending_1", "bending_2", "torsion")
 
     def __post_init__(self) -> None:
-        self.beam.at(self.at)
+        self._place()
+
+    def _place(self) -> tuple[int, float]:
+        line, label = self.beam.line, self.beam.label
+        return (
+            line.cell_at(self.at, label)
+            if np.ndim(self.at) == 0
+            else line.cell_near(np.asarray(self.at), label)
+        )
 
     def __call__(self, system: System) -> Array:
-        cell, share = self.beam.line.cell_at(self.at, self.beam.label)
+        cell, share = self._place()
         values = self.beam.resultants(system.x)[cell]
         places = (np.polynomial.legendre.leggauss(len(values))[0] + 1) / 2
         weights = [
