@@ -64,6 +64,12 @@ PYRAMID: dict[str, Any] = {
 }
 
 
+HALF_RIGHT = np.sqrt(0.5)
+ABOUT_FIRST = [(1, 0, 0), (0, HALF_RIGHT, -HALF_RIGHT), (0, HALF_RIGHT, HALF_RIGHT)]
+ABOUT_SECOND = [(HALF_RIGHT, 0, HALF_RIGHT), (0, 1, 0), (-HALF_RIGHT, 0, HALF_RIGHT)]
+"""Turns by 45 degrees."""
+
+
 def rigid_on_brick(shape: Any, height: float, **options: Any) -> Components:
     """A rigid body with a shape thrown onto a brick, both free."""
     mesh = vv.BoxMesh(size=(1.4, 1.3, 0.5), counts=(2, 2, 1)).build().moved((-0.7, -0.65, -0.5))
@@ -71,6 +77,22 @@ def rigid_on_brick(shape: Any, height: float, **options: Any) -> Components:
     body = vv.RigidBody(shape=shape, mass=0.5, position=(0.03, 0.02, height), velocity=(0.1, 0.2, -1.5))
     contact = vv.Contact(first=brick, second=body, first_faces="z1", **options)
     return [brick, body, contact]
+
+
+def edge_on_edge(**options: Any) -> Components:
+    """A cube thrown with an edge on that of another one, both free."""
+    bodies = [
+        vv.RigidBody(
+            shape=vv.Box(size=(size,) * 3),
+            mass=mass,
+            position=(0.03 * up, 0.01, up * (size * np.sqrt(0.5) + 0.003)),
+            rotation=np.array(R),
+            velocity=(0.1 * up, 0.2, -0.5 * up),
+            angular_velocity=(0.4, -0.3 * up, 0.5),
+        )
+        for size, mass, up, R in ((0.8, 1.0, 1, ABOUT_FIRST), (1.0, 2.0, -1, ABOUT_SECOND))
+    ]
+    return [*bodies, vv.Contact(first=bodies[0], second=bodies[1], stiffness=200.0, **options)]
 
 
 def contact_of(components: Components) -> vv.Contact:

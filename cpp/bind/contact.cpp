@@ -152,6 +152,15 @@ void bind_gaps(nb::module_& m) {
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("start"),
         nb::arg("own"), nb::arg("stretches"), nb::arg("turning"), nb::arg("opposite"), nb::arg("inner"));
     m.def(
+        "edge_gaps",
+        [](const Skin& skin, const Ints& edges, int n_first, int n_vertices, int n_gaps, double depth,
+           double reach) {
+            return shared(
+                make_edge_gaps(skin, {vector_of<int>(edges), n_first, n_vertices, n_gaps, depth, reach}));
+        },
+        nb::arg("skin"), nb::arg("edges"), nb::arg("n_first"), nb::arg("n_vertices"), nb::arg("n_gaps"),
+        nb::arg("depth"), nb::arg("reach"));
+    m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,
            const Doubles& places) {
@@ -209,6 +218,10 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
                 t.watch({skin, limit, least, cure});
             },
             nb::arg("skin"), nb::arg("limit"), nb::arg("least"), nb::arg("cure"))
+        .def(
+            "stand_beside",
+            [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },
+            nb::arg("other"))
         .def_prop_ro("costs",
                      [](const ContactTerm& t) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from contact_parts import PYRAMID, bricks, overhanging, plates, rigid_on_brick
+from contact_parts import PYRAMID, bricks, edge_on_edge, overhanging, plates, rigid_on_brick
 from point_contacts import SHAPES, balls, blocks, on_shape
 from rubbing import thrown
 
@@ -84,6 +84,10 @@ CONTACT = [
         for name in SHAPES
         for kind, (options, what) in CONTACTS.items()
         if kind != "dissipative" or name == "sphere"
+    ),
+    *(
+        Entry(f"contact, rigid edges, {kind}", partial(edge_on_edge, **options), what, h=0.002, steps=40)
+        for kind, (options, what) in (CONTACTS | {"friction": ({"friction": 0.3}, MOMENTA)}).items()
     ),
     # friction
     Entry("friction", thrown, MOMENTA, steps=20),

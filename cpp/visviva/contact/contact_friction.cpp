@@ -91,7 +91,7 @@ bool ContactTerm::slides_straight() const {
     double fastest = 0;
     for (int v = 0; v < gaps_->skin().n_vertices(); ++v) {
         const Eigen::Vector3d velocity = Eigen::Vector3d::Map(&V0_[3 * v]);
-        sides[v < n ? 0 : 1].extend(velocity), fastest = std::max(fastest, velocity.norm());
+        sides[v < gaps_->n_first() ? 0 : 1].extend(velocity), fastest = std::max(fastest, velocity.norm());
     }
     auto is_one = [&](const Eigen::AlignedBox3d& side) {
         return !side.isEmpty() && side.diagonal().norm() <= same * fastest;

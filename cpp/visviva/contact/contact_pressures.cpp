@@ -206,7 +206,7 @@ bool ContactTerm::is_rigid_pair() const {
         return true;
     };
     const bool deforms = std::any_of(skin.mesh_node.begin(), skin.mesh_node.end(), [](char m) { return m; });
-    const int n = gaps_->n();
+    const int n = gaps_->n_first();
     return rebounds() && has_several() && !deforms && is_one(0, n) && is_one(n, skin.n_vertices());
 }
 
@@ -233,7 +233,7 @@ std::vector<double> ContactTerm::idle_pressures(const Context& c) const {
         const double root = std::sqrt(options_.area[A]);
         const auto& stencil = gaps_->stencil(A);
         for (std::size_t k = 0; k < stencil.size(); ++k) {
-            if (stencil[k] >= gaps_->n()) continue;
+            if (stencil[k] >= gaps_->n_first()) continue;
             const Eigen::Vector3d f = Eigen::Vector3d::Map(&at_theta_[A].gradient[3 * k]) / root;
             wrench.row(i).head<3>() += f;
             wrench.row(i).tail<3>() += (place(stencil[k]) - centre).cross(f) / size;

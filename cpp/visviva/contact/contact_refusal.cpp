@@ -76,9 +76,14 @@ int ContactTerm::rubs_too_late(const Context& c) const {
 
 bool ContactTerm::sinks(const Context& c, Piercing::Piece& worst) {
     if (!piercing_) return false;
+    const double seen = std::max(deepest(), beside_ ? beside_->deepest() : 0.0);
+    return piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
+}
+
+double ContactTerm::deepest() const {
     double seen = 0;
     for (int A = 0; A < gaps_->n(); ++A) seen = std::max(seen, depth(A, gap1_, area1_));
-    return piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
+    return seen;
 }
 
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {

@@ -90,6 +90,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
     /// Steps in which two rigid bodies sink into each other beside their gaps fail from now on.
     void watch(Piercing piercing) { piercing_ = std::move(piercing); }
+    /// How deep gaps are closed in the last step.
+    double deepest() const;
+    /// Another contact of the same bodies, whose gaps see what the watch need not.
+    void stand_beside(std::shared_ptr<const ContactTerm> other) { beside_ = std::move(other); }
 
     /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
     /// of the rates of a scheme with a history at its end, which increments lag behind by half a step.
@@ -209,6 +213,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     ContactOptions options_;
     SweptSearch search_;
     std::optional<Piercing> piercing_;
+    std::shared_ptr<const ContactTerm> beside_;
     ActiveSet active_;
     ContactScatter scatter_;
     std::vector<double> X0_, X1_, Xt_, D_;

@@ -46,8 +46,10 @@ class Gaps {
     explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
     virtual ~Gaps() = default;
     const Skin& skin() const { return skin_; }
-    /// Gaps are numbered like the vertices of the first surface.
+    /// Gaps are numbered like the vertices of the first surface, but for those of edges.
     int n() const { return n_; }
+    /// Vertices of the first surface, which come before all others.
+    virtual int n_first() const { return n_; }
     /// How many of them in turn are of the same vertices.
     virtual int copies() const { return 1; }
     /// Finds what may come into contact between two configurations and near them; true if that is something
@@ -185,5 +187,19 @@ struct BarFrames {
     std::vector<int> stretches;
 };
 std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside, BarFrames frames);
+
+/// Distances of edges of rigid bodies that cross. So many gaps as are given hold those pairs that meet or are
+/// nearest to that when a step begins.
+struct EdgeOptions {
+    // Of each edge, those of the first body first, four vertices: its ends, and corners of the facets to the
+    // left and to the right of it, seen from outside. The body is convex there.
+    std::vector<int> edges;
+    int n_first = 0;     // edges of the first body
+    int n_vertices = 0;  // of the first body
+    int n_gaps = 0;
+    double depth = 0;  // lines farther apart, or deeper in each other, are not seen
+    double reach = 0;  // of the search
+};
+std::unique_ptr<Gaps> make_edge_gaps(Skin skin, EdgeOptions options);
 
 }  // namespace visviva

@@ -17,6 +17,7 @@ from visviva.component.point import Attachable
 from visviva.component.values import Number
 from visviva.contact.bars import is_bar
 from visviva.contact.contact_check import (
+    DEEP,
     check_bars,
     check_multipliers,
     check_numbers,
@@ -33,6 +34,7 @@ from visviva.contact.contact_remarks import conducted, remarks_of
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
+from visviva.contact.edges import edges_of
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
 from visviva.mesh.faces import Faces
@@ -128,10 +130,12 @@ class Contact(Component):
     as its own work. Schemes that remember accelerations (`GeneralizedAlpha`, `BDF2`) would gain energy in impacts by
     multipliers, and are refused. See :doc:`/theory/contact`.
 
-    Between rigid bodies the vertices of `first` touch, or by mortar means over its facets, which corners of what does
-    not lie flat pass by. Edges that cross, and corners of `second` in faces of `first`, are seen by neither. Steps in
+    Between rigid bodies the vertices of `first` touch, and edges of both that cross: those as sharp as 30 degrees and
+    convex, at most eight pairs at once, where both bodies touch by their whole surfaces; `forces` have their share,
+    `pressures` are those of vertices. By mortar means over the facets of `first` touch, which corners of what does not
+    lie flat pass by. Corners of `second` in faces of `first`, and edges against what is round, are not seen. Steps in
     which bodies sink into each other beside their gaps, by a hundredth of their least width, fail and say so: exchange
-    `first` and `second`, or join balls to an edge that crosses others, which touch these exactly.
+    `first` and `second`.
 
     A cylinder or cone that is `first` touches by its vertices: 32 on each rim and one in the middle of each flat face.
     So it rolls as a polygon, by a small impact at each vertex, after which it may hop: with n corners and restitution
@@ -230,6 +234,9 @@ class Contact(Component):
         if self.friction > 0 and self.tangential == "multipliers":
             zeros = np.zeros((n, self._surface.dimension - 1))
             self.traction = model.field(self, "traction", zeros, role=Role.CONTACT_PRESSURE, stage=1)
+        self._edges = edges_of(self)
+        if self._edges:
+            self._edges.declare(model)
 
     @property
     def _pair(self) -> Pair:
@@ -285,6 +292,9 @@ class Contact(Component):
             energy = -1 if sticks else model.account(self, "friction", "potential")
             self.term.book_friction(work, energy)
         model.batch(self.term)
+        if self._edges:
+            self._edges.contribute(model, (normal, tangential), layer, gaps.reach, self._share_left)
+            self.term.stand_beside(self._edges.term)
         if self.condensed:
             self._condense(model)
 
@@ -311,6 +321,8 @@ class Contact(Component):
         state.core.find_neighbours()
         state.evaluate_ledger()
         refuse_overlap(self, positions(self._surface, state.x))
+        if self._edges:
+            self._edges.refuse_overlap(DEEP * self.extent)
 
     @property
     def _layer(self) -> Layer:
@@ -413,7 +425,10 @@ class Contact(Component):
             tractions = self.term.tractions.reshape(-1, 3)
             rest = rubbed[begin : begin + FRAME].sum(axis=0) - tractions.sum(axis=0)
             forces += tractions + rest / n  # the rest balances torques and is of the order of the gap
-        return self._gathered(forces)
+        gathered = self._gathered(forces)
+        if self._edges:
+            self._edges.add_to(gathered)
+        return gathered
 
     def _gathered(self, values: Array, how: Any = np.sum) -> Array:
         """Of each vertex (n, ...) of the first surface what `values` (k n, ...) of its gaps come to.
@@ -440,7 +455,8 @@ class Contact(Component):
 
     @property
     def overlaps(self) -> Array:
-        return np.maximum(0.0, -np.nan_to_num(self.gaps)) if self.collides else np.zeros(0)
+        depths = np.maximum(0.0, -np.nan_to_num(self.gaps)) if self.collides else np.zeros(0)
+        return np.append(depths, self._edges.depths) if self.collides and self._edges else depths
 
     def remarks(self) -> list[str]:
         return remarks_of(self, self._surface)

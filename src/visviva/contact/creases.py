@@ -50,7 +50,7 @@ def creased(surface: Surface, smooth: float) -> Surface:
 
 def bluntest(surface: Surface) -> float:
     """The largest angle in degrees between neighbouring facets that share vertices, 0 without any."""
-    along = [float(surface.normals[f] @ surface.normals[g]) for f, _, g, _ in _neighbours(surface)]
+    along = [float(surface.normals[f] @ surface.normals[g]) for f, _, g, _ in neighbours(surface)]
     return float(np.degrees(np.arccos(np.clip(min(along, default=1.0), -1.0, 1.0))))
 
 
@@ -64,7 +64,7 @@ def _parts(surface: Surface, smooth: float) -> tuple[Ints, Ints]:
     place = np.cumsum(there).reshape(there.shape) - 1
     same = [
         ends
-        for f, a, g, b in _neighbours(surface)
+        for f, a, g, b in neighbours(surface)
         if surface.normals[f] @ surface.normals[g] > smooth
         for ends in ((place[f, p], place[g, q]) for p, q in zip(a, b, strict=True))
     ]
@@ -73,7 +73,7 @@ def _parts(surface: Surface, smooth: float) -> tuple[Ints, Ints]:
     return facets[there], sp.csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
 
 
-def _neighbours(surface: Surface) -> Iterator[tuple[int, list[int], int, list[int]]]:
+def neighbours(surface: Surface) -> Iterator[tuple[int, list[int], int, list[int]]]:
     """Two facets with an edge in common, in the plane a vertex, and at which of their corners that is."""
     seen: dict[tuple[int, ...], tuple[int, list[int]]] = {}
     for f, row in enumerate(surface.facets.tolist()):

@@ -43,12 +43,13 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         own = surface_of(first, contact.first_faces, contact.label)
         other = surface_of(second, contact.second_faces, contact.label)
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
-    sides = _surface(contact, first), _surface(contact, second)
+    sides = whole_surface(contact, first), whole_surface(contact, second)
     least = min(float(np.ptp(side.places, axis=0).min()) for side in sides)
     term.watch(skin(*sides, sees=False), UNSEEN * least, least, _cure(contact, pairing))
 
 
-def _surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
+def whole_surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
+    """The whole surface of a side, as facets."""
     if isinstance(body, RigidBody):
         return surface_of(body, "all", contact.label)
     points, facets = body.shape.facets()
@@ -69,10 +70,12 @@ def _cure(contact: Contact, pairing: Pairing) -> str:
             f"mortar gaps are means over facets, which edges and corners of {first} pass by where it lies tilted: take "
             "formulation='node-to-segment'"
         )
+    edges = "edges as sharp as 30 degrees that cross"
+    if (contact.first_faces, contact.second_faces) != ("all", "all"):
+        edges += ", unless faces are named as here: leave out first_faces and second_faces"
     return (
-        f"vertices of {first} alone touch {second}: exchange first and second where corners of that meet faces, take "
-        "formulation='mortar' where faces lie on each other beside vertices, and where edges cross join balls to one, "
-        "RigidBody(shape=Sphere(...)) by Rigid, with a contact of their own"
+        f"vertices of {first} touch {second}, and {edges}: exchange first and second where corners of that meet faces "
+        "or what is round meets edges, and take formulation='mortar' where faces lie on each other beside vertices"
     )
 
 
@@ -82,7 +85,11 @@ def remark(contact: Contact) -> list[str]:
     if pairing is None:
         return []
     first, second = pairing
-    how = "means over facets, by mortar" if contact.is_mortar else "those of its vertices, by node-to-segment"
+    how = (
+        "means over facets, by mortar"
+        if contact.is_mortar
+        else "those of its vertices and sharp edges, by node-to-segment"
+    )
     return [
         f"{contact.label}: gaps of {first.label} are {how}; steps in which it and {second.label} sink into each other "
         f"unseen by these, by {UNSEEN:.0%} of their least width, fail"

@@ -1,0 +1,165 @@
+"""Edges of rigid bodies that cross touch each other: impacts, rest and friction in closed form, exact balances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from test_tangents import differences
+
+import visviva as vv
+
+Array = NDArray[np.float64]
+ALL = ("energy", *(f"{what}_{axis}" for what in ("momentum", "angular") for axis in "xyz"))
+STIFFNESS = 1e6
+G = 9.81
+
+
+def turned(axis: Any, angle: float) -> Array:
+    """Rotation about an axis of space."""
+    n = np.array(axis, dtype=float) / np.linalg.norm(axis)
+    K = np.cross(np.eye(3), n)
+    return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
+
+
+def roof(
+    size: float, along: float, peak: float, shift: tuple[float, float] = (0, 0), up: float = 1, **more: Any
+) -> vv.RigidBody:
+    """A cube on one of its edges, which is at the height `peak`: the highest, or the lowest with `up` = -1.
+
+    `along` is the angle of that edge to the first axis.
+    """
+    R = turned((0, 0, 1), along) @ turned((1, 0, 0), np.pi / 4)
+    place = (*shift, peak - up * size * np.sqrt(0.5))
+    given: dict[str, Any] = {"density": 1e3} | more
+    return vv.RigidBody(shape=vv.Box(size=(size,) * 3), position=place, rotation=R, **given)
+
+
+def crossed(angle: float, shift: tuple[float, float], **options: Any) -> tuple[vv.System, Any, Any, Any]:
+    """A cube that falls with an edge on that of another one, at this angle; where they cross is the origin."""
+    lower = roof(0.3, 0.0, 0.0)
+    upper = roof(0.2, angle, 0.0015, shift, -1, velocity=(0, 0, -2))
+    contact = vv.Contact(first=upper, second=lower, stiffness=STIFFNESS, **options)
+    return vv.System([lower, upper, contact]), upper, lower, contact
+
+
+@pytest.mark.parametrize("angle", [90, 40, 20])
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_an_impact_edge_on_edge_is_that_of_two_bodies(angle: float, share: float) -> None:
+    """Newton's restitution at one point, with the normal across both edges: masses 27 and 8, inertia of cubes.
+
+    The upper one has its centre 2 cm beside the crossing.
+    """
+    a = np.radians(angle)
+    system, upper, _, _ = crossed(a, (0.0, 0.02), restitution=share)
+    # the edges are y = 0 and that through (0, 0.02) at the angle
+    arm = np.array([-0.02 / np.tan(a), -0.02, 0])
+    give = 1 / 27 + 1 / 8 + (arm @ arm) / (8 * 0.04 / 6)
+    give += (arm[0] ** 2) / (27 * 0.09 / 6)
+    impulse = (1 + share) * 2 / give
+    result = vv.simulate(system, until=0.0008, step=1e-5)
+    assert vv.Velocity(of=upper)(system) == pytest.approx([0, 0, -2 + impulse / 8], abs=1e-3)
+    spin = impulse / (8 * 0.04 / 6) * np.array([arm[1], -arm[0], 0])
+    assert vv.AngularVelocity(of=upper)(system) == pytest.approx(spin, abs=1e-3 * np.linalg.norm(spin))
+    result.assert_conserved(*ALL, tolerance=1e-10)
+
+
+@pytest.mark.parametrize("angle", [90, 35, 10])
+@pytest.mark.parametrize("options", [{"impact": "conserving"}, {"enforcement": "penalty"}])
+def test_conserving_impacts_of_edges_keep_energy_and_momenta(angle: float, options: Any) -> None:
+    """Kinetic energy, which nothing else takes: 16 J of the upper cube."""
+    system, upper, _, _ = crossed(np.radians(angle), (0.005, 0.01), **options)
+    result = vv.simulate(system, until=0.05, step=5e-4)
+    result.assert_conserved(*ALL, tolerance=1e-11)
+    assert result.ledger["kinetic"][-1] == pytest.approx(16, rel=1e-11)
+    assert vv.Velocity(of=upper)(system)[2] > -1
+    assert np.linalg.norm(vv.AngularVelocity(of=upper)(system)) > 1
+
+
+def bars(height: float, **options: Any) -> tuple[list[Any], Any, Any]:
+    """A bar across another one that is held, and their contact."""
+    ground = vv.Ground()
+    lower, upper = (
+        vv.RigidBody(shape=vv.Box(size=size), density=1000.0, position=(0, 0, z))
+        for size, z in (((1, 0.1, 0.1), 0.0), ((0.1, 1, 0.1), height))
+    )
+    contact = vv.Contact(first=upper, second=lower, stiffness=STIFFNESS, **options)
+    return [ground, lower, upper, vv.Rigid(a=ground, b=lower, at=(0, 0, 0)), contact], upper, contact
+
+
+@pytest.mark.parametrize("step", [0.002, 0.005])
+def test_a_bar_that_falls_across_another_comes_to_rest(step: float) -> None:
+    """The force is its weight, and it lies as deep as the last step before the impact came."""
+    parts, upper, contact = bars(0.12)
+    system = vv.System([*parts, vv.Gravity()])
+    result = vv.simulate(system, until=0.5, step=step)
+    assert vv.ContactForce(contact=contact)(system) == pytest.approx([0, 0, 10 * G], rel=1e-9, abs=1e-9)
+    fall = np.sqrt(2 * G * 0.02) + G * step
+    place = vv.Position(of=upper)(system)
+    assert place == pytest.approx([0, 0, 0.1], abs=1.5 * fall * step)
+    assert place[:2] == pytest.approx([0, 0], abs=1e-12)
+    assert np.abs(system.v).max() < 1e-9
+    result.assert_conserved("energy", tolerance=1e-10)
+
+
+def test_a_bar_rests_on_another_on_springs_of_penalty() -> None:
+    """In statics four edges cross, each a spring: 98.1 N sink by 98.1 / 4 k."""
+    parts, upper, contact = bars(0.1, enforcement="penalty")
+    guide = vv.Prismatic(a=parts[0], b=upper, at=(0, 0, 0.1), axis=(0, 0, 1))
+    system = vv.System([*parts, guide, vv.Gravity()])
+    vv.quasi_static(system, until=1.0, step=0.25)
+    assert vv.ContactForce(contact=contact)(system)[2] == pytest.approx(10 * G, rel=1e-8)
+    assert vv.Position(of=upper)(system)[2] == pytest.approx(0.1 - 10 * G / (4 * STIFFNESS), rel=1e-9)
+
+
+def test_a_bar_rests_on_another_in_statics() -> None:
+    """By multipliers nothing sinks."""
+    parts, upper, contact = bars(0.1)
+    guide = vv.Prismatic(a=parts[0], b=upper, at=(0, 0, 0.1), axis=(0, 0, 1))
+    system = vv.System([*parts, guide, vv.Gravity()])
+    vv.quasi_static(system, until=1.0, step=0.25)
+    assert vv.ContactForce(contact=contact)(system) == pytest.approx([0, 0, 10 * G], rel=1e-9, abs=1e-7)
+    assert vv.Position(of=upper)(system) == pytest.approx([0, 0, 0.1], abs=1e-10)
+
+
+def test_edges_that_overlap_at_the_start_are_refused() -> None:
+    parts, _, _ = bars(0.098)
+    with pytest.raises(vv.InputError, match=r"edges of .* that cross overlap by 0.002"):
+        vv.simulate(vv.System(parts), until=0.1, step=0.002)
+
+
+PENALTY = {"enforcement": "penalty"}
+STUCK = {"friction": 0.9, "tangential": "penalty", "tangential_stiffness": 5.0}
+WAYS = {
+    "penalty": PENALTY,
+    "multipliers": {},
+    "penalty, sticking": PENALTY | STUCK,
+    "penalty, slipping": PENALTY | STUCK | {"friction": 0.05},
+    "multipliers, friction": {"friction": 0.3},
+}
+
+
+@pytest.mark.parametrize("name", WAYS)
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler(), vv.VariationalMidpoint()])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_tangents_at_random_states_of_pressed_edges(name: str, scheme: vv.Scheme, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    lower = roof(0.3, rng.uniform(0, 1), 0.0, density=1.0)
+    shift = tuple(rng.uniform(-0.02, 0.02, 2))
+    upper = roof(0.2, rng.uniform(1.4, 2.5), -0.005, shift, -1, density=1.0)
+    options = WAYS[name]
+    contact = vv.Contact(first=upper, second=lower, stiffness=50.0, initial="press", **options)
+    system = vv.System([lower, upper, contact])
+    n, core = len(system.order), system.core
+    core.dx[:n] = 1e-3 * rng.standard_normal(n) * (system.order == 2) + 0.1 * (system.order == 0)
+    place = upper.point().position[0].weights[0][0]
+    core.dx[place : place + 2] += 0.005  # so that slips are large beside the differences
+    core.v[:n] = 0.1 * rng.standard_normal(n) * (system.order == 2)
+    system.invalidate()
+    step = scheme.step(0.0, 0.01)
+    _, K = system.tangent(step)
+    assert contact.forces[:, 2].sum() != 0 or contact._edges.term.pressures.max() > 0
+    error = K.toarray() - differences(system, step, system.free_unknowns)
+    assert np.abs(error).max() < 1e-7 * np.abs(K).max()
