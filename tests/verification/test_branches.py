@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,16 +12,22 @@ from scipy.special import ellipe, ellipk
 import visviva as vv
 
 
-@pytest.mark.parametrize("branch", [0.02, -0.02])
-def test_column_buckles_into_the_elastica(branch: float) -> None:
+@pytest.mark.parametrize(
+    ("branch", "rigid", "weight"),
+    [(0.02, (), 0.0), (-0.02, (), 0.0), (0.02, ("stretch",), 0.01), (-0.02, ("stretch", "shear"), 0.01)],
+)
+def test_column_buckles_into_the_elastica(branch: float, rigid: Any, weight: float) -> None:
     """P = (2 K / pi)^2 P_cr, top at (2 k / K, 2 E / K - 1) with k = sin(a / 2) of the slope a at the free end."""
     stiff = 1e5
     section = vv.GivenSection(stiffness=(stiff, stiff, stiff, 1.0, 10.0, 10.0))
     mesh = vv.LineMesh(points=[(0, 0, 0), (0, 0, 1)], count=12, cell="line3")
-    column = vv.Beam(mesh=mesh, section=section, first=(1, 0, 0))
+    column = vv.Beam(mesh=mesh, section=section, first=(1, 0, 0), rigid=rigid)
     press = vv.Force(on=column.point((0, 0, 1)), force=(0, 0, -1), times="t")
     system = vv.System([column, vv.Clamped(solid=column, nodes="start"), press])
-    scheme = vv.ArcLength(branch=branch, longest=8.0)
+    scheme = vv.ArcLength(branch=branch, longest=8.0, load_weight=weight)
+    if rigid:
+        with pytest.raises(vv.InputError, match="count the load in the arc"):
+            vv.arc_length(system, step=0.7, until=4.0)
     result = vv.arc_length(system, step=0.7, until=4.0, scheme=scheme, steps=120)
     top = result.history(column.point_at((0, 0, 1)).position)
     bent = np.abs(top[:, 1]) > 0.05

@@ -37,7 +37,8 @@ class ArcLength(Static):
     ----------
     load_weight : float
         Weight of the load parameter, relative to the step, in the arc length; displacements count relative to the size
-        of the model, as root mean square over the moving unknowns. 0 is the cylindrical method.
+        of the model, as root mean square over the moving unknowns. 0 is the cylindrical method. What stands still until
+        it buckles, such as a straight column that cannot stretch, has an arc by its load alone: take 0.01 there.
     iterations : int
         Wanted number of iterations; the arc grows or shrinks to meet it.
     longest : float
@@ -226,6 +227,10 @@ class Way:
         self.system.stepper.pace[NAME] = Record(NAME, VERSION, {"arcs": arcs, "increment": self.increment})
 
 
+ROUNDING = 1e-12
+"""Displacements in the measure of arcs that are rounding."""
+
+
 @dataclass
 class Path:
     """The extended system of an arc-length step: equilibrium and a sphere around the last one."""
@@ -270,9 +275,11 @@ class Path:
         e.linearise(self.time)
         d = e.solve(self.time, self.slope())
         dt = self.unit
-        if not self.length(d, 1.0):
+        if previous is None and not self.length(d * self.unit, self.unit) > ROUNDING:
             raise InputError(
-                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t'"
+                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t', or count "
+                "the load in the arc, vv.ArcLength(load_weight=0.01), where what cannot stretch stands still until it "
+                "buckles"
             )
         if previous is not None:
             dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
