@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -155,6 +156,22 @@ def test_matrix_that_is_not_definite_after_all(options: Any) -> None:
     assert np.linalg.norm(A @ x - b) < 1e-11 * np.linalg.norm(b)
     assert s.factor(A.data)
     assert s.n_negative in (3, -1)  # -1: LU does not count them
+
+
+def test_values_live_as_long_as_the_solver() -> None:
+    """Where solving fails the next solver factors the values again, which their owner may have let go."""
+    body = block(6)
+    first = Iterative("cg", "none", tolerance=1e-10, max_iterations=2).choose(problem(body.matrix))
+    choices = (*first.in_order[:1], *Direct(library="eigen").choose(problem(body.matrix)).in_order)
+    s = solver(replace(first, in_order=choices), body.matrix)
+    assert s.factor(body.matrix.data.copy())
+    others = [np.full(len(body.matrix.data), np.nan) for _ in range(50)]  # where the values were
+    b = right_hand_side(body.matrix)
+    x = np.full(len(b), np.nan)
+    assert s.solve(b, x)
+    assert len(others) == 50
+    assert "LU" in s.name
+    assert np.linalg.norm(body.matrix @ x - b) < 1e-11 * np.linalg.norm(b)
 
 
 @needs_pardiso

@@ -11,6 +11,7 @@ from reference import statics
 from test_check import bricard
 
 import visviva as vv
+from visviva.mesh.generate import PlaneCell
 
 GRAVITY = 9.81
 
@@ -365,3 +366,23 @@ def test_a_spring_at_rest_holds_nothing_across(length: float) -> None:
     modes = vv.modes(vv.System([ground, ball, *parts]), 3)
     assert modes.squared[:2].tolist() == [0.0, 0.0]
     assert modes.stable
+
+
+@pytest.mark.parametrize(("cell", "n"), [("tri6", 8), ("quad9", 6)])
+def test_laminates_that_are_symmetric(cell: PlaneCell, n: int) -> None:
+    """What cancels in them (4e-80 beside 1) is no stiffness by which equations are scaled; Kirchhoff's plate."""
+    E1, E2, nu, G, density, h = 40e9, 10e9, 0.25, 5e9, 1600.0, 0.005
+    ply = {"thickness": h / 4, "young": E1, "across": E2, "poisson": nu, "shear": G, "density": density}
+    layers = vv.Laminate(plies=tuple(vv.Ply(angle=angle, **ply) for angle in (0, 90, 90, 0)))
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(n, n), cell=cell)
+    plate = vv.Shell(mesh=mesh, section=layers, first=(1, 0, 0))
+    sides = {"x0": (0, 1, 0), "x1": (0, 1, 0), "y0": (1, 0, 0), "y1": (1, 0, 0)}
+    turns = [vv.SymmetryPlane(solid=plate, nodes=side, normal=axis) for side, axis in sides.items()]
+    holds = [vv.Fixed(solid=plate, nodes=side, directions=(False, False, True)) for side in sides]
+    found = vv.modes(vv.System([plate, *turns, *holds]), 2)
+    share = 1 - nu**2 * E2 / E1
+    outer, inner = (7 / 8) * h**3 / 12, (1 / 8) * h**3 / 12
+    D1, D2 = (E1 * outer + E2 * inner) / share, (E2 * outer + E1 * inner) / share
+    D3 = (nu * E2 / share + 2 * G) * h**3 / 12
+    exact = [np.pi**2 * np.sqrt((D1 + 2 * k**2 * D3 + D2 * k**4) / (density * h)) for k in (1, 2)]
+    assert 2 * np.pi * found.frequencies == pytest.approx(exact, rel=0.01)

@@ -277,7 +277,7 @@ def test_modes_of_the_catalogue_are_those_of_dense_matrices_or_refused(entry: En
         apart = np.abs(exact[:, None] - np.stack([squared, np.conj(squared)], axis=-1).ravel())
         assert apart.min(axis=1).max() < 1e-6 * largest
         return
-    assert squared == pytest.approx(exact, rel=1e-6, abs=1e-6 * largest)
+    assert np.sort(squared) == pytest.approx(np.sort(exact), rel=1e-6, abs=1e-6 * largest)  # some grow
 
 
 @pytest.mark.parametrize("size", [1e-2, 1e-3, 1e-4])

@@ -70,6 +70,7 @@ struct Linear {
 
     bool factor(const Doubles& values) {
         if (values.size() != csr.col.size()) throw nb::value_error("one value per entry of the pattern");
+        kept = values;  // a solver that takes over in the midst of a solution factors them again
         nb::gil_scoped_release release;
         return solver->factor(values.data(), {});
     }
@@ -85,6 +86,7 @@ struct Linear {
 
     Csr csr;
     Blocks blocks;
+    Doubles kept;
     std::unique_ptr<LinearSolver> solver;
 };
 

@@ -61,7 +61,8 @@ def factored(
 
     def solve(r: Array) -> Array:
         x = np.zeros(n)
-        linear.solve(np.ascontiguousarray(r), x)
+        if not linear.solve(np.ascontiguousarray(r), x):
+            raise InputError(f"{whose}: {linear.message or 'the equations could not be solved'}; {cure}")
         return x
 
     return solve

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 VANISHING = 1e-60
 """Part of the largest entry: what cancels may leave less, whose inverse overflows."""
 
+ROUNDING = 1e-30
+"""Part of the largest energy: entries below it are what cancels, and rows without others have no size of their own."""
+
 SWEEPS = 12
 """Each takes the root of what rows differ by; bodies of grams beside such of thousands of tons need some ten."""
 
@@ -50,6 +53,8 @@ def equilibration(K: sp.csr_array, scale: Array) -> Array:
 
     K = abs(K).tocsr()
     s = by_units(K, scale)
+    energy = np.repeat(s, np.diff(K.indptr)) * K.data * s[K.indices]
+    K.data[energy < ROUNDING * energy.max(initial=0.0)] = 0.0
     for _ in range(SWEEPS):
         largest = s * row_maxima(K, s)
         largest[largest == 0] = 1.0
@@ -85,7 +90,8 @@ def by_units(K: sp.csr_array, scale: Array) -> Array:
 def typical_of_parts(effect: Array, part: NDArray[np.int32], n_parts: int) -> Array:
     """Median (n_parts,) of those of each part that are not negligible beside its largest, 1 for parts of zeros.
 
-    Of all parts at once, for a diagonal matrix has as many as rows.
+    The largest of all, where a part is what cancels beside others: what only a constraint holds. Of all parts at once,
+    for a diagonal matrix has as many as rows.
     """
     largest = np.zeros(n_parts)
     np.maximum.at(largest, part, effect)
@@ -96,7 +102,9 @@ def typical_of_parts(effect: Array, part: NDArray[np.int32], n_parts: int) -> Ar
     first = (np.cumsum(n) - n)[present]
     medians = np.ones(n_parts)
     lower, upper = (counted[first + k] for k in ((n[present] - 1) // 2, n[present] // 2))
-    medians[present] = 0.5 * (effect[lower] + effect[upper])
+    middle = 0.5 * (effect[lower] + effect[upper])
+    most = middle.max(initial=0.0)
+    medians[present] = np.where(middle < ROUNDING * most, most, middle)
     return medians
 
 
