@@ -150,6 +150,9 @@ class RigidCoupling(Coupling):
 
     Notes
     -----
+    ``point(X)`` and ``frame(X)`` count `X` from the centre of the faces, ``point_at(x)`` and ``frame_at(x)`` take
+    places in space, as joints do by `at`.
+
     The constraints, three linear ones per node and the orthonormality of the directors, are independent and at
     most quadratic, so energy and momenta are conserved exactly. Nodes that something else holds as well make them
     redundant: hold the frame by a joint instead.
@@ -205,6 +208,9 @@ class DistributedCoupling(Coupling):
 
     Notes
     -----
+    ``point(X)`` and ``frame(X)`` count `X` from the centre of the faces, ``point_at(x)`` and ``frame_at(x)`` take
+    places in space, as joints do by `at`.
+
     The constraints ``phi = sum w_a x_a``, ``d_i . M e_j = d_j . M e_i`` with ``M = sum w_a x_a (x) X_a``, and
     orthonormality are at most quadratic, so energy and momenta are conserved exactly.
 

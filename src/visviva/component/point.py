@@ -97,7 +97,11 @@ class Attachable(Component):
         return None
 
     def point(self, X: Any = (0.0, 0.0, 0.0)) -> Point:
-        """The material point with own coordinates `X` (3,)."""
+        """The material point with own coordinates `X` (3,).
+
+        Those of rigid bodies count from the centre of mass along the body's axes, those of couplings from the centre of
+        their faces; those of solids, beams and shells are places of the reference. `point_at` takes places in space.
+        """
         return Point(self, place(self.label, "X", X))
 
     def point_at(self, x: Any) -> Point:
