@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from typing import Any
 
@@ -132,3 +133,34 @@ def test_thickness_is_for_planes(kind: str) -> None:
         made(**given, gradient_energy=2.0, **quantity)
         with pytest.raises(vv.InputError, match="thickness is for plane meshes; leave it out"):
             made(**given, gradient_energy=2.0, thickness=3.0, **quantity)
+
+
+@pytest.mark.parametrize("density", [0.0, 1.0])
+def test_statics_needs_to_know_how_much_there_is(density: float) -> None:
+    """Load steps have no rates that keep the amount, and equilibria lost it; where it is held somewhere they serve."""
+
+    def alloy() -> vv.MixtureSolid:
+        return vv.MixtureSolid(
+            mesh=vv.RectangleMesh(size=(8, 8), counts=(4, 4)),
+            material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+            density=density,
+            free_energy=vv.DoubleWell(barrier=5.0, low=0.3, high=0.7),
+            gradient_energy=20.0,
+            concentration=0.5,
+            eigenstrain=0.05,
+            reference=0.5,
+        )
+
+    mixture = body(name="blend", gradient_energy=20.0)
+    for analysis in (lambda s: vv.quasi_static(s, until=1.0, step=1.0), vv.equilibrium):
+        solid = alloy()
+        with pytest.raises(
+            vv.InputError, match=r"MixtureSolid.*: nothing holds how much concentration there is"
+        ):
+            analysis(vv.System([solid, vv.Fixed(solid=solid, nodes="x0")]))
+        with pytest.raises(vv.InputError, match="CahnHilliard 'blend': nothing holds how much"):
+            analysis(vv.System([copy.deepcopy(mixture)]))
+        blend = copy.deepcopy(mixture)
+        system = vv.System([blend, vv.PrescribedConcentration(body=blend, nodes="x0", value=0.7)])
+        analysis(system)
+        assert np.ptp(blend.potentials(system.x)) < 1e-12

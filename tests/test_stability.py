@@ -101,6 +101,36 @@ def test_equilibrium_on_a_summit() -> None:
     assert "unstable" in vv.equilibrium(system(), unstable=True).audit()
 
 
+@pytest.mark.parametrize("apart", [0.4, 1.3, 1.7, 2.3, 3.0])
+@pytest.mark.parametrize("bond", ["spring", "distance", "positions"])
+def test_a_free_molecule_of_two_finds_its_length(bond: str, apart: float) -> None:
+    """Nothing resists its motions as a whole: what rounding and differences make of that is no instability."""
+    a, b = vv.PointMass(mass=1.0), vv.PointMass(mass=1.0, position=(apart, 0.2, 0))
+    bonds: dict[str, vv.Component] = {
+        "spring": vv.Spring(a=a.point(), b=b.point(), stiffness=10.0, free_length=1.0),
+        "distance": vv.Potential(of=[vv.SquaredDistance(a=a, b=b)], energy=lambda e: (e[0] - 1) ** 2),
+        "positions": vv.Potential(
+            of=[a, b],
+            energy=lambda x: ((x[3] - x[0]) ** 2 + (x[4] - x[1]) ** 2 + (x[5] - x[2]) ** 2 - 1) ** 2,
+        ),
+    }
+    system = vv.System([a, b, bonds[bond]])
+    vv.equilibrium(system)
+    assert np.linalg.norm(system.x[3:6] - system.x[:3]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_molecule_of_three_in_line_is_unstable() -> None:
+    """Bonds too long for what its ends are drawn to fold it, to either side."""
+    balls = [vv.PointMass(mass=1.0, position=(k, 0, 0)) for k in range(3)]
+    springs = [
+        vv.Spring(a=balls[k].point(), b=balls[k + 1].point(), stiffness=10.0, free_length=1.1)
+        for k in range(2)
+    ]
+    ends = vv.Spring(a=balls[0].point(), b=balls[2].point(), stiffness=10.0, free_length=1.5)
+    with pytest.raises(vv.RunError, match="the equilibrium found is unstable: energy falls in 2 directions"):
+        vv.equilibrium(vv.System([*balls, *springs, ends]))
+
+
 def test_arcs_go_through_unstable_equilibria() -> None:
     """A shallow arch of two bars loses its stability at the limit point, and has it again below."""
     ground, tip = vv.Ground(), vv.PointMass(mass=1.0, position=(0.0, 0.0, 0.3))

@@ -131,6 +131,7 @@ def refuse_insulated(system: System) -> None:
     ------
     InputError
     """
+    refuse_any_amount(system)
     warm = [(c, *both) for c in system.components if (both := _balances(system, c))]
     if not warm:
         return
@@ -158,6 +159,31 @@ def refuse_insulated(system: System) -> None:
             f"nothing holds the temperature of {' and '.join(names)}: a steady state has any; hold it by "
             "vv.PrescribedTemperature, let it exchange heat by vv.Convection or vv.HeatExchange, or run it in time"
         )
+
+
+def refuse_any_amount(system: System) -> None:
+    """Refuse contents but heat, such as concentrations, of which nothing holds how much there is, for a steady state.
+
+    Without rates nothing keeps the amount that there was: where the sum of its balances depends on no unknown, there
+    may be any.
+
+    Raises
+    ------
+    InputError
+    """
+    contents = [f for f in system.model.fields if f.role is Role.CONTENT and not f.component.carries_heat]
+    contents = [f for f in contents if not f.fixed.any()]
+    if not contents:
+        return
+    _, K = system.tangent(load_step(system.time, 0.0))
+    for f in contents:
+        rows = K[np.isin(system.free_unknowns, f.unknowns)]
+        if np.abs(rows.sum(axis=0)).max() <= CLEAR * abs(rows).max():
+            raise InputError(
+                f"{f.component.label}: nothing holds how much {f.name} there is, and a steady state has any; hold it "
+                "somewhere, as by vv.PrescribedConcentration, or run it in time by vv.simulate, in which the amount is "
+                "kept: what has no density is in balance with it there at all times"
+            )
 
 
 def _balances(system: System, component: Component) -> tuple[Ints, Ints] | None:

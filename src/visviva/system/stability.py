@@ -34,8 +34,11 @@ UNSYMMETRIC, BY_DIFFERENCES = 1e-11, 1e-7
 differences."""
 COMPLIANCE = 1e-6
 """Of scaled constraints, so that they have pivots too; it leaves the signs of all but the hardest directions."""
+UNBALANCED = 10.0
+"""Lengths of the system over which a force out of balance may seem a stiffness."""
 NEUTRAL, ROUNDING = 1e-13, 1e-10
-"""Scaled pivots nearer to zero are those of motions that nothing resists; the latter with constraints."""
+"""Scaled pivots nearer to zero are those of motions that nothing resists; the latter with constraints, or where
+derivatives may be differences."""
 
 
 @dataclass
@@ -101,14 +104,15 @@ def count_falling(system: System, step: Any) -> int | None:
         return None
     if not n_equations(system):
         return 0
-    _, K = system.tangent(step)
+    r, K = system.tangent(step)
     if not is_symmetric(system, K):
         return None
     free = system.free_unknowns
+    K = resisting(K, system.scale[free], r[free])
     element = system.local[free]  # these are as stiff or soft as their element makes them
     left = np.flatnonzero(element < 0)
     pressed = bears(system)[free][left]
-    tiny = ROUNDING if pressed.any() else NEUTRAL
+    tiny = ROUNDING if pressed.any() or takes_differences(system) else NEUTRAL
 
     def count(largest: int) -> int | None:
         K_left, scale = condensed(K, element)[left][:, left], system.scale[free][left]
@@ -121,13 +125,31 @@ def count_falling(system: System, step: Any) -> int | None:
     return None if falling is None else judged(system, falling)
 
 
+def resisting(K: sp.csr_array, scale: Array, r: Array) -> sp.csr_array:
+    """A tangent without what comes of forces `r` (n,) that the iteration left out of balance.
+
+    They turn what nothing else resists: rows of that alone would be scaled to one, and their signs counted.
+    """
+    entries, left = K.tocoo(), UNBALANCED * float(np.abs(r * scale).max(initial=0.0))
+    i, j = entries.coords
+    moves = scale[i] * scale[j]
+    entries.data = np.where((moves > 0) & (np.abs(entries.data) * moves <= left), 0.0, entries.data)
+    return entries.tocsr()
+
+
 def lack_of_rounding(system: System) -> float:
     """Differences across the diagonal of an equilibrated tangent, up to which they may be rounding.
 
     Loads that follow are far smaller than the stiffness of slender beams against stretching: nothing else is put down
     to rounding, unless functions of Python take part, whose derivatives may be differences.
     """
-    return BY_DIFFERENCES if system.model.terms or system.model.functions else UNSYMMETRIC
+    return BY_DIFFERENCES if takes_differences(system) else UNSYMMETRIC
+
+
+def takes_differences(system: System) -> bool:
+    """Whether functions of Python take part, whose second derivatives may be differences."""
+    model = system.model
+    return bool(model.terms or model.functions) or any(e.law.callback for e in model.elements)
 
 
 def is_symmetric(system: System, K: sp.csr_array) -> bool:
