@@ -426,8 +426,9 @@ def test_fluids_without_periods_are_judged() -> None:
     assert "linear momentum" in vv.simulate(system, until=0.2, step=0.1).audit()
 
 
-def test_what_rings_is_found_beside_what_grows_smoothly() -> None:
-    """A rod whose end is cooled at once, beside a body that is heated by much more."""
+@pytest.mark.parametrize("power", [1e3, 1e7])
+def test_what_rings_is_found_beside_what_grows_smoothly(power: float) -> None:
+    """A rod whose end is heated at once, beside a body that is heated by much more, up to 1e6 K a step."""
     rod, block = (
         vv.ThermalBody(
             mesh=vv.BoxMesh(size=size, counts=counts, origin=at), conductivity=1.0, temperature=300.0
@@ -439,7 +440,33 @@ def test_what_rings_is_found_beside_what_grows_smoothly() -> None:
             rod,
             block,
             vv.PrescribedTemperature(body=rod, nodes="x0", value=400.0),
-            vv.HeatSource(body=block, power=1000.0),
+            vv.HeatSource(body=block, power=power),
         ]
     )
     assert vv.simulate(system, until=1.0, step=0.1).statistics.swings > 6
+
+
+@pytest.mark.parametrize("heating", [10, 1000])
+def test_a_flow_that_rings_is_found_beside_heat(heating: float) -> None:
+    """A lid set off at once: steps 2 of the 0.01 that the finest cell takes; the wall's heat changes no velocity."""
+    water = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(6, 6)), density=1.0, viscosity=0.1, elements="Q1Q1"
+    )
+    lid = vv.VelocityBoundary(fluid=water, faces="y1", velocity=(1.0, 0, 0))
+    walls = [vv.NoSlip(fluid=water, faces=side) for side in ("x0", "x1", "y0")]
+    heat = vv.FluidHeat(fluid=water, conductivity=1.0, capacity=1.0)
+    wall = vv.PrescribedTemperature(body=heat, nodes="x0", value=f"{heating}*t")
+    result = vv.simulate(
+        vv.System([water, lid, *walls, heat, wall]), until=40.0, step=2.0, scheme=vv.Midpoint()
+    )
+    assert lines(result)["changes"].startswith("WRONG")
+
+
+def test_rounding_of_water_at_rest_does_not_ring() -> None:
+    """Its weight is balanced by pressure, up to rounding."""
+    water = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(6, 6)), density=1000.0, viscosity=1.0)
+    walls = [vv.NoSlip(fluid=water, faces=side) for side in ("x0", "x1", "y0", "y1")]
+    system = vv.System([water, *walls, vv.Gravity(acceleration=(0, -9.81, 0))])
+    result = vv.simulate(system, until=300.0, step=10.0, scheme=vv.Midpoint())
+    assert abs(water.velocities(system.x, system.v)).max() < 1e-11
+    assert "changes" not in lines(result)
